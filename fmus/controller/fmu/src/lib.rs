@@ -1,0 +1,1 @@
+//! The controller unit as a shared library: nothing but the FMI 2.0 functions.

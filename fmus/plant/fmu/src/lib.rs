@@ -1,0 +1,1 @@
+//! The plant unit as a shared library: nothing but the FMI 2.0 functions.

@@ -1,0 +1,1 @@
+//! The acrobot's equations as pure functions of theta.

@@ -196,7 +196,7 @@ pub(crate) fn colour(index: usize) -> RGBColor {
 /// A tick's label: as many decimals as the range asks for.
 pub(crate) fn tick(value: f64, range: (f64, f64)) -> String {
     let span = (range.1 - range.0).abs().max(f64::MIN_POSITIVE);
-    if value != 0.0 && (span < 1e-3 || span >= 1e6) {
+    if value != 0.0 && !(1e-3..1e6).contains(&span) {
         return format!("{value:.1e}");
     }
     let decimals = (1.3 - span.log10()).ceil().clamp(0.0, 6.0) as usize;

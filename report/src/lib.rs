@@ -7,6 +7,7 @@ pub mod field;
 pub mod graph;
 pub mod map;
 pub mod page;
+pub mod picture;
 pub mod thin;
 
 pub use field::VectorField;
@@ -14,6 +15,7 @@ pub use graph::{Axis, Graph, Line, Marks, Style};
 pub use map::{Contour, HeatMap};
 pub use maud::{Markup, PreEscaped, html};
 pub use page::{Cell, Page, Table};
+pub use picture::Picture;
 
 /// What can go wrong while drawing.
 #[derive(Debug, thiserror::Error)]

@@ -53,8 +53,9 @@ class Unit:
     def outputs(self):
         return {name: self.get(name) for name, v in self.variables.items() if v.causality == "output"}
 
-    def step(self, time, size):
-        self.slave.doStep(currentCommunicationPoint=time, communicationStepSize=size)
+    def step(self, time, size, no_way_back=False):
+        """One step; FMPy's own default promises that no earlier state will be set again."""
+        self.slave.doStep(time, size, noSetFMUStatePriorToCurrentPoint=no_way_back)
         return self
 
 

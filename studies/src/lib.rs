@@ -5,9 +5,16 @@
 
 pub mod bench;
 pub mod claim;
+mod composite;
+pub mod lens;
+mod lens_errors;
+mod loop_values;
 mod pages;
+mod quantisation;
 mod registry;
+mod table3;
 pub mod unit;
+pub mod walk;
 
 pub use bench::Bench;
 pub use claim::{Claim, Figure, Outcome, Study};

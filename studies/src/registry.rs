@@ -3,4 +3,10 @@
 use crate::Study;
 
 /// Every study; a new one is a file and a line here.
-pub const STUDIES: &[Study] = &[];
+pub const STUDIES: &[Study] = &[
+    crate::quantisation::STUDY,
+    crate::lens_errors::STUDY,
+    crate::table3::STUDY,
+    crate::composite::STUDY,
+    crate::loop_values::STUDY,
+];

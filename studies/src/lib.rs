@@ -4,14 +4,19 @@
 //! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and `index.html`.
 
 pub mod bench;
+mod blur;
 pub mod claim;
 mod composite;
+mod defocus_mask;
+mod fields;
 pub mod lens;
 mod lens_errors;
 mod loop_values;
 mod pages;
+mod photometry;
 mod quantisation;
 mod registry;
+mod setup;
 mod table3;
 pub mod unit;
 pub mod walk;

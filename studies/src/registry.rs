@@ -4,7 +4,12 @@ use crate::Study;
 
 /// Every study; a new one is a file and a line here.
 pub const STUDIES: &[Study] = &[
+    crate::fields::STUDY,
+    crate::defocus_mask::STUDY,
+    crate::setup::STUDY,
     crate::quantisation::STUDY,
+    crate::blur::STUDY,
+    crate::photometry::STUDY,
     crate::lens_errors::STUDY,
     crate::table3::STUDY,
     crate::composite::STUDY,

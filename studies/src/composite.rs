@@ -5,14 +5,14 @@ use crate::walk::{self, Walk, pair, worse};
 use crate::{Bench, Claim, Error, Outcome, Study};
 
 /// "On the order of those experimentally determined in [22]".
-const LENS: Lens = Lens { k1: 0.2, p1: 0.002, p2: 0.002, s1: 0.02, s2: 0.01 };
+pub(crate) const LENS: Lens = Lens { k1: 0.2, p1: 0.002, p2: 0.002, s1: 0.02, s2: 0.01 };
 
 /// This study.
 pub const STUDY: Study =
     Study { id: "figure-18", title: "Figure 18: all aberrations together", claims: &["C35"], run };
 
 /// The lens, noise and defocus of Section 4.1.3.
-pub(crate) fn settings() -> Vec<(&'static str, f64)> {
+fn settings() -> Vec<(&'static str, f64)> {
     walk::through(LENS).into_iter().chain([("sigma", 15.0), ("N", 2.0)]).collect()
 }
 

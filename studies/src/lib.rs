@@ -6,12 +6,15 @@
 pub mod bench;
 mod blur;
 pub mod claim;
+mod compensation;
 mod composite;
 mod defocus_mask;
+mod dynamics;
 mod fields;
 pub mod lens;
 mod lens_errors;
 mod loop_values;
+mod manifold;
 mod pages;
 mod photometry;
 mod quantisation;

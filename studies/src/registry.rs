@@ -6,6 +6,8 @@ use crate::Study;
 pub const STUDIES: &[Study] = &[
     crate::fields::STUDY,
     crate::defocus_mask::STUDY,
+    crate::dynamics::STUDY,
+    crate::manifold::STUDY,
     crate::setup::STUDY,
     crate::quantisation::STUDY,
     crate::blur::STUDY,
@@ -14,4 +16,5 @@ pub const STUDIES: &[Study] = &[
     crate::table3::STUDY,
     crate::composite::STUDY,
     crate::loop_values::STUDY,
+    crate::compensation::STUDY,
 ];

@@ -7,12 +7,12 @@ use crate::initialise::initialise;
 use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
 use crate::run::Stop;
-use crate::scenario::{Scenario, write::ResolvedUnit};
+use crate::scenario::{Scenario, UnitEntry, write::ResolvedUnit};
 use crate::system::Point;
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Variable, Wiring, start_value};
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Where a simulation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,9 +51,11 @@ impl Simulation {
             expected,
         })?;
         let wiring = wiring::wire(scenario, path)?;
-        let in_folders = |file: &Path| path.folders().iter().any(|folder| file.starts_with(folder));
+        let in_folders = |(file, unit): (&PathBuf, &UnitEntry)| {
+            path.folders().iter().any(|folder| *file == folder.join(&unit.fmu.value))
+        };
         Ok(Self {
-            from_unit_path: wiring.files.iter().map(|file| in_folders(file)).collect(),
+            from_unit_path: wiring.files.iter().zip(&scenario.units).map(in_folders).collect(),
             scenario: scenario.clone(),
             now: wiring.start,
             wiring,

@@ -78,7 +78,7 @@ fn every_algorithm_couples_as_it_says() {
             );
             let old = x;
             x += v * 0.125;
-            v += -1.0 * if algorithm == "jacobi" { old } else { x } * 0.125;
+            v -= if algorithm == "jacobi" { old } else { x } * 0.125;
         }
     });
 }

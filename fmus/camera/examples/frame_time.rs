@@ -4,10 +4,10 @@
 //! microseconds for: a clean; b16 moving with E_t = 1, 16 sub-frames; c sigma 15 and defocus N = 2; d all of it with
 //! every lens effect; each with the whole frame made, and with only the boxes that the vision system needs.
 
+use camera::Variables;
 use camera::photometry::{FrameMaker, Shot};
 use camera::scene::Pose;
 use camera::vision::{Feature, Labeller, select};
-use camera::Variables;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -28,12 +28,14 @@ fn all(variables: &mut Variables) {
     variables.effects.sensitivity.exponent = 1.0;
 }
 
-const CASES: [Case; 4] =
-    [("a", |_| (), 1), ("b16", |_| (), 16), ("c", noisy, 1), ("d", all, 16)];
+const CASES: [Case; 4] = [("a", |_| (), 1), ("b16", |_| (), 16), ("c", noisy, 1), ("d", all, 16)];
 
 fn main() {
     let frames = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(5000);
-    println!("{:6} {:6} {:>9} {:>9}   µs a frame of 512 x 512, {frames} frames", "case", "made", "p10", "median");
+    println!(
+        "{:6} {:6} {:>9} {:>9}   µs a frame of 512 x 512, {frames} frames",
+        "case", "made", "p10", "median"
+    );
     for (name, change, sub_frames) in CASES {
         for whole in [true, false] {
             let mut variables = Variables::default();

@@ -48,13 +48,15 @@ fn every_setting_boxes_give_what_whole_frames_give() {
     for (name, change) in SETTINGS {
         let variables = variables(change);
         let fresh = || {
-            FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects).expect("legal parameters")
+            FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects)
+                .expect("legal parameters")
         };
         let (mut boxes, mut whole) = (fresh(), fresh());
         let mut random = Random(99);
         for k in 0..60 {
             // Also poses whose circles leave the picture, and whose boxes meet.
-            let pose = Pose { link1_angle: random.between(-1.5, 1.5), link2_angle: random.between(-3.1, 3.1) };
+            let pose =
+                Pose { link1_angle: random.between(-1.5, 1.5), link2_angle: random.between(-3.1, 3.1) };
             let mut centres = variables.scene.centres_world(pose);
             if k % 7 == 3 {
                 centres[2] = (centres[1].0 + random.between(-0.9, 0.9), centres[1].1 + 0.3);
@@ -70,7 +72,10 @@ fn every_setting_boxes_give_what_whole_frames_give() {
             let rows = |maker: &FrameMaker| {
                 let (first, step) = if variables.sensor.interlaced { (k as usize % 2, 2) } else { (0, 1) };
                 let picture = maker.picture();
-                (first..picture.height).step_by(step).flat_map(|y| picture.row(y).to_vec()).collect::<Vec<u8>>()
+                (first..picture.height)
+                    .step_by(step)
+                    .flat_map(|y| picture.row(y).to_vec())
+                    .collect::<Vec<u8>>()
             };
             assert!(rows(&whole) == rows(&new), "{name}, frame {k}: picture");
             if k % 5 == 4 {

@@ -16,7 +16,9 @@ const LENSES: [(&str, fn(&mut Variables)); 12] = [
     ("s1", |v| v.effects.thin_prism.horizontal = 0.1),
     ("s2", |v| v.effects.thin_prism.vertical = 0.1),
     ("-s2", |v| v.effects.thin_prism.vertical = -0.1),
-    ("mounting", |v| (v.effects.mounting.roll, v.effects.mounting.pan, v.effects.mounting.tilt) = (0.1, 0.05, 0.05)),
+    ("mounting", |v| {
+        (v.effects.mounting.roll, v.effects.mounting.pan, v.effects.mounting.tilt) = (0.1, 0.05, 0.05)
+    }),
     ("principal point", |v| (v.effects.placement.centre_u, v.effects.placement.centre_v) = (0.05, -0.05)),
 ];
 

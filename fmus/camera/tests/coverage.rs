@@ -17,7 +17,9 @@ fn shot(centres: &[[(f64, f64); 3]]) -> Shot<'_> {
 /// Covered share of each pixel, from the base.
 fn coverage(maker: &FrameMaker) -> Vec<f64> {
     let base = maker.base();
-    (0..base.height).flat_map(|y| base.row(y).iter().map(|parts| f64::from(*parts) / (64.0 * 255.0))).collect()
+    (0..base.height)
+        .flat_map(|y| base.row(y).iter().map(|parts| f64::from(*parts) / (64.0 * 255.0)))
+        .collect()
 }
 
 /// Brute force: the share of 48 x 48 points of a pixel whose ideal image lies in a circle. The inverse of the lens by
@@ -120,7 +122,9 @@ fn value_an_undistorted_disc_is_covered_to_a_quarter_percent() {
 #[test]
 fn value_binary_centroids_scatter_as_a_true_discs() {
     // Issue 2: at a 50 % threshold 0.081 px rms per axis (± 5 %) and 82 px; at the nominal threshold 75 ± 1 px.
-    for (threshold, scatter, area, area_tolerance) in [(128.0, Some(0.081), 82.35, 0.35), (191.0, None, 75.0, 1.0)] {
+    for (threshold, scatter, area, area_tolerance) in
+        [(128.0, Some(0.081), 82.35, 0.35), (191.0, None, 75.0, 1.0)]
+    {
         let base = variables(|v| v.sensor.threshold = threshold);
         let mut random = Random(42);
         let (mut errors, mut areas, mut n) = (Vec::new(), 0.0, 0.0);

@@ -121,8 +121,7 @@ fn value_noise_in_whole_frames() {
         maker.render(Shot { k, centres_world: &far, whole: true });
         let pixels: Vec<f64> = maker.picture().values.iter().map(|pixel| f64::from(*pixel)).collect();
         let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
-        let deviation =
-            (pixels.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / pixels.len() as f64).sqrt();
+        let deviation = (pixels.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / pixels.len() as f64).sqrt();
         assert!((mean - 128.0).abs() < 0.117, "{mean}");
         // Rounding to whole levels adds 1/12 to the variance; four standard errors are 0.083.
         assert!((deviation - (225.0f64 + 1.0 / 12.0).sqrt()).abs() < 0.083, "{deviation}");

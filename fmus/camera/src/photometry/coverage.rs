@@ -148,9 +148,9 @@ impl Coverage {
     /// Whether all places are inside the area and no edge is a pixel long.
     fn holds(&self, places: &[f32], size: f32) -> bool {
         let outside = |place: f32| (place < 0.0) | (place >= size);
-        let bad = places.windows(2).fold(false, |bad, pair| {
-            bad | outside(pair[0]) | ((pair[1] - pair[0]).abs() >= 1.0)
-        });
+        let bad = places
+            .windows(2)
+            .fold(false, |bad, pair| bad | outside(pair[0]) | ((pair[1] - pair[0]).abs() >= 1.0));
         !bad
     }
 
@@ -165,9 +165,10 @@ impl Coverage {
         let stride = self.stride;
         for edge in &edges {
             let upper = edge.row as usize * stride;
-            for (start, part) in
-                [(upper + edge.upper_column as usize, edge.upper), (upper + stride + edge.lower_column as usize, edge.lower)]
-            {
+            for (start, part) in [
+                (upper + edge.upper_column as usize, edge.upper),
+                (upper + stride + edge.lower_column as usize, edge.lower),
+            ] {
                 if let Some([a, b, c]) = self.cells.get_mut(start..start + 3) {
                     *a += part[0];
                     *b += part[1];

@@ -65,7 +65,8 @@ impl FrameMaker {
         let projection = Projection::new(scene, sensor, effects)?;
         let (width, height) = (sensor.width as usize, sensor.height as usize);
         let larger = f64::from(sensor.width.max(sensor.height));
-        let radius_px = projection.largest_magnification() * scene.circle_radius / scene.field_of_view * larger;
+        let radius_px =
+            projection.largest_magnification() * scene.circle_radius / scene.field_of_view * larger;
         let sensitivity = sensitivity(sensor, effects);
         let mut maker = Self {
             settings: Settings { scene: scene.clone(), sensor: sensor.clone(), effects: effects.clone() },

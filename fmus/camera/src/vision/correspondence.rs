@@ -87,8 +87,7 @@ pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Op
                 }
                 let ((a, b), (c, d)) = (image(drum), image(joint));
                 let astray = a - scene.drum_radius * world_unit * libm::atan2(c - a, d - b);
-                let cost =
-                    too_high * too_high + ROLLING * astray * astray + first * first + second * second;
+                let cost = too_high * too_high + ROLLING * astray * astray + first * first + second * second;
                 if cost < best_cost {
                     next_cost = best_cost;
                     best_cost = cost;

@@ -62,28 +62,121 @@ pub struct Coverage {
     width: f32,
     height: f32,
     rows: usize,
+    xs: Vec<f32>,
+    ys: Vec<f32>,
+    edges: Vec<Edge>,
+}
+
+/// What an edge shorter than a pixel adds: three cells from a column on in its upper row, and in the row below.
+#[derive(Debug, Clone, Copy, Default)]
+struct Edge {
+    row: i32,
+    upper_column: i32,
+    lower_column: i32,
+    upper: [f32; 3],
+    lower: [f32; 3],
+}
+
+impl Edge {
+    #[inline]
+    fn new(xa: f32, ya: f32, xb: f32, yb: f32) -> Self {
+        let down = ya < yb;
+        let sign = if down { 1.0 } else { -1.0 };
+        let (x0, y0, x1, y1) = if down { (xa, ya, xb, yb) } else { (xb, yb, xa, ya) };
+        let row = y0 as i32;
+        let border = (row + 1) as f32;
+        let height = y1 - y0;
+        let above = if y1 < border { height } else { border - y0 };
+        let share = above / if height > TINY { height } else { TINY };
+        let middle = x0 + (x1 - x0) * share;
+        let (upper_column, upper) = part(x0, middle, sign * above);
+        let (lower_column, lower) = part(middle, x1, sign * (height - above));
+        Self { row, upper_column, lower_column, upper, lower }
+    }
+}
+
+/// Keeps a division by nothing from being one; what it divides is nothing as well.
+const TINY: f32 = 1e-30;
+
+/// What a part of an edge within a row, from x = a to b and `height` high (signed), adds to three cells. The covered
+/// share of the first pixel is the mean of (border − x)₊ along the part, of the first two that of min(1, border + 1 − x).
+#[inline]
+fn part(a: f32, b: f32, height: f32) -> (i32, [f32; 3]) {
+    let (left, right) = if a < b { (a, b) } else { (b, a) };
+    let column = left as i32;
+    let border = (column + 1) as f32;
+    let width = right - left;
+    let half = 0.5 / if width > TINY { width } else { TINY };
+    let (before, beyond) = (border - left, right - border);
+    let crosses = right > border;
+    let first = if crosses { before * before * half } else { border - 0.5 * (left + right) };
+    let rest = if crosses { beyond * beyond * half } else { 0.0 };
+    (column, [height * first, height * (1.0 - rest - first), height * rest])
 }
 
 impl Coverage {
     /// Starts an area of this size with nothing covered.
     pub fn begin(&mut self, width: usize, height: usize) {
-        // One column more, where edges at the right border put what lies beyond; one cell more for its neighbour.
+        // Two columns more for what edges put beyond the right border, and a row below, to which edges that end on
+        // the lower border add nothing.
         self.stride = width + 2;
         self.cells.clear();
-        self.cells.resize(self.stride * height, 0.0);
+        self.cells.resize(self.stride * (height + 1) + 1, 0.0);
         (self.width, self.height, self.rows) = (width as f32, height as f32, height);
     }
 
-    /// Adds a closed polygon that runs counter-clockwise as one looks at the picture. Its y points down; the area's
-    /// upper left corner is at (x0, y0).
-    pub fn add(&mut self, polygon: &[(f32, f32)], (x0, y0): (f32, f32)) {
-        let Some(last) = polygon.last() else { return };
-        let (mut x, mut y) = (last.0 - x0, last.1 - y0);
-        for vertex in polygon {
-            let (next_x, next_y) = (vertex.0 - x0, vertex.1 - y0);
-            self.edge(x, y, next_x, next_y);
-            (x, y) = (next_x, next_y);
+    /// Adds a closed polygon (its first vertex stands at the end again) that runs counter-clockwise as one looks at
+    /// the picture. Its y points down; the area's upper left corner is at (x0, y0).
+    pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32)) {
+        let relative = |places: &[f32], from: f32, into: &mut Vec<f32>| {
+            into.clear();
+            into.extend(places.iter().map(|place| place - from));
+        };
+        let (mut local_x, mut local_y) = (core::mem::take(&mut self.xs), core::mem::take(&mut self.ys));
+        relative(xs, x0, &mut local_x);
+        relative(ys, y0, &mut local_y);
+        if self.holds(&local_x, self.width) && self.holds(&local_y, self.height) {
+            self.add_short(&local_x, &local_y);
+        } else {
+            for (x, y) in local_x.windows(2).zip(local_y.windows(2)) {
+                self.edge(x[0], y[0], x[1], y[1]);
+            }
         }
+        (self.xs, self.ys) = (local_x, local_y);
+    }
+
+    /// Whether all places are inside the area and no edge is a pixel long.
+    fn holds(&self, places: &[f32], size: f32) -> bool {
+        let outside = |place: f32| (place < 0.0) | (place >= size);
+        let bad = places
+            .windows(2)
+            .fold(false, |bad, pair| bad | outside(pair[0]) | ((pair[1] - pair[0]).abs() >= 1.0));
+        !bad
+    }
+
+    /// A polygon of short edges inside the area, without branches: an edge shorter than a pixel lies in at most two
+    /// rows, and its part within a row in at most two columns.
+    fn add_short(&mut self, xs: &[f32], ys: &[f32]) {
+        let mut edges = core::mem::take(&mut self.edges);
+        edges.resize(xs.len() - 1, Edge::default());
+        for ((edge, x), y) in edges.iter_mut().zip(xs.windows(2)).zip(ys.windows(2)) {
+            *edge = Edge::new(x[0], y[0], x[1], y[1]);
+        }
+        let stride = self.stride;
+        for edge in &edges {
+            let upper = edge.row as usize * stride;
+            for (start, part) in [
+                (upper + edge.upper_column as usize, edge.upper),
+                (upper + stride + edge.lower_column as usize, edge.lower),
+            ] {
+                if let Some([a, b, c]) = self.cells.get_mut(start..start + 3) {
+                    *a += part[0];
+                    *b += part[1];
+                    *c += part[2];
+                }
+            }
+        }
+        self.edges = edges;
     }
 
     /// The covered share of each pixel of a row, `share` times the sum over the polygons, as a running sum.

@@ -65,13 +65,13 @@ impl FrameMaker {
         let projection = Projection::new(scene, sensor, effects)?;
         let (width, height) = (sensor.width as usize, sensor.height as usize);
         let larger = f64::from(sensor.width.max(sensor.height));
-        let radius_px = effects.placement.scale * scene.circle_radius / scene.field_of_view * larger;
+        let radius_px =
+            projection.largest_magnification() * scene.circle_radius / scene.field_of_view * larger;
         let sensitivity = sensitivity(sensor, effects);
         let mut maker = Self {
             settings: Settings { scene: scene.clone(), sensor: sensor.clone(), effects: effects.clone() },
             projection,
-            // A distorting lens magnifies up to about twice within the picture.
-            circle: UnitCircle::for_radius_px(1.5 * radius_px),
+            circle: UnitCircle::for_radius_px(radius_px),
             sensitivity,
             background: Plane::filled(width, height, 0, i16::MIN),
             brightest_background: 0,
@@ -224,8 +224,9 @@ impl FrameMaker {
         let outer = area.grown(passes, base.width, base.height);
         coverage.begin(outer.width(), outer.height());
         for outline in outlines.iter() {
-            for polygon in outline.vertices.chunks_exact(self.circle.len()) {
-                coverage.add(polygon, (outer.x0 as f32, outer.y0 as f32));
+            let n = self.circle.len();
+            for (xs, ys) in outline.xs.chunks_exact(n).zip(outline.ys.chunks_exact(n)) {
+                coverage.add(xs, ys, (outer.x0 as f32, outer.y0 as f32));
             }
         }
         coverage.finish(1.0 / sub_frames as f32);

@@ -5,6 +5,17 @@ use super::quantise::{Span, portable};
 /// A way to quantise a span.
 pub type Path = fn(Span<'_>, &mut [u8], &mut [u32]);
 
+/// The paths that this machine has, the fastest first.
+pub fn available() -> Vec<(&'static str, Path)> {
+    let mut paths: Vec<(&'static str, Path)> = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        paths.push(("AVX2", x86::avx2));
+    }
+    paths.push(("portable", portable));
+    paths
+}
+
 /// The fastest path that this machine has.
 pub fn best() -> Path {
     #[cfg(target_arch = "x86_64")]

@@ -123,6 +123,12 @@ fn every_bad_value_is_refused_by_name() {
             other => panic!("{expected}: {other:?}"),
         }
     }
+    let huge = start(|v| v.inputs.link1_rate = f64::MAX).unwrap_err().to_string();
+    assert!(huge.contains("the law overflows for Inputs { link1_angle: 0.0"), "{huge}");
+    let (mut controller, mut variables) = start(|_| {}).unwrap();
+    let moving = Step { from: 0.0, to: 0.5, input_rates: &[("q2", f64::NAN)] };
+    let error = controller.step(&mut variables, &moving, &mut Silence).unwrap_err().to_string();
+    assert!(error.starts_with("variable q2 = NaN: "), "{error}");
     let steep = start(|v| v.parameters.theta_10 = 5.0).unwrap_err().to_string();
     assert!(steep.contains("theta_10 / theta_9 = 1.04"), "{steep}");
 }

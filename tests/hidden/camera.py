@@ -221,8 +221,8 @@ def take(t_end, dt, nodes, last, c, noise, seen):
         largest_blob(on, label, stack, x0, y0, seen[i])
 
 
-def estimate(seen):
-    """Link angles from the three centroids of an assumed perfect pinhole."""
-    q1 = math.atan2(seen[1, 1] - seen[0, 1], seen[1, 2] - seen[0, 2])
-    q2 = math.atan2(seen[2, 1] - seen[1, 1], seen[2, 2] - seen[1, 2])
-    return q1, q2
+def estimate(seen, mount=0.0):
+    """Link angles from the three centroids of an assumed perfect pinhole, mounted turned by `mount`."""
+    c, s = math.cos(mount), math.sin(mount)
+    u, v = c * seen[:, 1] + s * seen[:, 2], c * seen[:, 2] - s * seen[:, 1]
+    return math.atan2(u[1] - u[0], v[1] - v[0]), math.atan2(u[2] - u[1], v[2] - v[1])

@@ -1,7 +1,10 @@
-"""Command line: python -m hidden {make, one, slice, mde, score}."""
+"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score}."""
 
 import argparse
+import json
+import subprocess
 import time
+import tomllib
 from pathlib import Path
 
 from . import parts, sets
@@ -47,6 +50,14 @@ def _parser():
     _where(p)
     p = sub.add_parser("mde", help="complete mde.toml")
     p.add_argument("--jobs", type=int, default=1)
+    p = sub.add_parser("diagnose", help="run a diagnosis over all sets of a folder, with the manifest's arguments")
+    p.add_argument("sets")
+    p.add_argument("diagnoses")
+    p.add_argument("--command-line", default="cargo acroscope", help="what comes before `diagnose SET --out DIR`")
+    p = sub.add_parser("follow", help="make the sets of the experiments that diagnoses of the part `classes` proposed")
+    p.add_argument("diagnoses")
+    p.add_argument("truths", help="answers of the sets that were diagnosed")
+    _where(p)
     p = sub.add_parser("score", help="open the answers and judge diagnoses")
     p.add_argument("diagnoses")
     p.add_argument("answers")
@@ -119,6 +130,35 @@ def _one(args):
     _write_all([spec], args)
 
 
+def _diagnose(args):
+    for row in tomllib.loads((Path(args.sets) / "manifest.toml").read_text()).get("set", []):
+        out = Path(args.diagnoses) / row["dir"]
+        out.mkdir(parents=True, exist_ok=True)
+        command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
+        start = time.time()
+        done = subprocess.run(command, capture_output=True, text=True)
+        (out / "seconds.txt").write_text(f"{time.time() - start:.2f}\n")
+        if done.returncode != 0:
+            print(f"{row['dir']}: exit {done.returncode}: {done.stderr.strip()[-300:]}")
+    return 0
+
+
+def _follow(args):
+    specs = []
+    for file in sorted(Path(args.truths).glob("*/answer.toml")):
+        answer = tomllib.loads(file.read_text())
+        found = Path(args.diagnoses) / file.parent.name / "diagnosis.json"
+        if answer.get("stage") != "before" or not found.exists():
+            continue
+        proposal = (json.loads(found.read_text()).get("next_experiment") or {}).get("do", "")
+        spec = parts.follow(answer, proposal)
+        if spec is None:
+            print(f"{file.parent.name}: no experiment understood in {proposal!r}")
+        else:
+            specs.append(spec)
+    _write_all(specs, args)
+
+
 def main(argv=None):
     args = _parser().parse_args(argv)
     if args.command == "make":
@@ -130,6 +170,10 @@ def main(argv=None):
         _one(args)
     elif args.command == "mde":
         parts.mde.make_table(args.jobs)
+    elif args.command == "diagnose":
+        return _diagnose(args)
+    elif args.command == "follow":
+        _follow(args)
     elif args.command == "score":
         from .score import score
 

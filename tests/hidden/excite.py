@@ -62,18 +62,18 @@ def multisine(rng, amplitude, low, high, n=7):
     return lambda t: smooth(t / 0.5) * float(np.sum(a * np.sin(2 * np.pi * f * t + phase)))
 
 
-def torques(kind, rng, plant):
+def torques(kind, rng, plant, scale):
     """(tau(t), tau_1(t), start state) of one hanging run; angles start about pi (hanging) from the upright."""
-    weight = plant["theta_10"]
+    weight = scale * plant["theta_10"]
+    rest = (math.pi, math.pi, 0.0, 0.0)
     if kind == "free":
-        q1, q2 = math.pi + rng.uniform(-1.6, 1.6), math.pi + rng.uniform(-1.6, 1.6)
+        wide = 1.6 * scale
+        q1, q2 = (math.pi + rng.choice([-1, 1]) * wide * rng.uniform(0.3, 1.0) for _ in range(2))
         return (lambda t: 0.0), (lambda t: 0.0), (q1, q2, 0.0, 0.0)
     if kind == "drive":
-        return (multisine(rng, 0.35 * weight, 0.2, 3.0), multisine(rng, 0.5 * weight, 0.2, 2.0),
-                (math.pi, math.pi, 0.0, 0.0))
+        return multisine(rng, 0.2 * weight, 0.2, 3.0), multisine(rng, 0.3 * weight, 0.2, 2.0), rest
     if kind == "elbow":
-        return multisine(rng, 0.45 * weight, 0.2, 3.0), (lambda t: 0.0), (math.pi, math.pi, 0.0, 0.0)
+        return multisine(rng, 0.22 * weight, 0.2, 3.0), (lambda t: 0.0), rest
     if kind == "gentle":
-        return (multisine(rng, 0.12 * weight, 0.1, 0.8), multisine(rng, 0.2 * weight, 0.1, 0.8),
-                (math.pi, math.pi, 0.0, 0.0))
+        return multisine(rng, 0.08 * weight, 0.1, 0.8), multisine(rng, 0.15 * weight, 0.1, 0.8), rest
     raise ValueError(f"excitation {kind!r}: one of free, drive, elbow, gentle")

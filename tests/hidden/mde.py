@@ -173,7 +173,7 @@ class Bench:
                     cam.centre(i, q[0], q[1], cc, xy)
                     cam.to_pixel(xy[0], xy[1], cc, p)
                     px[i, 1:] = p
-                angles.append(cam.estimate(px))
+                angles.append(cam.estimate(px, self.camera["roll"]))
             out[k] = np.subtract(angles[0], angles[1])
         return out
 

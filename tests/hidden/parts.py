@@ -47,7 +47,7 @@ def random_setting(rng, effect=None, noise=None, mixes=None):
             logs = rng.choice(("all", "all", "image"))
         else:
             logs = rng.choice(("all", "plant", "image"))
-        return Setting("visual", logs, noise, rng.choice(mixes or list(MIXES["visual"])))
+        return Setting("visual", logs, noise, rng.choice([m for m in MIXES["visual"] if not mixes or m in mixes]))
     rig, mix, arm = rng.choice([p for p in PINNED if not mixes or p[1] in mixes])
     return Setting(rig, "plant", noise, mix, arm)
 
@@ -216,6 +216,13 @@ def ci_slice(seed=1):
         spec = single_spec(name, m, s, float(sign), seed * 100 + 20 + i, "singles")
         if spec:
             yield spec
+    faint = single_spec("plant.tau_bias", 1.0, mid, 1.0, seed * 100 + 39, "singles")
+    if faint:
+        yield faint
+    for stage, s in (("before", Setting(logs="image")), ("after", mid)):  # sensor or actuator delay: the encoders tell
+        value, size = 0.0015, 0.0015 / mde.of(s)["camera.T_delay"]["mde"]
+        note = {"stage": stage, "pair": "0", "experiment": "plant logged", "resolves": True, "sign": 1.0}
+        yield Spec(s, [("camera.T_delay", value, size)], part="classes", seed=seed * 100 + 60, note=note)
     both = [("camera.k1", *sized("camera.k1", mid, 10.0, -1.0)), ("plant.b_joint", *sized("plant.b_joint", mid, 10.0, 1.0))]
     yield Spec(mid, both, part="pairs", seed=seed * 100 + 40)
     for i, (name, size, s) in enumerate((("unknown.cable", 0.15, mid), ("unknown.bent_target", 0.15, mid),
@@ -226,6 +233,30 @@ def ci_slice(seed=1):
 def specs(part, count, seed):
     maker = {"singles": singles, "none": none, "pairs": pairs, "unknown": unknown, "classes": classes, "large": large}
     yield from maker[part](count, seed)
+
+
+WORDS = (("exposure", {"exposure": 0.005}), ("90", {"turned": True}), ("turned", {"turned": True}),
+         ("torque", {"applied": True, "logs": "all"}), ("tau_applied", {"applied": True, "logs": "all"}),
+         ("encoder", {"logs": "all"}), ("plant", {"logs": "all"}), ("joint angles", {"logs": "all"}),
+         ("hang", {"rig": "hang", "logs": "plant"}), ("fast", {"mix": "lively"}), ("step", {"mix": "lively"}),
+         ("swing", {"mix": "lively"}), ("z_desired", {"mix": "lively"}))
+
+
+def follow(answer, words):
+    """The same truth after the experiment that a diagnosis proposed in words; None where no word is known."""
+    known = {k: answer[k] for k in ("rig", "logs", "noise", "mix", "arm", "applied", "velocity_nominal", "turned", "exposure")}
+    setting = Setting(**known)
+    for word, change in WORDS:
+        if word in words.lower() and (setting.rig == "visual" or set(change) == {"applied", "logs"}):
+            if change.get("rig") == "hang":  # a rolling acrobot cannot hang
+                continue
+            if setting.rig != "visual":
+                change = {"applied": True}
+            effects = [(e["name"], e["value"], e["size_mde"]) for e in answer.get("effect", [])]
+            note = {"pair": answer.get("pair", ""), "stage": "after", "experiment": words[:80], "resolves": True,
+                    "sign": answer.get("sign", 1.0)}
+            return Spec(setting.with_(**change), effects, part="classes", seed=answer["seed"] + 1, note=note)
+    return None
 
 
 def make(spec, out, answers, salt=sets.SALT):

@@ -63,12 +63,12 @@ def truth(spec):
 def simulate(spec, salt=SALT):
     setting = spec.setting
     plant, camera = truth(spec)
-    nominal = setting.nominal()[0]
+    nominal, seen_as = setting.nominal()
     runs = []
     for i, kind in enumerate(setting.excitations):
         rng = generator(spec, f"run{i}", salt)
         if setting.rig == "visual":
-            runs.append(loop.visual(kind, plant, camera, law_for(nominal), rng, setting.duration))
+            runs.append(loop.visual(kind, plant, camera, law_for(nominal), rng, setting.duration, seen_as["roll"]))
         elif setting.rig == "hang":
             runs.append(loop.hanging(kind, plant, rng, setting.duration, setting.plant_rate))
         else:
@@ -192,7 +192,10 @@ def answer(spec, runs, extra):
     verdict = "unknown" if spec.unknown else ("named" if spec.effects else "none")
     rows = [f'part = "{spec.part}"', f'verdict = "{verdict}"', f"seed = {spec.seed}",
             f'setting = "{spec.setting.key}"', f'rig = "{spec.setting.rig}"', f'logs = "{spec.setting.logs}"',
-            f'noise = "{spec.setting.noise}"', f'mix = "{spec.setting.mix}"', f"jitter = {spec.jitter!r}",
+            f'noise = "{spec.setting.noise}"', f'mix = "{spec.setting.mix}"', f"arm = {spec.setting.arm}",
+            f"applied = {toml(spec.setting.applied)}", f"turned = {toml(spec.setting.turned)}",
+            f"velocity_nominal = {toml(spec.setting.velocity_nominal)}", f"exposure = {spec.setting.exposure!r}",
+            f"jitter = {spec.jitter!r}",
             f"clock_offset = {spec.clock_offset!r}", f"fell = {toml([bool(r.fell) for r in runs])}",
             f"length = {toml([round(float(r.times[-1]), 3) for r in runs])}"]
     rows += [f"{k} = {toml(v)}" for k, v in spec.note.items()]

@@ -30,7 +30,8 @@ pub fn page(scenario: &Scenario, layout: &Layout, out: &Path) -> Result<String, 
     page.figures(&graphs.collect::<Result<Vec<_>, Error>>()?);
     if let Some(entry) = &layout.picture {
         // The middle of the pictures that were delivered with their marks: the arm is at its farthest there.
-        let delivered: Vec<_> = shots.iter().filter(|(_, number)| series.at_index.contains_key(number)).collect();
+        let delivered: Vec<_> =
+            shots.iter().filter(|(_, number)| series.at_index.contains_key(number)).collect();
         if let Some((path, number)) = delivered.get(delivered.len() / 2) {
             let svg = picture(entry, path, &series.at_index[number])?.to_svg();
             page.figure(&svg, &format!("{}: frame {number}", entry.caption));

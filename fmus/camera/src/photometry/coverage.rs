@@ -1,0 +1,275 @@
+//! Exact area coverage: signed areas of polygon edges accumulated per pixel, then summed along each row.
+//!
+//! For each edge and each row that it crosses, the area between the edge and the right border of a pixel is added to
+//! that pixel and the rest of its height to the next; the running sum along the row is then the covered area. It is
+//! linear, so the sub-frames of an exposure are accumulated together and summed once.
+
+/// A rectangle of pixels in raster coordinates; ends are exclusive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Area {
+    /// First column.
+    pub x0: usize,
+    /// First row.
+    pub y0: usize,
+    /// One past the last column.
+    pub x1: usize,
+    /// One past the last row.
+    pub y1: usize,
+}
+
+impl Area {
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.x1 - self.x0
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.y1 - self.y0
+    }
+
+    /// This area and a margin around it, within a frame.
+    pub fn grown(&self, margin: usize, width: usize, height: usize) -> Self {
+        Self {
+            x0: self.x0.saturating_sub(margin),
+            y0: self.y0.saturating_sub(margin),
+            x1: (self.x1 + margin).min(width),
+            y1: (self.y1 + margin).min(height),
+        }
+    }
+
+    /// Whether two areas share a pixel.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+
+    /// The smallest area around both.
+    pub fn around(&self, other: &Self) -> Self {
+        Self {
+            x0: self.x0.min(other.x0),
+            y0: self.y0.min(other.y0),
+            x1: self.x1.max(other.x1),
+            y1: self.y1.max(other.y1),
+        }
+    }
+}
+
+/// Accumulates the coverage of polygons over an area.
+#[derive(Debug, Clone, Default)]
+pub struct Coverage {
+    cells: Vec<f32>,
+    stride: usize,
+    width: f32,
+    height: f32,
+    rows: usize,
+    xs: Vec<f32>,
+    ys: Vec<f32>,
+    edges: Vec<Edge>,
+}
+
+/// What an edge shorter than a pixel adds: three cells from a column on in its upper row, and in the row below.
+#[derive(Debug, Clone, Copy, Default)]
+struct Edge {
+    row: i32,
+    upper_column: i32,
+    lower_column: i32,
+    upper: [f32; 3],
+    lower: [f32; 3],
+}
+
+impl Edge {
+    #[inline]
+    fn new(xa: f32, ya: f32, xb: f32, yb: f32) -> Self {
+        let down = ya < yb;
+        let sign = if down { 1.0 } else { -1.0 };
+        let (x0, y0, x1, y1) = if down { (xa, ya, xb, yb) } else { (xb, yb, xa, ya) };
+        let row = y0 as i32;
+        let border = (row + 1) as f32;
+        let height = y1 - y0;
+        let above = if y1 < border { height } else { border - y0 };
+        let share = above / if height > TINY { height } else { TINY };
+        let middle = x0 + (x1 - x0) * share;
+        let (upper_column, upper) = part(x0, middle, sign * above);
+        let (lower_column, lower) = part(middle, x1, sign * (height - above));
+        Self { row, upper_column, lower_column, upper, lower }
+    }
+}
+
+/// Keeps a division by nothing from being one; what it divides is nothing as well.
+const TINY: f32 = 1e-30;
+
+/// What a part of an edge within a row, from x = a to b and `height` high (signed), adds to three cells. The covered
+/// share of the first pixel is the mean of (border − x)₊ along the part, of the first two that of min(1, border + 1 − x).
+#[inline]
+fn part(a: f32, b: f32, height: f32) -> (i32, [f32; 3]) {
+    let (left, right) = if a < b { (a, b) } else { (b, a) };
+    let column = left as i32;
+    let border = (column + 1) as f32;
+    let width = right - left;
+    let half = 0.5 / if width > TINY { width } else { TINY };
+    let (before, beyond) = (border - left, right - border);
+    let crosses = right > border;
+    let first = if crosses { before * before * half } else { border - 0.5 * (left + right) };
+    let rest = if crosses { beyond * beyond * half } else { 0.0 };
+    (column, [height * first, height * (1.0 - rest - first), height * rest])
+}
+
+impl Coverage {
+    /// Starts an area of this size with nothing covered.
+    pub fn begin(&mut self, width: usize, height: usize) {
+        // Two columns more for what edges put beyond the right border, and a row below, to which edges that end on
+        // the lower border add nothing.
+        self.stride = width + 2;
+        self.cells.clear();
+        self.cells.resize(self.stride * (height + 1) + 1, 0.0);
+        (self.width, self.height, self.rows) = (width as f32, height as f32, height);
+    }
+
+    /// Adds a closed polygon (its first vertex stands at the end again) that runs counter-clockwise as one looks at
+    /// the picture. Its y points down; the area's upper left corner is at (x0, y0).
+    pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32)) {
+        let relative = |places: &[f32], from: f32, into: &mut Vec<f32>| {
+            into.clear();
+            into.extend(places.iter().map(|place| place - from));
+        };
+        let (mut local_x, mut local_y) = (core::mem::take(&mut self.xs), core::mem::take(&mut self.ys));
+        relative(xs, x0, &mut local_x);
+        relative(ys, y0, &mut local_y);
+        if self.holds(&local_x, self.width) && self.holds(&local_y, self.height) {
+            self.add_short(&local_x, &local_y);
+        } else {
+            for (x, y) in local_x.windows(2).zip(local_y.windows(2)) {
+                self.edge(x[0], y[0], x[1], y[1]);
+            }
+        }
+        (self.xs, self.ys) = (local_x, local_y);
+    }
+
+    /// Whether all places are inside the area and no edge is a pixel long.
+    fn holds(&self, places: &[f32], size: f32) -> bool {
+        let outside = |place: f32| (place < 0.0) | (place >= size);
+        let bad = places
+            .windows(2)
+            .fold(false, |bad, pair| bad | outside(pair[0]) | ((pair[1] - pair[0]).abs() >= 1.0));
+        !bad
+    }
+
+    /// A polygon of short edges inside the area, without branches: an edge shorter than a pixel lies in at most two
+    /// rows, and its part within a row in at most two columns.
+    fn add_short(&mut self, xs: &[f32], ys: &[f32]) {
+        let mut edges = core::mem::take(&mut self.edges);
+        edges.resize(xs.len() - 1, Edge::default());
+        for ((edge, x), y) in edges.iter_mut().zip(xs.windows(2)).zip(ys.windows(2)) {
+            *edge = Edge::new(x[0], y[0], x[1], y[1]);
+        }
+        let stride = self.stride;
+        for edge in &edges {
+            let upper = edge.row as usize * stride;
+            for (start, part) in [
+                (upper + edge.upper_column as usize, edge.upper),
+                (upper + stride + edge.lower_column as usize, edge.lower),
+            ] {
+                if let Some([a, b, c]) = self.cells.get_mut(start..start + 3) {
+                    *a += part[0];
+                    *b += part[1];
+                    *c += part[2];
+                }
+            }
+        }
+        self.edges = edges;
+    }
+
+    /// The covered share of each pixel of a row, `share` times the sum over the polygons, as a running sum.
+    pub fn row(&self, row: usize) -> &[f32] {
+        let start = row * self.stride;
+        &self.cells[start..start + self.stride - 2]
+    }
+
+    /// One edge, cut to the area: above and below nothing counts, to the left it counts at the left border, to the
+    /// right of the area it covers nothing.
+    #[inline]
+    fn edge(&mut self, xa: f32, ya: f32, xb: f32, yb: f32) {
+        if ya == yb {
+            return;
+        }
+        // The edge downwards, and the sign of what it covers to its right.
+        let (sign, xa, ya, xb, yb) = if ya < yb { (1.0, xa, ya, xb, yb) } else { (-1.0, xb, yb, xa, ya) };
+        if yb <= 0.0 || ya >= self.height {
+            return;
+        }
+        let slope = (xb - xa) / (yb - ya);
+        let (mut x, top) = if ya < 0.0 { (xa - ya * slope, 0.0) } else { (xa, ya) };
+        let bottom = yb.min(self.height);
+        let mut row = top as usize;
+        let mut y = top;
+        while row < self.rows && y < bottom {
+            let end = ((row + 1) as f32).min(bottom);
+            let next_x = if end == yb { xb } else { x + (end - y) * slope };
+            self.span(row, x, next_x, (end - y) * sign);
+            (x, y) = (next_x, end);
+            row += 1;
+        }
+    }
+
+    /// Part of an edge within one row, from x = `a` to `b`, of height `dy` (signed).
+    #[inline]
+    fn span(&mut self, row: usize, a: f32, b: f32, dy: f32) {
+        let (left, right) = if a < b { (a, b) } else { (b, a) };
+        if left >= 0.0 && right < self.width {
+            return self.span_inside(row, left, right, dy);
+        }
+        // Cut at the borders; the pieces have their share of the height.
+        let length = right - left;
+        let cells = row * self.stride;
+        if right <= 0.0 || length == 0.0 {
+            if left <= 0.0 {
+                self.cells[cells] += dy;
+            }
+            return;
+        }
+        if left >= self.width {
+            return;
+        }
+        if left < 0.0 {
+            self.cells[cells] += dy * (-left / length);
+        }
+        let (from, to) = (left.max(0.0), right.min(self.width));
+        self.span_inside(row, from, to, dy * ((to - from) / length));
+    }
+
+    #[inline]
+    fn span_inside(&mut self, row: usize, left: f32, right: f32, dy: f32) {
+        let first = left as usize;
+        let last = right as usize;
+        let base = row * self.stride + first;
+        if first == last {
+            let middle = 0.5 * (left + right) - first as f32;
+            self.cells[base] += dy * (1.0 - middle);
+            self.cells[base + 1] += dy * middle;
+            return;
+        }
+        let per_column = dy / (right - left);
+        let mut begin = left;
+        for column in first..=last {
+            let end = right.min((column + 1) as f32);
+            let part = per_column * (end - begin);
+            let middle = 0.5 * (begin + end) - column as f32;
+            let cell = row * self.stride + column;
+            self.cells[cell] += part * (1.0 - middle);
+            self.cells[cell + 1] += part * middle;
+            begin = end;
+        }
+    }
+
+    /// Turns the accumulated edges into covered shares: running sums along the rows times `share`, kept in 0..1.
+    /// Circles that lie over one another cover a pixel no more than once.
+    pub fn finish(&mut self, share: f32) {
+        for row in self.cells.chunks_exact_mut(self.stride) {
+            let mut sum = 0.0;
+            for cell in row {
+                sum += *cell;
+                *cell = (sum * share).clamp(0.0, 1.0);
+            }
+        }
+    }
+}

@@ -20,6 +20,7 @@ use std::fs;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// What to try.
@@ -51,32 +52,33 @@ pub struct Options {
 /// How many sequences were begun, over all units; the watch compares.
 static BEGUN: AtomicU64 = AtomicU64::new(0);
 
-/// Ends the program if one sequence takes longer than `limit` s: a call that does not come back can't be stopped
-/// in another way.
-fn watch(limit: u64) {
-    std::thread::spawn(move || {
-        let (mut last, mut since) = (0, Instant::now());
-        loop {
-            std::thread::sleep(Duration::from_millis(500));
-            let now = BEGUN.load(Ordering::Relaxed);
-            if now != last {
-                (last, since) = (now, Instant::now());
-            } else if since.elapsed().as_secs() > limit {
-                eprintln!("error: a sequence has taken more than {limit} s");
-                std::process::exit(1);
-            }
-        }
-    });
-}
-
 /// Runs all sequences on all units.
 pub fn fuzz(options: &Options) -> Result<()> {
-    watch(options.limit);
-    for fmu in &options.fmus {
+    let (done, is_done) = mpsc::channel();
+    let limit = options.limit;
+    let watch = std::thread::spawn(move || watch(limit, &is_done));
+    let outcome = options.fmus.iter().try_for_each(|fmu| {
         let fmu = at(fmu, fs::canonicalize(fmu))?;
-        fuzz_one(options, &fmu)?;
+        fuzz_one(options, &fmu)
+    });
+    drop(done);
+    watch.join().map_err(|_| "the watch failed")?; // joined, so that a leak checker sees nothing of it
+    outcome
+}
+
+/// Ends the program if one sequence takes longer than `limit` s: a call that does not come back can't be stopped
+/// in another way.
+fn watch(limit: u64, is_done: &mpsc::Receiver<()>) {
+    let (mut last, mut since) = (0, Instant::now());
+    while is_done.recv_timeout(Duration::from_millis(500)) == Err(RecvTimeoutError::Timeout) {
+        let now = BEGUN.load(Ordering::Relaxed);
+        if now != last {
+            (last, since) = (now, Instant::now());
+        } else if since.elapsed().as_secs() > limit {
+            eprintln!("error: a sequence has taken more than {limit} s");
+            std::process::exit(1);
+        }
     }
-    Ok(())
 }
 
 fn fuzz_one(options: &Options, fmu: &Path) -> Result<()> {

@@ -264,3 +264,18 @@ fn every_call_checks_its_lengths() {
     instance.get_string(&[1], &mut text).expect("read");
     assert_eq!(text, ["ä%s"]);
 }
+
+#[test]
+fn law_a_unit_that_lives_once_per_process_gets_a_library_of_its_own() {
+    let units = Units::new();
+    let once = "canBeInstantiatedOnlyOncePerProcess=\"true\" modelIdentifier";
+    units.pack(
+        "stateful.fmu",
+        &common::description(STATEFUL).replace("modelIdentifier", once),
+        &common::library(),
+    );
+    let mut simulation = build(&units, &(BASE.to_owned() + &connection("a.y1", "b.u1"))).expect("builds");
+    simulation.set("a.x0", 1.0).expect("known");
+    simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+    assert_eq!(simulation.value("b.y1").expect("known"), 1.0, "one times a second");
+}

@@ -256,7 +256,8 @@ fn every_call_checks_its_lengths() {
     assert_eq!(error, "unit a: fmi2GetReal called with 2 references and 1 values");
     assert!(matches!(instance.set_boolean(&[], &[1]), Err(Error::Lengths { .. })));
     assert!(matches!(instance.set_string(&[0], &[]), Err(Error::Lengths { .. })));
-    assert!(matches!(instance.save_state(), Err(Error::Missing { function: "fmi2GetFMUstate", .. })));
+    let derivative = instance.directional_derivative(&[2], &[0], &[1.0], &mut [0.0]);
+    assert!(matches!(derivative, Err(Error::Missing { function: "fmi2GetDirectionalDerivative", .. })));
     instance.set_string(&[0], &["ä%s".into()]).expect("set");
     instance.setup_experiment(0.0, None).expect("set up");
     instance.enter_initialization().expect("enters");

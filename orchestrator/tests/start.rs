@@ -238,3 +238,33 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
     }
 }
+
+#[test]
+fn every_state_comes_back_in_its_own_and_in_another_instance() {
+    let units = Units::new();
+    let fmu = orchestrator::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let start = |name: &str| {
+        let mut instance = fmu.instantiate(name).expect("instantiates");
+        instance.set_real(&[0], &[3.0]).expect("an input");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        instance.exit_initialization().expect("exits");
+        instance
+    };
+    let step = |instance: &mut orchestrator::fmu::Instance| {
+        assert_eq!(instance.do_step(0.0, 0.5, false), orchestrator::fmu::Status::Ok);
+        instance.get(orchestrator::Kind::Real, 2).expect("y1")
+    };
+    let (mut first, mut second) = (start("first"), start("second"));
+    assert_eq!(step(&mut first), Value::Real(1.5));
+    let saved = first.save_state().expect("saved");
+    let bytes = first.serialize_state(&saved).expect("bytes");
+    assert_eq!(step(&mut first), Value::Real(3.0));
+    first.restore_state(&saved).expect("restored");
+    assert_eq!(step(&mut first), Value::Real(3.0), "again from 1.5");
+    first.free_state(saved).expect("freed");
+    let moved = second.deserialize_state(&bytes).expect("a state");
+    second.restore_state(&moved).expect("restored");
+    assert_eq!(step(&mut second), Value::Real(3.0), "from the other's 1.5");
+    second.free_state(moved).expect("freed");
+}

@@ -256,11 +256,27 @@ fn every_call_checks_its_lengths() {
     assert_eq!(error, "unit a: fmi2GetReal called with 2 references and 1 values");
     assert!(matches!(instance.set_boolean(&[], &[1]), Err(Error::Lengths { .. })));
     assert!(matches!(instance.set_string(&[0], &[]), Err(Error::Lengths { .. })));
-    assert!(matches!(instance.save_state(), Err(Error::Missing { function: "fmi2GetFMUstate", .. })));
+    let derivative = instance.directional_derivative(&[2], &[0], &[1.0], &mut [0.0]);
+    assert!(matches!(derivative, Err(Error::Missing { function: "fmi2GetDirectionalDerivative", .. })));
     instance.set_string(&[0], &["ä%s".into()]).expect("set");
     instance.setup_experiment(0.0, None).expect("set up");
     instance.enter_initialization().expect("enters");
     let mut text = [String::new()];
     instance.get_string(&[1], &mut text).expect("read");
     assert_eq!(text, ["ä%s"]);
+}
+
+#[test]
+fn law_a_unit_that_lives_once_per_process_gets_a_library_of_its_own() {
+    let units = Units::new();
+    let once = "canBeInstantiatedOnlyOncePerProcess=\"true\" modelIdentifier";
+    units.pack(
+        "stateful.fmu",
+        &common::description(STATEFUL).replace("modelIdentifier", once),
+        &common::library(),
+    );
+    let mut simulation = build(&units, &(BASE.to_owned() + &connection("a.y1", "b.u1"))).expect("builds");
+    simulation.set("a.x0", 1.0).expect("known");
+    simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+    assert_eq!(simulation.value("b.y1").expect("known"), 1.0, "one times a second");
 }

@@ -21,6 +21,29 @@ fn build(units: &Units, parts: &[String]) -> Result<Simulation, Error> {
 }
 
 #[test]
+fn law_simulations_go_to_other_threads() {
+    fn sends<T: Send>() {}
+    fn shares<T: Send + Sync>() {}
+    sends::<Simulation>();
+    shares::<orchestrator::UnitPath>();
+    shares::<Scenario>();
+    let units = Units::new();
+    let path = units.unit_path();
+    let text = format!("format = 1\nexperiment = {{ stop = 1 }}\n{}", unit("a", "stateful.fmu", "u1 = 1"));
+    let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let last = |k: f64| {
+        let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+        simulation.set("a.k", k).expect("before a run");
+        simulation.run(&mut orchestrator::NoRecorder, &mut Quiet).expect("runs");
+        simulation.value("a.y1").expect("known")
+    };
+    std::thread::scope(|scope| {
+        let runs = [1.0, 2.0, 3.0].map(|k| scope.spawn(move || last(k)));
+        assert_eq!(runs.map(|run| run.join().expect("no panic")), [1.0, 2.0, 3.0]);
+    });
+}
+
+#[test]
 fn law_start_values_go_along_the_dependencies() {
     // A chain of gains in the wrong order: c needs b, b needs a.
     let parts = [
@@ -33,8 +56,9 @@ fn law_start_values_go_along_the_dependencies() {
     let mut simulation = build(&Units::new(), &parts).expect("builds");
     assert_eq!(simulation.value("c.y1").expect("known"), 30.0);
     assert_eq!(
-        simulation.notices()[0],
-        "b.u1 starts at 9.0, but is connected to an output that is 2.0 at the start"
+        simulation.notices(),
+        ["inputs whose start value gave way to the output they are connected to: b.u1 = 9.0 (now 2.0), \
+             c.u1 = 0.0 (now 6.0)"]
     );
 }
 
@@ -55,7 +79,10 @@ fn value_loops_at_the_start_are_solved_or_named() {
         notices[0].starts_with(&format!("algebraic loop {path}: while stepping it is cut")),
         "{notices:?}"
     );
-    assert!(notices.iter().any(|n| n.contains(path) && n.contains("fixed-point iterations")), "{notices:?}");
+    assert!(
+        notices.iter().any(|n| n.contains(path) && n.contains("at initialisation: solved in")),
+        "{notices:?}"
+    );
 
     let error = build(&units, &parts(-2.0)).expect("builds").initialize().expect_err("diverges").to_string();
     assert!(
@@ -210,4 +237,34 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
     ] {
         assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
     }
+}
+
+#[test]
+fn every_state_comes_back_in_its_own_and_in_another_instance() {
+    let units = Units::new();
+    let fmu = orchestrator::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let start = |name: &str| {
+        let mut instance = fmu.instantiate(name).expect("instantiates");
+        instance.set_real(&[0], &[3.0]).expect("an input");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        instance.exit_initialization().expect("exits");
+        instance
+    };
+    let step = |instance: &mut orchestrator::fmu::Instance| {
+        assert_eq!(instance.do_step(0.0, 0.5, false), orchestrator::fmu::Status::Ok);
+        instance.get(orchestrator::Kind::Real, 2).expect("y1")
+    };
+    let (mut first, mut second) = (start("first"), start("second"));
+    assert_eq!(step(&mut first), Value::Real(1.5));
+    let saved = first.save_state().expect("saved");
+    let bytes = first.serialize_state(&saved).expect("bytes");
+    assert_eq!(step(&mut first), Value::Real(3.0));
+    first.restore_state(&saved).expect("restored");
+    assert_eq!(step(&mut first), Value::Real(3.0), "again from 1.5");
+    first.free_state(saved).expect("freed");
+    let moved = second.deserialize_state(&bytes).expect("a state");
+    second.restore_state(&moved).expect("restored");
+    assert_eq!(step(&mut second), Value::Real(3.0), "from the other's 1.5");
+    second.free_state(moved).expect("freed");
 }

@@ -71,6 +71,8 @@ pub struct Outline {
     pub ys: Vec<f32>,
     /// Smallest x and y, largest x and y, or slightly beyond.
     pub bounds: Option<[f32; 4]>,
+    /// No edge is longer than this horizontally or vertically, in pixels.
+    pub longest_edge: f64,
 }
 
 /// One coordinate of a closed curve: mean, and the cosine and sine parts of its harmonics.
@@ -85,6 +87,7 @@ impl Outline {
         self.xs.clear();
         self.ys.clear();
         self.bounds = None;
+        self.longest_edge = 0.0;
     }
 
     /// Adds the outline of a circle in the scene. One that the lens doesn't image (behind the camera, beyond the
@@ -146,6 +149,7 @@ impl Outline {
             self.xs.push(x);
             self.ys.push(y);
         }
+        self.longest_edge = f64::INFINITY; // not known; the general way takes any length
         self.widen(bounds);
         true
     }
@@ -156,6 +160,8 @@ impl Outline {
         y.extend(waves, &mut self.ys);
         let ((left, right), (top, bottom)) = (x.range(), y.range());
         self.widen([left, top, right, bottom]);
+        let angle = core::f64::consts::TAU / (circle.len() - 1) as f64;
+        self.longest_edge = self.longest_edge.max(angle * x.speed().max(y.speed()));
     }
 
     fn widen(&mut self, with: [f32; 4]) {
@@ -192,6 +198,11 @@ impl Curve {
                 *place += a * cos + b * sin;
             }
         }
+    }
+
+    /// Largest derivative with respect to the angle, or more.
+    fn speed(&self) -> f64 {
+        self.parts.iter().enumerate().map(|(h, (a, b))| (h + 1) as f64 * (a * a + b * b).sqrt()).sum()
     }
 
     /// The curve stays within its mean and the sum of the amplitudes.

@@ -106,9 +106,7 @@ impl Outline {
         }
         if let Some((scale_x, scale_y)) = projection.plain_scale() {
             let centre = projection.raster_from_ideal(ideal);
-            let x = Curve { mean: centre.0, parts: [(scale_x * radius, 0.0), (0.0, 0.0), (0.0, 0.0)] };
-            let y = Curve { mean: centre.1, parts: [(0.0, -scale_y * radius), (0.0, 0.0), (0.0, 0.0)] };
-            self.append(circle, &x, &y, 1);
+            self.add_disc(circle, centre, (scale_x * radius_world, scale_y * radius_world));
             return true;
         }
         let mut points = [(0.0, 0.0); SAMPLES];
@@ -124,6 +122,14 @@ impl Outline {
         let y = curve(circle, |i| points[i].1);
         self.append(circle, &x, &y, HARMONICS);
         true
+    }
+
+    /// Adds an upright ellipse, given in raster coordinates.
+    pub fn add_disc(&mut self, circle: &UnitCircle, centre: (f64, f64), radii: (f64, f64)) {
+        let (a, b) = (radii.0 * circle.radius, -radii.1 * circle.radius);
+        let x = Curve { mean: centre.0, parts: [(a, 0.0), (0.0, 0.0), (0.0, 0.0)] };
+        let y = Curve { mean: centre.1, parts: [(0.0, b), (0.0, 0.0), (0.0, 0.0)] };
+        self.append(circle, &x, &y, 1);
     }
 
     /// Every vertex mapped for itself.

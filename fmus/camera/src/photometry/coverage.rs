@@ -97,7 +97,8 @@ impl Edges {
             let middle = top_x + (bottom_x - top_x) * share;
             let (upper_column, upper) = part(top_x, middle, sign * above);
             let (lower_column, lower) = part(middle, bottom_x, sign * (height - above));
-            (edges.row[lane], edges.upper_column[lane], edges.lower_column[lane]) = (row, upper_column, lower_column);
+            (edges.row[lane], edges.upper_column[lane], edges.lower_column[lane]) =
+                (row, upper_column, lower_column);
             for cell in 0..3 {
                 (edges.upper[cell][lane], edges.lower[cell][lane]) = (upper[cell], lower[cell]);
             }

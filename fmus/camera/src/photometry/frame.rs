@@ -9,6 +9,7 @@ use super::quantise::{self, FrameNoise};
 use crate::effects::Effects;
 use crate::geometry::{Outline, Projection, UnitCircle};
 use crate::variables::{Scene, Sensor};
+use crate::vision::estimator;
 use fmi2_export::ModelError;
 
 /// What one frame sees.
@@ -190,7 +191,8 @@ impl FrameMaker {
     /// Boxes around the outlines with room for the defocus; boxes that touch are one.
     fn boxes(&self) -> Vec<Area> {
         let (width, height) = (self.base.width, self.base.height);
-        let margin = self.settings.effects.defocus.passes as usize;
+        let sensor = &self.settings.sensor;
+        let margin = self.settings.effects.defocus.passes as usize + estimator::margin(sensor);
         let mut boxes: Vec<Area> = Vec::with_capacity(3);
         for outline in &self.outlines {
             let Some([left, top, right, bottom]) = outline.bounds else { continue };

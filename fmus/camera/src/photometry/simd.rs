@@ -74,17 +74,27 @@ mod x86 {
     /// # Safety
     /// `span.base` and `picture` hold `blocks` blocks, `mask` that many words.
     #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
-    unsafe fn noisy512(span: Span<'_>, keys: Keys, gain: i16, picture: &mut [u8], mask: &mut [u32], blocks: usize) {
+    unsafe fn noisy512(
+        span: Span<'_>,
+        keys: Keys,
+        gain: i16,
+        picture: &mut [u8],
+        mask: &mut [u32],
+        blocks: usize,
+    ) {
         let narrow = tables(gain);
         let wide = |half: __m256i| _mm512_broadcast_i64x4(half);
         let (a, b, low) = (wide(narrow.a), wide(narrow.b), wide(narrow.low));
-        let (weights, rounds) =
-            ((wide(narrow.weights.0), wide(narrow.weights.1)), (wide(narrow.rounds.0), wide(narrow.rounds.1)));
+        let (weights, rounds) = (
+            (wide(narrow.weights.0), wide(narrow.weights.1)),
+            (wide(narrow.rounds.0), wide(narrow.rounds.1)),
+        );
         let (gain, half) = (wide(narrow.gain), _mm512_set1_epi16(32));
         let second = _mm512_set1_epi32(keys.1 as i32);
         let level = _mm256_set1_epi8(span.level as i8);
         let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-        let mut word = _mm512_add_epi32(_mm512_set1_epi32(span.first_word.wrapping_add(keys.0) as i32), lanes);
+        let mut word =
+            _mm512_add_epi32(_mm512_set1_epi32(span.first_word.wrapping_add(keys.0) as i32), lanes);
         for (block, bits) in mask.iter_mut().enumerate().take(blocks) {
             let mut h = _mm512_xor_si512(word, _mm512_srli_epi32::<16>(word));
             h = _mm512_mullo_epi32(h, rounds.0);

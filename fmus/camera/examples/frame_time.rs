@@ -1,6 +1,6 @@
 //! Time of one camera frame (render, defocus, noise, quantise, threshold, label, centroids), one thread.
 //!
-//! `cargo run --release -p camera --example frame_time [-- FRAMES]` prints the 10th percentile and the median in
+//! `cargo run --release -p camera --example frame_time [-- FRAMES [CASE]]` prints the 10th percentile and the median in
 //! microseconds for: a clean; b16 moving with E_t = 1, 16 sub-frames; c sigma 15 and defocus N = 2; d all of it with
 //! every lens effect; each with the whole frame made, and with only the boxes that the vision system needs.
 
@@ -36,7 +36,11 @@ fn main() {
         "{:6} {:6} {:>9} {:>9}   µs a frame of 512 x 512, {frames} frames",
         "case", "made", "p10", "median"
     );
+    let only = std::env::args().nth(2);
     for (name, change, sub_frames) in CASES {
+        if only.as_ref().is_some_and(|only| only != name) {
+            continue;
+        }
         for whole in [true, false] {
             let mut variables = Variables::default();
             change(&mut variables);

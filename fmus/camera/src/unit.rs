@@ -8,7 +8,7 @@ use crate::scene::Pose;
 use crate::shutter::history::Motion;
 use crate::shutter::{FrameClock, History, Queue, Segment, clock, exposure};
 use crate::variables::{Inputs, Outputs, Scene, Sensor, Variables};
-use crate::vision::{Component, Estimate, Feature, Labeller, Tracker, select};
+use crate::vision::{Component, Estimate, Estimators, Feature, Labeller, Tracker, View, select};
 use fmi2_export::{
     Dependencies, Description, Experiment, Log, LogCategory, Model, ModelError, Slot, Step, Table,
 };
@@ -38,6 +38,7 @@ struct Workshop(Arc<Mutex<Bench>>);
 struct Bench {
     maker: Option<FrameMaker>,
     labeller: Labeller,
+    estimators: Estimators,
     components: Vec<Component>,
     features: Vec<Feature>,
     centres_world: Vec<[(f64, f64); 3]>,
@@ -178,7 +179,7 @@ impl Camera {
         bench.maker(variables)?.render(Shot { k, centres_world: &centres, whole });
         bench.centres_world = centres;
 
-        let Bench { maker: Some(maker), labeller, components, features, .. } = &mut *bench else {
+        let Bench { maker: Some(maker), labeller, estimators, components, features, .. } = &mut *bench else {
             return Err(ModelError::Failed("no frame was made".to_owned()));
         };
         if whole {
@@ -188,8 +189,12 @@ impl Camera {
         labeller.label(maker.mask(), maker.windows(), row_step, components);
         features.clear();
         let circles = components.iter().filter(|component| select::may_be_circle(component, sensor));
-        features.extend(circles.map(|component| Feature::binary(component, sensor)));
-        Ok(Estimate { number: k, ..self.tracker.follow(features, clock.mid_exposure(k), scene, sensor) })
+        let (picture, mask, windows) = (maker.picture(), maker.mask(), maker.windows());
+        let view = View { picture, mask, windows, row_step };
+        let feature = |component| estimators.feature(component, &view, scene, sensor, &variables.effects);
+        features.extend(circles.map(feature));
+        let estimate = self.tracker.follow(features, clock.mid_exposure(k), scene, sensor);
+        Ok(Estimate { number: k, ..estimate })
     }
 
     /// Writes the newest result that has arrived by `now`.

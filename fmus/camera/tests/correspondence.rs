@@ -2,6 +2,7 @@
 
 mod common;
 use camera::Variables;
+use camera::scene::Pose;
 use common::*;
 
 /// The lenses of Section 4.1.2 at their strongest, with areas let through.
@@ -51,18 +52,23 @@ fn every_lens_is_identified_from_the_first_frame_and_never_wrongly() {
 fn every_pose_is_identified_rightly_or_not_at_all() {
     let base = Variables::default();
     let mut random = Random(3);
-    let (mut found, n) = (0, 3000);
-    for _ in 0..n {
+    let (mut found, mut n) = (0, 0);
+    for _ in 0..3000 {
         let (q1, q2) = (random.between(-1.2, 1.2), random.between(-2.35, 2.35));
+        let [_, _, tip] = base.scene.centres_world(Pose { link1_angle: q1, link2_angle: q2 });
+        if tip.0.abs() > 9.7 || tip.1 < -8.0 {
+            continue; // outside the picture, or in the ground
+        }
+        n += 1;
         let out = still(&base, q1, q2);
         if out.valid {
             found += 1;
             let error = (out.link1_angle - q1).abs().max((out.link2_angle - q2).abs());
-            // Quantisation stays below 3e-3; a circle cut by the border of the picture may be off by 2 px of 160.
-            assert!(error < 0.02, "off by {error} at {q1} {q2}");
+            // Quantisation alone; the largest on the manifold is 1.24e-3.
+            assert!(error < 2.5e-3, "off by {error} at {q1} {q2}");
         }
     }
     println!("{found} of {n}");
-    // Poses whose tip lies below the ground can't be; they and a few near-symmetric ones are not identified.
-    assert!(found > n * 85 / 100, "{found} of {n}");
+    // A few near-symmetric ones are not identified.
+    assert!(found > n * 90 / 100, "{found} of {n}");
 }

@@ -271,6 +271,29 @@ fn value_a_frame_is_written_as_png() {
 }
 
 #[test]
+fn alone_writing_frames_changes_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for estimator in 0..3 {
+        for interlaced in [false, true] {
+            let outputs = |frames_dir: String| {
+                let mut variables = variables(|v| {
+                    v.sensor.frames_dir.clone_from(&frames_dir);
+                    (v.sensor.frames_every, v.sensor.estimator, v.sensor.interlaced) =
+                        (2, estimator, interlaced);
+                    (v.effects.noise.deviation, v.effects.defocus.passes) = (15.0, 1);
+                });
+                let mut all = Vec::new();
+                run(&mut variables, 0.4, 1.0 / 60.0, |_, v| all.push(v.outputs.clone()));
+                all
+            };
+            let written = outputs(folder.path().display().to_string());
+            assert_eq!(written, outputs(String::new()), "estimator {estimator}, interlaced {interlaced}");
+            assert!(written.iter().all(|out| out.valid));
+        }
+    }
+}
+
+#[test]
 fn law_values_that_cant_be_are_refused_by_name() {
     let refused = |change: fn(&mut Variables)| {
         let mut variables = variables(change);

@@ -71,6 +71,8 @@ pub struct Outline {
     pub ys: Vec<f32>,
     /// Smallest x and y, largest x and y, or slightly beyond.
     pub bounds: Option<[f32; 4]>,
+    /// No edge is longer than this horizontally or vertically, in pixels.
+    pub longest_edge: f64,
 }
 
 /// One coordinate of a closed curve: mean, and the cosine and sine parts of its harmonics.
@@ -85,6 +87,7 @@ impl Outline {
         self.xs.clear();
         self.ys.clear();
         self.bounds = None;
+        self.longest_edge = 0.0;
     }
 
     /// Adds the outline of a circle in the scene. One that the lens doesn't image (behind the camera, beyond the
@@ -103,9 +106,7 @@ impl Outline {
         }
         if let Some((scale_x, scale_y)) = projection.plain_scale() {
             let centre = projection.raster_from_ideal(ideal);
-            let x = Curve { mean: centre.0, parts: [(scale_x * radius, 0.0), (0.0, 0.0), (0.0, 0.0)] };
-            let y = Curve { mean: centre.1, parts: [(0.0, -scale_y * radius), (0.0, 0.0), (0.0, 0.0)] };
-            self.append(circle, &x, &y, 1);
+            self.add_disc(circle, centre, (scale_x * radius_world, scale_y * radius_world));
             return true;
         }
         let mut points = [(0.0, 0.0); SAMPLES];
@@ -121,6 +122,14 @@ impl Outline {
         let y = curve(circle, |i| points[i].1);
         self.append(circle, &x, &y, HARMONICS);
         true
+    }
+
+    /// Adds an upright ellipse, given in raster coordinates.
+    pub fn add_disc(&mut self, circle: &UnitCircle, centre: (f64, f64), radii: (f64, f64)) {
+        let (a, b) = (radii.0 * circle.radius, -radii.1 * circle.radius);
+        let x = Curve { mean: centre.0, parts: [(a, 0.0), (0.0, 0.0), (0.0, 0.0)] };
+        let y = Curve { mean: centre.1, parts: [(0.0, b), (0.0, 0.0), (0.0, 0.0)] };
+        self.append(circle, &x, &y, 1);
     }
 
     /// Every vertex mapped for itself.
@@ -146,6 +155,7 @@ impl Outline {
             self.xs.push(x);
             self.ys.push(y);
         }
+        self.longest_edge = f64::INFINITY; // not known; the general way takes any length
         self.widen(bounds);
         true
     }
@@ -156,6 +166,8 @@ impl Outline {
         y.extend(waves, &mut self.ys);
         let ((left, right), (top, bottom)) = (x.range(), y.range());
         self.widen([left, top, right, bottom]);
+        let angle = core::f64::consts::TAU / (circle.len() - 1) as f64;
+        self.longest_edge = self.longest_edge.max(angle * x.speed().max(y.speed()));
     }
 
     fn widen(&mut self, with: [f32; 4]) {
@@ -192,6 +204,11 @@ impl Curve {
                 *place += a * cos + b * sin;
             }
         }
+    }
+
+    /// Largest derivative with respect to the angle, or more.
+    fn speed(&self) -> f64 {
+        self.parts.iter().enumerate().map(|(h, (a, b))| (h + 1) as f64 * (a * a + b * b).sqrt()).sum()
     }
 
     /// The curve stays within its mean and the sum of the amplitudes.

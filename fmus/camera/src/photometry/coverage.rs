@@ -62,36 +62,48 @@ pub struct Coverage {
     width: f32,
     height: f32,
     rows: usize,
-    xs: Vec<f32>,
-    ys: Vec<f32>,
-    edges: Vec<Edge>,
 }
 
-/// What an edge shorter than a pixel adds: three cells from a column on in its upper row, and in the row below.
+/// Edges that are worked out together, one a lane.
+const LANES: usize = 4;
+
+/// What edges shorter than a pixel add: three cells from a column on in their upper row, and in the row below.
 #[derive(Debug, Clone, Copy, Default)]
-struct Edge {
-    row: i32,
-    upper_column: i32,
-    lower_column: i32,
-    upper: [f32; 3],
-    lower: [f32; 3],
+struct Edges {
+    row: [i32; LANES],
+    upper_column: [i32; LANES],
+    lower_column: [i32; LANES],
+    upper: [[f32; LANES]; 3],
+    lower: [[f32; LANES]; 3],
 }
 
-impl Edge {
+impl Edges {
+    /// Edges between the vertices of `xs` and `ys` (one more than there are lanes), relative to (x0, y0). Written
+    /// lane by lane without branches, so that the compiler makes vector code of it.
     #[inline]
-    fn new(xa: f32, ya: f32, xb: f32, yb: f32) -> Self {
-        let down = ya < yb;
-        let sign = if down { 1.0 } else { -1.0 };
-        let (x0, y0, x1, y1) = if down { (xa, ya, xb, yb) } else { (xb, yb, xa, ya) };
-        let row = y0 as i32;
-        let border = (row + 1) as f32;
-        let height = y1 - y0;
-        let above = if y1 < border { height } else { border - y0 };
-        let share = above / if height > TINY { height } else { TINY };
-        let middle = x0 + (x1 - x0) * share;
-        let (upper_column, upper) = part(x0, middle, sign * above);
-        let (lower_column, lower) = part(middle, x1, sign * (height - above));
-        Self { row, upper_column, lower_column, upper, lower }
+    fn new(xs: &[f32; LANES + 1], ys: &[f32; LANES + 1], (x0, y0): (f32, f32)) -> Self {
+        let mut edges = Self::default();
+        for lane in 0..LANES {
+            let (xa, ya, xb, yb) = (xs[lane] - x0, ys[lane] - y0, xs[lane + 1] - x0, ys[lane + 1] - y0);
+            let down = ya < yb;
+            let sign = if down { 1.0 } else { -1.0 };
+            let (top_x, top) = (if down { xa } else { xb }, if down { ya } else { yb });
+            let (bottom_x, bottom) = (if down { xb } else { xa }, if down { yb } else { ya });
+            let row = top as i32;
+            let border = (row + 1) as f32;
+            let height = bottom - top;
+            let above = if bottom < border { height } else { border - top };
+            let share = above / if height > TINY { height } else { TINY };
+            let middle = top_x + (bottom_x - top_x) * share;
+            let (upper_column, upper) = part(top_x, middle, sign * above);
+            let (lower_column, lower) = part(middle, bottom_x, sign * (height - above));
+            (edges.row[lane], edges.upper_column[lane], edges.lower_column[lane]) =
+                (row, upper_column, lower_column);
+            for cell in 0..3 {
+                (edges.upper[cell][lane], edges.lower[cell][lane]) = (upper[cell], lower[cell]);
+            }
+        }
+        edges
     }
 }
 
@@ -126,57 +138,45 @@ impl Coverage {
     }
 
     /// Adds a closed polygon (its first vertex stands at the end again) that runs counter-clockwise as one looks at
-    /// the picture. Its y points down; the area's upper left corner is at (x0, y0).
-    pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32)) {
-        let relative = |places: &[f32], from: f32, into: &mut Vec<f32>| {
-            into.clear();
-            into.extend(places.iter().map(|place| place - from));
-        };
-        let (mut local_x, mut local_y) = (core::mem::take(&mut self.xs), core::mem::take(&mut self.ys));
-        relative(xs, x0, &mut local_x);
-        relative(ys, y0, &mut local_y);
-        if self.holds(&local_x, self.width) && self.holds(&local_y, self.height) {
-            self.add_short(&local_x, &local_y);
-        } else {
-            for (x, y) in local_x.windows(2).zip(local_y.windows(2)) {
-                self.edge(x[0], y[0], x[1], y[1]);
-            }
+    /// the picture. Its y points down; the area's upper left corner is at (x0, y0). `short_inside` promises that no
+    /// edge is a pixel long and that no vertex is outside the area; then it goes faster.
+    pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32), short_inside: bool) {
+        if short_inside {
+            return self.add_short(xs, ys, (x0, y0));
         }
-        (self.xs, self.ys) = (local_x, local_y);
+        for (x, y) in xs.windows(2).zip(ys.windows(2)) {
+            self.edge(x[0] - x0, y[0] - y0, x[1] - x0, y[1] - y0);
+        }
     }
 
-    /// Whether all places are inside the area and no edge is a pixel long.
-    fn holds(&self, places: &[f32], size: f32) -> bool {
-        let outside = |place: f32| (place < 0.0) | (place >= size);
-        let bad = places
-            .windows(2)
-            .fold(false, |bad, pair| bad | outside(pair[0]) | ((pair[1] - pair[0]).abs() >= 1.0));
-        !bad
-    }
-
-    /// A polygon of short edges inside the area, without branches: an edge shorter than a pixel lies in at most two
-    /// rows, and its part within a row in at most two columns.
-    fn add_short(&mut self, xs: &[f32], ys: &[f32]) {
-        let mut edges = core::mem::take(&mut self.edges);
-        edges.resize(xs.len() - 1, Edge::default());
-        for ((edge, x), y) in edges.iter_mut().zip(xs.windows(2)).zip(ys.windows(2)) {
-            *edge = Edge::new(x[0], y[0], x[1], y[1]);
-        }
-        let stride = self.stride;
-        for edge in &edges {
-            let upper = edge.row as usize * stride;
-            for (start, part) in [
-                (upper + edge.upper_column as usize, edge.upper),
-                (upper + stride + edge.lower_column as usize, edge.lower),
-            ] {
-                if let Some([a, b, c]) = self.cells.get_mut(start..start + 3) {
-                    *a += part[0];
-                    *b += part[1];
-                    *c += part[2];
+    /// A polygon of short edges inside the area: an edge shorter than a pixel lies in at most two rows, and its part
+    /// within a row in at most two columns.
+    fn add_short(&mut self, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+        let mut start = 0;
+        while let (Some(x), Some(y)) =
+            (xs[start..].first_chunk::<{ LANES + 1 }>(), ys[start..].first_chunk::<{ LANES + 1 }>())
+        {
+            let edges = Edges::new(x, y, origin);
+            for lane in 0..LANES {
+                let upper = edges.row[lane] as usize * self.stride;
+                let cells = [
+                    (upper + edges.upper_column[lane] as usize, &edges.upper),
+                    (upper + self.stride + edges.lower_column[lane] as usize, &edges.lower),
+                ];
+                for (first, parts) in cells {
+                    if let Some([a, b, c]) = self.cells.get_mut(first..first + 3) {
+                        *a += parts[0][lane];
+                        *b += parts[1][lane];
+                        *c += parts[2][lane];
+                    }
                 }
             }
+            start += LANES;
         }
-        self.edges = edges;
+        // The number of edges is a multiple of the lanes for the outlines there are.
+        for (x, y) in xs[start..].windows(2).zip(ys[start..].windows(2)) {
+            self.edge(x[0] - origin.0, y[0] - origin.1, x[1] - origin.0, y[1] - origin.1);
+        }
     }
 
     /// The covered share of each pixel of a row, `share` times the sum over the polygons, as a running sum.

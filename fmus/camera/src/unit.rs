@@ -87,12 +87,23 @@ fn check(variables: &Variables) -> Result<(), ModelError> {
         };
         return Err(ModelError::Value { name: declared.name, value: value.to_string(), expected });
     }
-    let sensor = &variables.sensor;
+    check_tunable(&variables.sensor)
+}
+
+/// Refuses what may change at any time without the picture being prepared anew.
+fn check_tunable(sensor: &Sensor) -> Result<(), ModelError> {
     if sensor.smallest_area > sensor.largest_area {
         return Err(ModelError::Value {
             name: "N_min",
             value: sensor.smallest_area.to_string(),
             expected: format!("at most N_max = {}", sensor.largest_area),
+        });
+    }
+    if !(sensor.delay >= 0.0 && sensor.delay.is_finite()) {
+        return Err(ModelError::Value {
+            name: "T_delay",
+            value: sensor.delay.to_string(),
+            expected: "a finite time of at least 0".to_owned(),
         });
     }
     Ok(())
@@ -272,6 +283,7 @@ impl Model for Camera {
         log: &mut dyn Log,
     ) -> Result<(), ModelError> {
         check_inputs(variables)?;
+        check_tunable(&variables.sensor)?;
         let rates = (step.input_rate("q1"), step.input_rate("q2"));
         let segment = if rates == (None, None) {
             // The inputs hold at the end of the step.

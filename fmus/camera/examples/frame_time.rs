@@ -66,7 +66,7 @@ fn measure(variables: &Variables, sub_frames: usize, whole: bool, frames: usize)
         let start = Instant::now();
         centres.clear();
         centres.extend((0..sub_frames).map(|i| scene.centres_world(pose(i as f64 / sub_frames as f64))));
-        maker.render(Shot { k: k as i64, centres_world: &centres, whole });
+        maker.render(Shot { k: k as i64, seed: 0, centres_world: &centres, whole });
         labeller.label(maker.mask(), maker.windows(), 1, &mut components);
         features.clear();
         let circles = components.iter().filter(|component| select::may_be_circle(component, sensor));

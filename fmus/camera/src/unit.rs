@@ -87,12 +87,23 @@ fn check(variables: &Variables) -> Result<(), ModelError> {
         };
         return Err(ModelError::Value { name: declared.name, value: value.to_string(), expected });
     }
-    let sensor = &variables.sensor;
+    check_tunable(&variables.sensor)
+}
+
+/// Refuses what may change at any time without the picture being prepared anew.
+fn check_tunable(sensor: &Sensor) -> Result<(), ModelError> {
     if sensor.smallest_area > sensor.largest_area {
         return Err(ModelError::Value {
             name: "N_min",
             value: sensor.smallest_area.to_string(),
             expected: format!("at most N_max = {}", sensor.largest_area),
+        });
+    }
+    if !(sensor.delay >= 0.0 && sensor.delay.is_finite()) {
+        return Err(ModelError::Value {
+            name: "T_delay",
+            value: sensor.delay.to_string(),
+            expected: "a finite time of at least 0".to_owned(),
         });
     }
     Ok(())
@@ -176,7 +187,7 @@ impl Camera {
         let scale = pixels_per_world(scene, sensor, &variables.effects);
         exposure::sub_frames(&self.history, scene, scale, end - clock.exposure(), end, &mut centres);
         let whole = recording::wants(sensor, k);
-        bench.maker(variables)?.render(Shot { k, centres_world: &centres, whole });
+        bench.maker(variables)?.render(Shot { k, seed: sensor.seed, centres_world: &centres, whole });
         bench.centres_world = centres;
 
         let Bench { maker: Some(maker), labeller, estimators, components, features, .. } = &mut *bench else {
@@ -274,6 +285,7 @@ impl Model for Camera {
         log: &mut dyn Log,
     ) -> Result<(), ModelError> {
         check_inputs(variables)?;
+        check_tunable(&variables.sensor)?;
         let rates = (step.input_rate("q1"), step.input_rate("q2"));
         let segment = if rates == (None, None) {
             // The inputs hold at the end of the step.

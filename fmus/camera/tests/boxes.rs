@@ -7,7 +7,7 @@ use camera::scene::Pose;
 use camera::vision::{Component, Labeller};
 use common::*;
 
-const SETTINGS: [(&str, fn(&mut Variables)); 8] = [
+const SETTINGS: [(&str, Change); 8] = [
     ("clean", |_| ()),
     ("defocus", |v| v.effects.defocus.passes = 3),
     ("noise", |v| v.effects.noise.deviation = 15.0),
@@ -64,10 +64,10 @@ fn every_setting_boxes_give_what_whole_frames_give() {
             let blurred = [centres, [(centres[0].0 + 0.1, centres[0].1), centres[1], centres[2]]];
             let centres_world = if k % 2 == 0 { &blurred[..1] } else { &blurred[..] };
             // Whole pictures now and then also in the maker that mostly does boxes.
-            boxes.render(Shot { k, centres_world, whole: k % 5 == 4 });
+            boxes.render(Shot { k, seed: 0, centres_world, whole: k % 5 == 4 });
             let mut new = fresh();
-            new.render(Shot { k, centres_world, whole: true });
-            whole.render(Shot { k, centres_world, whole: true });
+            new.render(Shot { k, seed: 0, centres_world, whole: true });
+            whole.render(Shot { k, seed: 0, centres_world, whole: true });
             assert_eq!(boxes.base(), new.base(), "{name}, frame {k}: base");
             let rows = |maker: &FrameMaker| {
                 let (first, step) = if variables.sensor.interlaced { (k as usize % 2, 2) } else { (0, 1) };

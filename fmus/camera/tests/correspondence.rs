@@ -6,7 +6,7 @@ use camera::scene::Pose;
 use common::*;
 
 /// The lenses of Section 4.1.2 at their strongest, with areas let through.
-const LENSES: [(&str, fn(&mut Variables)); 12] = [
+const LENSES: [(&str, Change); 12] = [
     ("none", |_| ()),
     ("k1", |v| v.effects.radial.cubic = 0.2),
     ("-k1", |v| v.effects.radial.cubic = -0.3),

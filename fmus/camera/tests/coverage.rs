@@ -11,7 +11,7 @@ fn maker(variables: &Variables) -> FrameMaker {
 }
 
 fn shot(centres: &[[(f64, f64); 3]]) -> Shot<'_> {
-    Shot { k: 0, centres_world: centres, whole: true }
+    Shot { k: 0, seed: 0, centres_world: centres, whole: true }
 }
 
 /// Covered share of each pixel, from the base.
@@ -73,7 +73,7 @@ fn value_pixels_are_covered_exactly() {
             }
         }
     }
-    // Issue 2 asks for 0.01. The polygon may be off by 0.0025, the samples by about 0.5 · 48^-1.5 · a few = 0.004.
+    // Issue 2 asks for 0.01. The polygon may be off by 0.002, the samples by about 0.5 · 48^-1.5 · a few = 0.004.
     println!("largest error of a pixel {worst:.4}");
     assert!(worst < 0.0065, "{worst}");
 }
@@ -93,7 +93,7 @@ fn disc_in_pixel(cx: f64, cy: f64, r: f64, x: f64, y: f64) -> f64 {
 }
 
 #[test]
-fn value_an_undistorted_disc_is_covered_to_a_quarter_percent() {
+fn value_an_undistorted_disc_is_covered_to_a_fifth_percent() {
     let mut random = Random(7);
     let mut maker = maker(&Variables::default());
     let mut worst: f64 = 0.0;
@@ -117,6 +117,66 @@ fn value_an_undistorted_disc_is_covered_to_a_quarter_percent() {
     println!("largest error of a pixel {worst:.5}");
     // The outline's own bound, and rounding to 1/64 grey level.
     assert!(worst < camera::geometry::outline::COVERAGE_ERROR + 1e-4, "{worst}");
+}
+
+#[test]
+fn law_a_circle_at_the_border_is_cut_there() {
+    // The part within the picture is that of the same circle in a larger picture with the same pixels.
+    let small = Variables::default();
+    let large = variables(|v| {
+        (v.sensor.width, v.sensor.height) = (1024, 1024);
+        v.scene.field_of_view = 40.0;
+    });
+    let (mut small, mut large) = (maker(&small), maker(&large));
+    let mut random = Random(8);
+    for _ in 0..50 {
+        let mut edge = || random.between(9.7, 10.3) * if random.uniform() < 0.5 { -1.0 } else { 1.0 };
+        let (a, b) = (edge(), edge());
+        let centres = [[(a, random.between(-10.2, 10.2)), (random.between(-10.2, 10.2), b), (a, b)]];
+        small.render(shot(&centres));
+        large.render(shot(&centres));
+        for y in 0..512 {
+            for (found, expected) in small.base().row(y).iter().zip(&large.base().row(y + 256)[256..]) {
+                // Single precision at twice the distance from the corner: 3e-5 px, less than a part in 16320.
+                assert!((found - expected).abs() <= 8, "{found} {expected} in row {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn value_large_circles_are_covered_exactly() {
+    // Edges of several pixels go the general way: the area of a disc of 100 px radius.
+    for (radius, (width, height)) in [(3.90625, (512, 512)), (2.0, (300, 800))] {
+        let variables = variables(|v| {
+            v.scene.circle_radius = radius;
+            (v.sensor.width, v.sensor.height) = (width, height);
+        });
+        let mut maker = maker(&variables);
+        maker.render(shot(&[[(0.3, -0.2), (60.0, 0.0), (0.0, 60.0)]]));
+        let total: f64 = coverage(&maker).iter().sum();
+        let exact = core::f64::consts::PI * radius * radius / 400.0 * f64::from(width) * f64::from(height);
+        assert!((total / exact - 1.0).abs() < 1e-5, "{total} {exact}");
+    }
+}
+
+#[test]
+fn value_an_exposure_is_the_mean_over_the_motion() {
+    // Sub-frames a quarter of a pixel apart against forty times as many, for the fastest circle 4 px.
+    let scene = Variables::default().scene;
+    let mean = |n: usize| {
+        let mut maker = maker(&Variables::default());
+        let at = |i: usize| {
+            let share = (i as f64 + 0.5) / n as f64;
+            scene.centres_world(Pose { link1_angle: 0.02 - 0.003 * share, link2_angle: 0.5 + 0.022 * share })
+        };
+        maker.render(shot(&(0..n).map(at).collect::<Vec<_>>()));
+        coverage(&maker)
+    };
+    let worst = largest(mean(16).into_iter().zip(mean(640)).map(|(a, b)| a - b));
+    println!("largest error of a pixel {worst:.4}");
+    // The outline's own error, and the midpoint rule over steps of 0.25 px.
+    assert!(worst < 0.01, "{worst}");
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn set(variables: &mut Variables, name: &str, value: f64) {
 fn frame(variables: &Variables) -> (Vec<i16>, Vec<u8>) {
     let mut maker = FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects).expect("legal");
     let centres = variables.scene.centres_world(Pose { link1_angle: 0.123, link2_angle: -0.987 });
-    maker.render(Shot { k: 3, centres_world: &[centres], whole: true });
+    maker.render(Shot { k: 3, seed: 0, centres_world: &[centres], whole: true });
     (maker.base().values.clone(), maker.picture().values.clone())
 }
 

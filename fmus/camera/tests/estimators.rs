@@ -38,7 +38,12 @@ fn bound(sigma: f64, passes: i32) -> f64 {
         let place = (random.between(-5.0, 5.0), random.between(-5.0, 5.0));
         let mut grey = |dx: f64| {
             let centre = (place.0 + dx / 25.6, place.1);
-            maker.render(Shot { k: 0, centres_world: &[[centre, (40.0, 0.0), (0.0, 40.0)]], whole: false });
+            maker.render(Shot {
+                k: 0,
+                seed: 0,
+                centres_world: &[[centre, (40.0, 0.0), (0.0, 40.0)]],
+                whole: false,
+            });
             maker.base().values.iter().map(|parts| f64::from(*parts) / 64.0).collect::<Vec<f64>>()
         };
         let (right, left) = (grey(0.1), grey(-0.1));

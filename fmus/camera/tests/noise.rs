@@ -118,7 +118,7 @@ fn value_noise_in_whole_frames() {
     let far = [[(100.0, 100.0); 3]];
     let mut before: Vec<u8> = Vec::new();
     for k in 0..4 {
-        maker.render(Shot { k, centres_world: &far, whole: true });
+        maker.render(Shot { k, seed: 0, centres_world: &far, whole: true });
         let pixels: Vec<f64> = maker.picture().values.iter().map(|pixel| f64::from(*pixel)).collect();
         let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
         let deviation = (pixels.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / pixels.len() as f64).sqrt();

@@ -311,4 +311,7 @@ fn law_values_that_cant_be_are_refused_by_name() {
     let step = Step { from: 0.0, to: 0.1, input_rates: &[] };
     let error = camera.step(&mut variables, &step, &mut Silent).expect_err("not a pose").to_string();
     assert!(error.starts_with("variable q1 = NaN"), "{error}");
+    (variables.inputs.link1_angle, variables.sensor.delay) = (0.0, -1.0);
+    let error = camera.step(&mut variables, &step, &mut Silent).expect_err("not a delay").to_string();
+    assert!(error.starts_with("variable T_delay = -1"), "{error}");
 }

@@ -12,7 +12,7 @@
 use super::Projection;
 
 /// Largest error of a pixel's coverage, as a share of the pixel.
-pub const COVERAGE_ERROR: f64 = 0.0025;
+pub const COVERAGE_ERROR: f64 = 0.002;
 /// Circles up to this radius in image units are mapped by their harmonics; the fourth order is below 1e-5 px then.
 const SMALL: f64 = 0.05;
 const HARMONICS: usize = 3;

@@ -110,9 +110,9 @@ impl Likelihood {
         let (mut score, mut info) = ([0.0; 2], [0.0; 3]);
         let first = area.y0 + (component.bounds.y0 - area.y0) % view.row_step;
         for y in (first..area.y1).step_by(view.row_step) {
-            let row = view.picture.row(y);
-            for x in area.x0..area.x1 {
-                let at = (y - area.y0) * area.width() + x - area.x0;
+            let start = (y - area.y0) * area.width();
+            for (column, grey) in view.picture.row(y)[area.x0..area.x1].iter().enumerate() {
+                let at = start + column;
                 let slope = |plus: usize, minus: usize| {
                     f64::from(self.sides[plus][at] - self.sides[minus][at]) / (2.0 * HALF_DIFFERENCE)
                 };
@@ -120,7 +120,7 @@ impl Likelihood {
                 if a == 0.0 && b == 0.0 {
                     continue;
                 }
-                let (pull, stiffness) = pixel(row[x], f64::from(self.middle[at]), sigma);
+                let (pull, stiffness) = pixel(*grey, f64::from(self.middle[at]), sigma);
                 score = [score[0] + pull * a, score[1] + pull * b];
                 info =
                     [info[0] + stiffness * a * a, info[1] + stiffness * a * b, info[2] + stiffness * b * b];

@@ -1,4 +1,5 @@
-//! From a frame to the state (Section 3.2): threshold, label, select by area, centroid, correspondence, state.
+//! From a frame to the state (Section 3.2): label the thresholded frame, select regions by area, find their centres
+//! (the binary centroid, or one of the other estimators), say which is which circle, and read the state off them.
 
 pub mod centroid;
 pub mod correspondence;

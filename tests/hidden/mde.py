@@ -232,7 +232,7 @@ def study(setting):
     for name, v in vectors.items():
         clear = _without(v, [vectors[f"camera.{k}"] for k in MOUNT.get(name, ()) if f"camera.{k}" in vectors])
         threshold = THRESHOLD_LENS if name in MOUNT else THRESHOLD
-        factor = 1.0 if BY_NAME[name].shape == "limit" else threshold / np.linalg.norm(clear)
+        factor = 1.0 if name in limits else threshold / np.linalg.norm(clear)
         table[name] = {"mde": sizes[name] * factor, "strength": float(np.linalg.norm(v) * factor), **_alike(name, vectors)}
         if name in limits:
             table[name]["at"] = limits[name]
@@ -262,16 +262,24 @@ def _alike(name, vectors):
 
 
 def _limits(bench, name, top, multiples=(1.0, 3.0, 10.0)):
-    """Limits whose signatures reach multiples of the threshold (log-log interpolation on a grid); 0 where none does."""
-    grid = np.geomspace(0.05, 1.2, 12) * top
+    """Limits whose signatures reach multiples of the threshold (grid, then bisection); 0 where none does."""
+    grid = np.geomspace(0.05, 1.2, 10) * top
+
+    def strong(x, m):
+        return np.linalg.norm(bench.signature(name, x)) > m * THRESHOLD
+
     snr = np.array([np.linalg.norm(bench.signature(name, x)) for x in grid])
-    snr = np.minimum.accumulate(np.maximum(snr, 1e-3))  # a tighter limit is never weaker
     found = []
     for m in multiples:
-        if snr[0] < m * THRESHOLD:
+        above = np.flatnonzero(snr > m * THRESHOLD)
+        if len(above) == 0 or above[-1] == len(grid) - 1:
             found.append(0.0)
-        else:
-            found.append(float(np.exp(np.interp(-math.log(m * THRESHOLD), -np.log(snr), np.log(grid)))))
+            continue
+        lo, hi = grid[above[-1]], grid[above[-1] + 1]
+        for _ in range(6):
+            mid = math.sqrt(lo * hi)
+            lo, hi = (mid, hi) if strong(mid, m) else (lo, mid)
+        found.append(float(lo))
     return found
 
 

@@ -277,7 +277,7 @@ def advance(s, a, t0, t1, ct, cv, c1, lo, n, gust_times, p, moves):
         if p[TMAX] > 0.0:
             target = min(max(target, -p[TMAX]), p[TMAX])
         slope = 0.0
-        if p[DTMAX] > 0.0 and abs(target - a[0]) > 1e-12:
+        if p[DTMAX] > 0.0 and abs(target - a[0]) > 1e-9 * p[DTMAX]:  # less than a nanosecond away has arrived
             slope = p[DTMAX] if target > a[0] else -p[DTMAX]
             end = min(end, t + abs(target - a[0]) / p[DTMAX])
         else:

@@ -223,6 +223,8 @@ def slide(s, t, length, piece, tau1, gust_times, p, w):
     done = 0.0
     while done < length - 1e-13:
         h = min(hmax, length - done)
+        if done < 12.0 * piece[3] and abs(piece[2] - piece[0]) > 1e-9:
+            h = min(h, 0.4 * piece[3])  # resolves the lag's transient however short the lag
         u = piece[4] * lagged(done, piece[0], piece[1], piece[2], piece[3]) + piece[5]
         choose_modes(s, u, tau1, t + done, gust_times, p, mode, out, acc)
         rk4(s, h, done, t + done, piece, tau1, gust_times, p, mode, out, acc, w, n)

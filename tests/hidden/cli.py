@@ -67,10 +67,12 @@ def _parser():
 
 def _manifest(out, rows):
     text = ["# Sets made here, and extra arguments that a diagnosis of each has to be given."]
-    for name, part in sorted(rows):
-        args = '["--without", "camera.k2"]' if part == "unknown" else "[]"
-        text += ["", "[[set]]", f'dir = "{name}"', f"args = {args}"]
-    (Path(out) / "manifest.toml").write_text("\n".join(text) + "\n")
+    file = Path(out) / "manifest.toml"
+    known = {r["dir"]: r["args"] for r in tomllib.loads(file.read_text()).get("set", [])} if file.exists() else {}
+    known |= {name: ["--without", "camera.k2"] if part == "unknown" else [] for name, part in rows}
+    for name, args in sorted(known.items()):
+        text += ["", "[[set]]", f'dir = "{name}"', f"args = {json.dumps(args)}"]
+    file.write_text("\n".join(text) + "\n")
 
 
 def _made(spec, args):

@@ -223,6 +223,8 @@ def slide(s, t, length, piece, tau1, gust_times, p, w):
     done = 0.0
     while done < length - 1e-13:
         h = min(hmax, length - done)
+        if done < 12.0 * piece[3] and abs(piece[2] - piece[0]) > 1e-9:
+            h = min(h, 0.4 * piece[3])  # resolves the lag's transient however short the lag
         u = piece[4] * lagged(done, piece[0], piece[1], piece[2], piece[3]) + piece[5]
         choose_modes(s, u, tau1, t + done, gust_times, p, mode, out, acc)
         rk4(s, h, done, t + done, piece, tau1, gust_times, p, mode, out, acc, w, n)
@@ -277,7 +279,7 @@ def advance(s, a, t0, t1, ct, cv, c1, lo, n, gust_times, p, moves):
         if p[TMAX] > 0.0:
             target = min(max(target, -p[TMAX]), p[TMAX])
         slope = 0.0
-        if p[DTMAX] > 0.0 and abs(target - a[0]) > 1e-12:
+        if p[DTMAX] > 0.0 and abs(target - a[0]) > 1e-9 * p[DTMAX]:  # less than a nanosecond away has arrived
             slope = p[DTMAX] if target > a[0] else -p[DTMAX]
             end = min(end, t + abs(target - a[0]) / p[DTMAX])
         else:

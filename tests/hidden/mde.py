@@ -220,8 +220,8 @@ def study(setting):
         if e.shape == "limit":
             peak = max(np.abs(r.commands[:, 1]).max() for r in bench.runs)
             steps = max(np.abs(np.diff(r.commands[:, 1])).max() for r in bench.runs)
-            top = peak if e.key == "tau_max" else 30.0 * steps
-            limits[e.name] = _limits(bench, e.name, top)
+            grid = np.geomspace(0.05, 1.2, 10) * peak if e.key == "tau_max" else np.geomspace(5.0, 20000.0, 12) * steps
+            limits[e.name] = _limits(bench, e.name, grid)
             size = limits[e.name][0]
             if not size:
                 continue
@@ -261,9 +261,8 @@ def _alike(name, vectors):
     return {"alike": alike, "alike_wide": wide}
 
 
-def _limits(bench, name, top, multiples=(1.0, 3.0, 10.0)):
+def _limits(bench, name, grid, multiples=(1.0, 3.0, 10.0)):
     """Limits whose signatures reach multiples of the threshold (grid, then bisection); 0 where none does."""
-    grid = np.geomspace(0.05, 1.2, 10) * top
 
     def strong(x, m):
         return np.linalg.norm(bench.signature(name, x)) > m * THRESHOLD

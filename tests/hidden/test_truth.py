@@ -79,6 +79,14 @@ def test_value_actuator_order_delay_limit_rate_lag_gain_bias():
     assert u[50] == pytest.approx(0.3 + 2 * (1 + (y - 1) * math.exp(-6)), abs=1e-9)
 
 
+def test_law_a_short_lag_acts_like_a_delay_of_its_length():
+    commands = [(0.1 * k, 0.1 * (-1) ** k) for k in range(10)]
+    ends = [free_run(pinned(**{key: 4e-5}), (math.pi, math.pi, 0, 0), 1.0, commands)[1][-1, :4] for key in ("T_act", "tau_delay")]
+    plain = free_run(pinned(), (math.pi, math.pi, 0, 0), 1.0, commands)[1][-1, :4]
+    moved = np.abs(ends[1] - plain)
+    assert np.all(np.abs(ends[0] - ends[1]) < 0.02 * moved.max())  # the rest is of second order in the lag
+
+
 def test_value_manifold_and_poles_c10_c11():
     grid = np.linspace(0, 2.35, 20001)
     q1 = np.array([LAW.on_manifold(q) for q in grid])

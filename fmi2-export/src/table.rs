@@ -1,6 +1,6 @@
 //! The one declaration of a unit's variables, and what is read off it.
 //!
-//! [`variables!`] declares a struct whose fields are FMI variables; [`table!`] puts several such structs
+//! [`variables!`](crate::variables) declares a struct whose fields are FMI variables; [`table!`](crate::table!) puts several such structs
 //! together, so that an effect can bring its own parameters in its own file. The place of a variable in the
 //! whole table is its value reference.
 

@@ -65,7 +65,8 @@ impl Plan {
     }
 }
 
-/// Initialises all units; the system is then at its start with all values read. Adds what a person should know.
+/// Initialises all units; the system is then at its start with all values read. Adds what a person should know, and
+/// which inputs' start values gave way to a connected output.
 pub(crate) fn initialise(
     system: &mut System,
     plan: &Plan,
@@ -73,6 +74,7 @@ pub(crate) fn initialise(
     start: Point,
     stop: f64,
     notices: &mut Vec<String>,
+    replaced: &mut Vec<String>,
 ) -> Result<(), Error> {
     for (unit, sets) in system.units.iter_mut().zip(sets) {
         let instance = &mut unit.instance;
@@ -93,20 +95,13 @@ pub(crate) fn initialise(
             }
         }
     }
-    let mut replaced = Vec::new();
     for group in &plan.groups {
         match &group.path {
-            None => group
-                .nodes
-                .iter()
-                .try_for_each(|node| pass(system, node, start, &mut replaced).map(|_| ()))?,
-            Some(path) => notices.extend(solve(system, group, path, start, &mut replaced)?),
+            None => {
+                group.nodes.iter().try_for_each(|node| pass(system, node, start, replaced).map(|_| ()))?
+            }
+            Some(path) => notices.extend(solve(system, group, path, start, replaced)?),
         }
-    }
-    if !replaced.is_empty() {
-        let list = replaced.join(", ");
-        notices
-            .push(format!("inputs whose start value gave way to the output they are connected to: {list}"));
     }
     for unit in &mut system.units {
         unit.instance.exit_initialization()?;

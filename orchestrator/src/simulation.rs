@@ -34,6 +34,7 @@ pub struct Simulation {
     pub(crate) now: Point,
     pub(crate) stops: Vec<Stop>,
     notices: Vec<String>,
+    replaced_starts: Vec<String>,
     from_unit_path: Vec<bool>,
 }
 
@@ -63,6 +64,7 @@ impl Simulation {
             phase: Phase::Ready,
             stops: Vec::new(),
             notices: Vec::new(),
+            replaced_starts: Vec::new(),
         })
     }
 
@@ -102,8 +104,9 @@ impl Simulation {
             })
             .collect();
         self.notices.clear();
+        self.replaced_starts.clear();
         self.phase = Phase::Over;
-        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices)?;
+        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices, &mut self.replaced_starts)?;
         self.now = *start;
         self.phase = Phase::Running;
         self.algorithm.after(&mut self.wiring.system, self.now);
@@ -252,8 +255,14 @@ impl Simulation {
         }
     }
 
-    /// What a person should know but what stops nothing: loops, conversions that could not be made, start values
-    /// that differ along a connection, warnings of units.
+    /// Inputs whose start value gave way to the output that they are connected to, each as `unit.variable = value (now
+    /// value)`: ordinary, but worth a look when a start value was meant to count.
+    pub fn replaced_starts(&self) -> &[String] {
+        &self.replaced_starts
+    }
+
+    /// What a person should know but what stops nothing: loops, conversions that could not be made, warnings of
+    /// units.
     pub fn notices(&self) -> Vec<String> {
         let warnings =
             self.wiring.system.units.iter().filter(|unit| unit.instance.warnings() > 0).map(|unit| {

@@ -57,10 +57,9 @@ pub fn fuzz(options: &Options) -> Result<()> {
     let (done, is_done) = mpsc::channel();
     let limit = options.limit;
     let watch = std::thread::spawn(move || watch(limit, &is_done));
-    let outcome = options.fmus.iter().try_for_each(|fmu| {
-        let fmu = at(fmu, fs::canonicalize(fmu))?;
-        fuzz_one(options, &fmu)
-    });
+    // All paths first: each unit runs in a folder of its own, where a relative path leads nowhere.
+    let fmus = options.fmus.iter().map(|fmu| at(fmu, fs::canonicalize(fmu))).collect::<Result<Vec<_>>>();
+    let outcome = fmus.and_then(|fmus| fmus.iter().try_for_each(|fmu| fuzz_one(options, fmu)));
     drop(done);
     watch.join().map_err(|_| "the watch failed")?; // joined, so that a leak checker sees nothing of it
     outcome

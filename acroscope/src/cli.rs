@@ -20,6 +20,8 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario: writes results.csv, resolved.toml and report.html.
     Run(Run),
+    /// Reproduce the paper's tables, figures and claims: writes claims.json and index.html.
+    Reproduce(Reproduce),
 }
 
 /// `acroscope run`
@@ -37,6 +39,17 @@ pub struct Run {
     #[arg(long, short)]
     pub verbose: bool,
     /// Folder for the results, made if it is missing [default: out/SCENARIO].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `acroscope reproduce`
+#[derive(Debug, Args)]
+pub struct Reproduce {
+    /// Studies, or claims that they decide: table-3, C25, ...; all if none is given.
+    #[arg(value_name = "ID")]
+    pub ids: Vec<String>,
+    /// Folder for the results, made if it is missing [default: out/reproduce].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

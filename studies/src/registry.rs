@@ -3,4 +3,18 @@
 use crate::Study;
 
 /// Every study; a new one is a file and a line here.
-pub const STUDIES: &[Study] = &[];
+pub const STUDIES: &[Study] = &[
+    crate::fields::STUDY,
+    crate::defocus_mask::STUDY,
+    crate::dynamics::STUDY,
+    crate::manifold::STUDY,
+    crate::setup::STUDY,
+    crate::quantisation::STUDY,
+    crate::blur::STUDY,
+    crate::photometry::STUDY,
+    crate::lens_errors::STUDY,
+    crate::table3::STUDY,
+    crate::composite::STUDY,
+    crate::loop_values::STUDY,
+    crate::compensation::STUDY,
+];

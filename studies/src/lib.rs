@@ -5,8 +5,12 @@
 
 pub mod bench;
 pub mod claim;
+pub mod closed_loop;
+mod delay;
+mod four_graphs;
 mod pages;
 mod registry;
+mod tracking;
 
 pub use bench::Bench;
 pub use claim::{Claim, Figure, Outcome, Study};

@@ -3,4 +3,7 @@
 use crate::Study;
 
 /// Every study; a new one is a file and a line here.
-pub const STUDIES: &[Study] = &[];
+pub const STUDIES: &[Study] = &[
+    crate::tracking::STUDY,
+    crate::delay::STUDY,
+];

@@ -8,8 +8,10 @@ pub mod claim;
 pub mod closed_loop;
 mod delay;
 mod four_graphs;
+mod lens_loop;
 mod pages;
 mod registry;
+mod still_poses;
 mod tracking;
 
 pub use bench::Bench;

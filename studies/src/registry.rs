@@ -6,4 +6,5 @@ use crate::Study;
 pub const STUDIES: &[Study] = &[
     crate::tracking::STUDY,
     crate::delay::STUDY,
+    crate::lens_loop::STUDY,
 ];

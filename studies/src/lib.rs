@@ -12,6 +12,7 @@ mod lens_loop;
 mod pages;
 mod registry;
 mod still_poses;
+mod torque_rate;
 mod tracking;
 
 pub use bench::Bench;

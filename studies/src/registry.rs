@@ -7,4 +7,5 @@ pub const STUDIES: &[Study] = &[
     crate::tracking::STUDY,
     crate::delay::STUDY,
     crate::lens_loop::STUDY,
+    crate::torque_rate::STUDY,
 ];

@@ -11,6 +11,7 @@ mod four_graphs;
 mod lens_loop;
 mod pages;
 mod registry;
+mod stability_map;
 mod still_poses;
 mod torque_rate;
 mod tracking;

@@ -8,4 +8,5 @@ pub const STUDIES: &[Study] = &[
     crate::delay::STUDY,
     crate::lens_loop::STUDY,
     crate::torque_rate::STUDY,
+    crate::stability_map::STUDY,
 ];

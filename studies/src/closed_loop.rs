@@ -2,7 +2,7 @@
 
 use crate::{Bench, Claim, Error};
 use orchestrator::scenario::{Placed, Shape, SignalEntry};
-use orchestrator::{Comparison, Ended, MemoryRecorder, Place, Quiet, Simulation, time::Rational};
+use orchestrator::{Comparison, Ended, MemoryRecorder, Place, Quiet, Scenario, Simulation, time::Rational};
 use rayon::prelude::*;
 use std::fmt::Display;
 
@@ -39,6 +39,9 @@ impl Poles {
         ]
     }
 }
+
+/// N_min and N_max for strong lenses: undistorted circles have 75 px.
+pub const ANY_AREA: [(&str, f64); 2] = [("camera.N_min", 15.0), ("camera.N_max", 400.0)];
 
 /// A closed loop to be run: which scenario, with what changed, along which reference.
 #[derive(Debug, Clone)]
@@ -84,6 +87,13 @@ impl Case {
         self
     }
 
+    /// With an N_min and an N_max that let circles through which a strong lens makes small or large, so that what
+    /// fails is not the identification.
+    #[must_use]
+    pub fn finding_everything(self) -> Case {
+        ANY_AREA.iter().fold(self, |case, (variable, value)| case.with(variable, value))
+    }
+
     /// Along another reference, smooth between its points (time in s, z), for so many seconds.
     #[must_use]
     pub fn along(mut self, points: Vec<(f64, f64)>, seconds: u16) -> Case {
@@ -105,8 +115,8 @@ impl Case {
         self
     }
 
-    /// Builds it, to be run once or more often.
-    pub fn build(&self, bench: &Bench) -> Result<ClosedLoop, Error> {
+    /// The scenario, with everything that is looked at recorded.
+    pub fn scenario(&self, bench: &Bench) -> Result<Scenario, Error> {
         let set: Vec<(&str, &str)> = self.set.iter().map(|(name, value)| (&**name, &**value)).collect();
         let mut scenario = bench.scenario(self.scenario, &set)?;
         for source in scenario.sources.iter_mut().filter(|source| source.to == "controller.z_desired") {
@@ -119,7 +129,12 @@ impl Case {
         let recorded = ["controller.z_desired", "plant.z", "plant.q1", "plant.q2", "controller.tau"];
         let placed = |name: &str| Placed { value: name.to_owned(), place: Place::Override("a study".into()) };
         scenario.record = Some(recorded.into_iter().chain(["plant.contact"]).map(placed).collect());
-        let mut simulation = bench.simulation(&scenario)?;
+        Ok(scenario)
+    }
+
+    /// Builds it, to be run once or more often.
+    pub fn build(&self, bench: &Bench) -> Result<ClosedLoop, Error> {
+        let mut simulation = bench.simulation(&self.scenario(bench)?)?;
         simulation.stop_when("plant.contact", Comparison::Above, 0.5)?;
         simulation.stop_when("plant.q1", Comparison::AbsoluteAbove, FALLEN)?;
         Ok(ClosedLoop { simulation })

@@ -6,8 +6,7 @@ use report::{Axis, Graph, Line};
 
 /// Adds them: tracking (z_desired solid, z dashed), q₁ solid and q₂ dashed, torque, tracking error, over time.
 pub fn add(outcome: &mut Outcome, trace: &Trace, figure: &str, what: &str) -> Result<(), Error> {
-    let points =
-        |values: &[f64]| trace.times.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    let points = |values: &[f64]| trace.times.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
     let graph = |title: &str, y: &str| {
         Graph::new(format!("{figure}: {title}"), Axis::fitted("time in s"), Axis::fitted(y))
     };

@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod claim;
 pub mod closed_loop;
+mod compensation;
 mod delay;
 mod four_graphs;
 mod lens_loop;
@@ -15,6 +16,7 @@ mod stability_map;
 mod still_poses;
 mod torque_rate;
 mod tracking;
+mod tuning;
 
 pub use bench::Bench;
 pub use claim::{Claim, Figure, Outcome, Study};

@@ -8,5 +8,7 @@ pub const STUDIES: &[Study] = &[
     crate::delay::STUDY,
     crate::lens_loop::STUDY,
     crate::torque_rate::STUDY,
+    crate::compensation::STUDY,
+    crate::tuning::STUDY,
     crate::stability_map::STUDY,
 ];

@@ -7,12 +7,8 @@ use rayon::prelude::*;
 use report::{Axis, Cell, Contour, HeatMap, Table};
 
 /// The stability map.
-pub const STUDY: Study = Study {
-    id: "stability-map",
-    title: "Frame rate against delay: a stability map",
-    claims: &["Map"],
-    run,
-};
+pub const STUDY: Study =
+    Study { id: "stability-map", title: "Frame rate against delay: a stability map", claims: &["Map"], run };
 
 /// The pole set of the shipped scenarios.
 const POLES: Poles = DAMPED;
@@ -164,10 +160,8 @@ fn column(bench: &Bench, shutter: Shutter, rate: u16, z: f64) -> Result<Vec<bool
     let q1 = Theta::TABLE_2.manifold_q1(q2).map_err(mechanics)? + KICK;
     // A fast loop that grows at all grows within fewer seconds.
     let seconds = if rate <= 40 { 10 } else { 5 };
-    let case = Case::visual(POLES)
-        .with("camera.omega_cam", rate)
-        .every(rate, PARTS)
-        .resting([q1, q2], z, seconds);
+    let case =
+        Case::visual(POLES).with("camera.omega_cam", rate).every(rate, PARTS).resting([q1, q2], z, seconds);
     let mut closed: ClosedLoop = case.build(bench)?;
     let mut stands = Vec::new();
     for eighths in EIGHTHS {
@@ -200,10 +194,7 @@ fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<Stri
         x_edges,
         y_edges,
         values,
-        contours: vec![Contour {
-            label: "spectral radius 1 (theory)".to_owned(),
-            points: boundary.to_vec(),
-        }],
+        contours: vec![Contour { label: "spectral radius 1 (theory)".to_owned(), points: boundary.to_vec() }],
     };
     Ok(map.to_svg()?)
 }
@@ -213,12 +204,14 @@ fn statement(counts: &[(&str, Vec<Square>)]) -> crate::Claim {
     let total = all().count();
     let agreeing = all().filter(|square| square.agrees()).count();
     let share = agreeing as f64 / total as f64;
-    let worst = all()
-        .filter(|square| !square.agrees())
-        .map(|square| square.growth.ln().abs())
-        .fold(0.0, f64::max);
+    let worst =
+        all().filter(|square| !square.agrees()).map(|square| square.growth.ln().abs()).fold(0.0, f64::max);
     claim(
-        ["Map", "analytic and simulated stability over frame rate and delay", "no statement: nobody drew it then"],
+        [
+            "Map",
+            "analytic and simulated stability over frame rate and delay",
+            "no statement: nobody drew it then",
+        ],
         format!(
             "{agreeing} of {total} cells agree ({:.1} %); where they differ theory grows or shrinks by at most \
              e^{worst:.1} in a second",

@@ -62,7 +62,9 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         graph(&boundaries)?,
         "Below its line a pole set falls: the limit on the torque's rate that the loop needs, over the frame rate.",
     );
-    outcome.tables.push(("Lowest limit with which the loop stands, in N·m/s".to_owned(), table(&lowest, &boundaries)));
+    outcome
+        .tables
+        .push(("Lowest limit with which the loop stands, in N·m/s".to_owned(), table(&lowest, &boundaries)));
     Ok(outcome)
 }
 
@@ -107,7 +109,8 @@ fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> crate::Claim {
     let listed: Vec<String> = (lowest.iter())
         .map(|set| format!("{} {} and {}", set.poles.name, text(set.visual), text(set.full)))
         .collect();
-    let needs_more = |set: &Lowest| matches!((set.visual, set.full), (Some(visual), Some(full)) if visual >= full);
+    let needs_more =
+        |set: &Lowest| matches!((set.visual, set.full), (Some(visual), Some(full)) if visual >= full);
     claim(
         ["C54", "a limit on the torque's rate of change", "could cause oscillations or instability"],
         format!("lowest limit with which it stands, visual and full state, in N·m/s: {}", listed.join("; ")),
@@ -120,8 +123,11 @@ fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> crate::Claim {
 }
 
 fn oscillation(traces: &[Trace]) -> Result<String, Error> {
-    let mut graph =
-        Graph::new("Tracking error with a rate limit", Axis::fitted("time in s"), Axis::over("z desired − z", -0.3, 0.3));
+    let mut graph = Graph::new(
+        "Tracking error with a rate limit",
+        Axis::fitted("time in s"),
+        Axis::over("z desired − z", -0.3, 0.3),
+    );
     let line = [dotted, Line::dashed, Line::solid];
     for ((trace, line), limit) in traces.iter().zip(line).zip([5, 10, 20]) {
         let error = trace.z_desired.iter().zip(&trace.z).map(|(desired, z)| desired - z);
@@ -152,7 +158,9 @@ fn graph(boundaries: &[Boundary]) -> Result<String, Error> {
 fn table(lowest: &[Lowest], boundaries: &[Boundary]) -> Table {
     let mut head = vec!["poles".to_owned(), "grid, visual".to_owned(), "grid, full state".to_owned()];
     head.extend(RATES.map(|rate| format!("{rate} Hz")));
-    let number = |limit: Option<f64>| Cell::Number(limit.map_or_else(|| "falls".to_owned(), |limit| format!("{limit:.2}")));
+    let number = |limit: Option<f64>| {
+        Cell::Number(limit.map_or_else(|| "falls".to_owned(), |limit| format!("{limit:.2}")))
+    };
     let rows = lowest.iter().zip(boundaries).map(|(lowest, (_, limits))| {
         let mut row = vec![lowest.poles.name.into(), number(lowest.visual), number(lowest.full)];
         row.extend(limits.iter().map(|limit| number(*limit)));

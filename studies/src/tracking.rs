@@ -107,8 +107,14 @@ fn claims(pair: &Pair, pairs: &[Pair]) -> Vec<Claim> {
 }
 
 fn table(pairs: &[Pair]) -> Table {
-    let head = ["poles", "rms error, visual", "rms error, full state", "offset in holds", "chatter, visual in N·m",
-        "chatter, full state in N·m"];
+    let head = [
+        "poles",
+        "rms error, visual",
+        "rms error, full state",
+        "offset in holds",
+        "chatter, visual in N·m",
+        "chatter, full state in N·m",
+    ];
     let rows = pairs.iter().map(|pair| {
         let [visual, full] = pair.chatter(0.0, 60.0);
         vec![

@@ -1,0 +1,365 @@
+//! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
+
+use super::trajectory::{Drive, Motion, PREROLL, Ports, Push, State, simulate};
+use super::{Block, Cut, Probe, Signal};
+use crate::bench::{Bench, Setting};
+use crate::candidates::{Candidate, Side};
+use crate::dataset::{DataSet, Run};
+use crate::error::Error;
+use crate::model::Model;
+use crate::statistics::linear::{Cell, nuisances};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
+/// growth: e^(7 · 0.65) = 95 times the error of the start state.
+const WINDOW: f64 = 0.5;
+/// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
+const ROWS: f64 = 12.0;
+const LONGEST: f64 = 1.0;
+/// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
+const BINS: usize = 25;
+/// Parts of a window that each get a torque the model may lack.
+const PARTS: usize = 2;
+/// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
+const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
+const PUSH: f64 = 1e-3;
+/// Columns of `plant.csv` in the order of the simulated outputs.
+pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
+const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
+/// Standard deviations to begin with where none is stated.
+const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
+/// A window starts from a straight line through rows this far around, s.
+const AROUND: f64 = 0.03;
+
+struct Window {
+    run: usize,
+    drive: Drive,
+    /// Rows of `plant.csv` that are scored.
+    rows: Vec<usize>,
+    start: State,
+    settled: bool,
+}
+
+/// Torque in, motion out.
+pub struct PlantCut {
+    bench: Arc<Bench>,
+    ports: Ports,
+    candidates: Arc<Vec<Candidate>>,
+    runs: Arc<Vec<Run>>,
+    windows: Vec<Window>,
+    signals: Vec<Signal>,
+}
+
+impl PlantCut {
+    /// Windows over all runs that have a torque and a motion; `None` if there is none.
+    ///
+    /// # Errors
+    /// The plant unit lacks a variable.
+    pub fn new(data: &DataSet, model: &Model, candidates: Arc<Vec<Candidate>>) -> Result<Option<Self>, Error> {
+        let ports = Ports::of(&model.plant)?;
+        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let mut windows = Vec::new();
+        for (index, run) in data.runs.iter().enumerate() {
+            cut_run(index, run, contact, &mut windows);
+        }
+        if windows.is_empty() {
+            return Ok(None);
+        }
+        let signals = (0..COLUMNS.len())
+            .map(|place| {
+                let name = format!("plant.{}", COLUMNS[place]);
+                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+                Signal { name, unit: UNITS[place], known, sigma: known.unwrap_or(FIRST_GUESS[place]) }
+            })
+            .collect();
+        let runs = Arc::new(data.runs.clone());
+        Ok(Some(Self { bench: model.plant.clone(), ports, candidates, runs, windows, signals }))
+    }
+
+    fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+        settings(&self.bench, &self.candidates, Side::Plant, point, moved)
+    }
+
+    /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
+    /// next). Call after `linearise` at the same point.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn motion(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
+        let settings = self.settings(point, None)?;
+        let mut motions = vec![Motion::default(); self.runs.len()];
+        let stretches: Vec<_> = self
+            .windows
+            .par_iter()
+            .map(|window| {
+                let log = &self.runs[window.run];
+                let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
+                // back to where the window before ended
+                let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
+                let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
+                let times: Vec<f64> =
+                    (0..=count).map(|k| from + (window.drive.end() - from) * k as f64 / count as f64).collect();
+                let drive = Drive::new(log, window.drive.start(), &times);
+                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, None)?;
+                let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
+                Ok::<_, Error>((window.run, times, states))
+            })
+            .collect::<Result<_, _>>()?;
+        for (run, times, states) in stretches {
+            motions[run].stretches.push((times, states));
+        }
+        Ok(motions)
+    }
+
+    fn window(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<(State, Block), Error> {
+        let base_settings = self.settings(point, None)?;
+        let run = |settings: &[Setting], state: &State, push: Option<Push>| {
+            simulate(&self.bench, &self.ports, settings, &window.drive, state, push)
+        };
+        let layout = Layout::of(self, window);
+        let mut start = window.start;
+        let mut cell;
+        let mut base;
+        let mut tries = if window.settled { 2 } else { 6 };
+        loop {
+            base = run(&base_settings, &start, None)?;
+            let mut hard = DMatrix::zeros(layout.len(), 4);
+            for place in 0..4 {
+                let mut moved = start;
+                moved[place] += NUDGE[place];
+                layout.column(&base, &run(&base_settings, &moved, None)?, NUDGE[place], &mut hard, place);
+            }
+            cell = layout.cell(self, window, &base, hard);
+            tries -= 1;
+            let shift = nuisances(&cell, 0.0);
+            let moved = (&cell.hard * &shift).iter().zip(&cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
+            // a tenth of a standard deviation over the whole window: the projection takes care of the rest
+            if tries == 0 || moved < 0.01 * cell.residual.len() as f64 {
+                break;
+            }
+            for place in 0..4 {
+                start[place] += shift[place];
+            }
+        }
+        let (from, to) = (window.drive.start(), window.drive.end());
+        let edge = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
+        let mut soft = DMatrix::zeros(layout.len(), 2 * PARTS);
+        for part in 0..PARTS {
+            for (link, joint) in [(0, false), (1, true)] {
+                let push = Push { joint, from: edge(part), to: edge(part + 1), size: PUSH };
+                let rows = run(&base_settings, &start, Some(push))?;
+                layout.column(&base, &rows, PUSH, &mut soft, 2 * part + link);
+            }
+        }
+        cell.soft = soft;
+        cell.discrepancy = 0;
+        let mut columns = DMatrix::zeros(layout.len(), probes.len());
+        for (place, probe) in probes.iter().enumerate() {
+            if self.sees(&self.candidates[probe.candidate]) {
+                let rows = run(&self.settings(point, Some(*probe))?, &start, None)?;
+                layout.column(&base, &rows, probe.by, &mut columns, place);
+            }
+        }
+        cell.columns = columns;
+        let mut state = [0.0; 4];
+        for row in &base {
+            for (sum, value) in state.iter_mut().zip(row) {
+                *sum += value / base.len() as f64;
+            }
+        }
+        let block = Block { run: window.run, from: cell.time.first().copied().unwrap_or(from), to, cells: vec![cell], state };
+        Ok((start, block))
+    }
+}
+
+impl Cut for PlantCut {
+    fn name(&self) -> &'static str {
+        "plant: torque in, motion out"
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn set_sigmas(&mut self, sigmas: &[f64]) {
+        for (signal, sigma) in self.signals.iter_mut().zip(sigmas) {
+            signal.sigma = *sigma;
+        }
+    }
+
+    fn sees(&self, candidate: &Candidate) -> bool {
+        candidate.side == Side::Plant
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes)).collect();
+        let mut blocks = Vec::with_capacity(done.len());
+        for (window, result) in self.windows.iter_mut().zip(done) {
+            let (start, block) = result?;
+            window.start = start;
+            window.settled = true;
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
+    fn discrepancy_unit(&self) -> &'static str {
+        "N·m"
+    }
+}
+
+/// Parameter values of one unit at a point, one candidate moved on.
+///
+/// # Errors
+/// The unit lacks a candidate's variable.
+pub fn settings(
+    bench: &Bench,
+    candidates: &[Candidate],
+    side: Side,
+    point: &[f64],
+    moved: Option<Probe>,
+) -> Result<Vec<Setting>, Error> {
+    let mut all = Vec::new();
+    for (index, candidate) in candidates.iter().enumerate() {
+        if candidate.side != side {
+            continue;
+        }
+        let by = moved.filter(|probe| probe.candidate == index).map_or(0.0, |probe| probe.by);
+        let x = (point[index] + by).clamp(candidate.range.0, candidate.range.1);
+        if x != candidate.off {
+            let variable = candidate.name.split_once('.').map_or(candidate.name, |(_, variable)| variable);
+            all.push(bench.setting(variable, candidate.value(x))?);
+        }
+    }
+    Ok(all)
+}
+
+/// Which simulated row goes into which bin.
+struct Layout {
+    /// Signal, rows (index among the wanted ones).
+    bins: Vec<(usize, Vec<usize>)>,
+}
+
+impl Layout {
+    fn of(cut: &PlantCut, window: &Window) -> Self {
+        let mut bins = Vec::new();
+        let Some(log) = cut.runs[window.run].plant.as_ref() else { return Self { bins } };
+        let size = window.rows.len().div_ceil(BINS);
+        for (signal, name) in COLUMNS.iter().enumerate() {
+            let Some(values) = log.column(name) else { continue };
+            for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
+                let rows: Vec<usize> =
+                    chunk.iter().copied().filter(|place| values[window.rows[*place]].is_finite()).collect();
+                if !rows.is_empty() {
+                    bins.push((signal, rows));
+                }
+            }
+        }
+        Self { bins }
+    }
+
+    fn len(&self) -> usize {
+        self.bins.len()
+    }
+
+    fn column(&self, base: &[[f64; 5]], moved: &[[f64; 5]], by: f64, into: &mut DMatrix<f64>, place: usize) {
+        for (bin, (signal, rows)) in self.bins.iter().enumerate() {
+            let sum: f64 = rows.iter().map(|row| moved[*row][*signal] - base[*row][*signal]).sum();
+            into[(bin, place)] = sum / (rows.len() as f64 * by);
+        }
+    }
+
+    fn cell(&self, cut: &PlantCut, window: &Window, base: &[[f64; 5]], hard: DMatrix<f64>) -> Cell {
+        let empty = || DMatrix::zeros(self.len(), 0);
+        let mut cell = Cell {
+            residual: Vec::new(),
+            sigma: Vec::new(),
+            signal: Vec::new(),
+            time: Vec::new(),
+            hard,
+            soft: empty(),
+            discrepancy: 0,
+            columns: empty(),
+        };
+        let Some(log) = cut.runs[window.run].plant.as_ref() else { return cell };
+        for (signal, rows) in &self.bins {
+            let values = log.column(COLUMNS[*signal]).unwrap_or(&[]);
+            let n = rows.len() as f64;
+            let rest: f64 = rows.iter().map(|row| values[window.rows[*row]] - base[*row][*signal]).sum();
+            let time: f64 = rows.iter().map(|row| log.time[window.rows[*row]]).sum();
+            cell.residual.push(rest / n);
+            cell.sigma.push(cut.signals[*signal].sigma / n.sqrt());
+            cell.signal.push(*signal);
+            cell.time.push(time / n);
+        }
+        cell
+    }
+}
+
+/// Cuts one run into windows.
+fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
+    let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
+    let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
+    let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
+    let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() && q2[*row].is_finite()).collect();
+    if usable.len() < ROWS as usize {
+        return;
+    }
+    let mut gaps: Vec<f64> = usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let typical = gaps[gaps.len() / 2];
+    let length = WINDOW.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let mut from = 0;
+    while from < usable.len() {
+        let begin = plant.time[usable[from]];
+        let mut to = from;
+        while to < usable.len()
+            && plant.time[usable[to]] < begin + length - 0.5 * typical
+            && (to == from || plant.time[usable[to]] - plant.time[usable[to - 1]] < (5.0 * typical).max(0.1))
+        {
+            to += 1;
+        }
+        let rows = usable[from..to].to_vec();
+        if rows.len() >= 6 {
+            let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
+            let earliest = plant.time[usable[0]];
+            let start = (begin - PREROLL).max(earliest);
+            let mut wanted = times.clone();
+            wanted.dedup();
+            into.push(Window {
+                run: index,
+                drive: Drive::new(run, start, &wanted),
+                rows,
+                start: guess(&plant.time, q1, q2, start),
+                settled: false,
+            });
+        }
+        from = to.max(from + 1);
+    }
+}
+
+/// A state to begin with: straight lines through the rows around.
+fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
+    let place = time.partition_point(|t| *t < at).min(time.len() - 1);
+    let (mut from, mut to) = (place.saturating_sub(1), (place + 2).min(time.len()));
+    while from > 0 && at - time[from] < AROUND {
+        from -= 1;
+    }
+    while to < time.len() && time[to - 1] - at < AROUND {
+        to += 1;
+    }
+    let line = |values: &[f64]| {
+        let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();
+        let n = rows.len().max(1) as f64;
+        let mean = |f: &dyn Fn(usize) -> f64| rows.iter().map(|row| f(*row)).sum::<f64>() / n;
+        let (t, x) = (mean(&|row| time[row] - at), mean(&|row| values[row]));
+        let tt = mean(&|row| (time[row] - at - t).powi(2));
+        let tx = mean(&|row| (time[row] - at - t) * (values[row] - x));
+        let slope = if tt > 0.0 { tx / tt } else { 0.0 };
+        (x - slope * t, slope)
+    };
+    let ((a, da), (b, db)) = (line(q1), line(q2));
+    [a, b, da, db]
+}

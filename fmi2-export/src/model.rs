@@ -1,7 +1,7 @@
 //! What the physics of a unit provides; the shell does the rest.
 
 use crate::table::Table;
-use serde::{Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// A co-simulation unit.
 ///
@@ -81,7 +81,7 @@ pub struct Dependencies {
 }
 
 /// `fmi2SetupExperiment`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Experiment {
     /// Start time in s.
     pub start: f64,
@@ -121,7 +121,8 @@ pub trait Log {
     fn log(&mut self, category: &'static str, message: &dyn Fn() -> String);
 }
 
-/// Why a unit can't go on. The shell logs it and answers `fmi2Error` (or `fmi2Discard`).
+/// Why a unit can't go on. The shell logs it and answers `fmi2Error`; never `fmi2Discard`, which masters treat in
+/// as many ways as there are masters.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// A value that the user chose can't be used.

@@ -192,7 +192,7 @@ macro_rules! variables {
                 $(
                     #[allow(unused_mut)]
                     let mut variable = $crate::table::declared(
-                        stringify!($role), $name, stringify!($field), $symbol, $unit, $text,
+                        $crate::variables!(@role $role), $name, stringify!($field), $symbol, $unit, $text,
                         <$type as $crate::table::Value>::kind($start),
                     );
                     $( $crate::variables!(@attribute variable, $key, $value); )*
@@ -212,6 +212,18 @@ macro_rules! variables {
                 None
             }
         }
+    };
+    (@role input) => { $crate::table::Role::Input };
+    (@role output) => { $crate::table::Role::Output };
+    (@role local) => { $crate::table::Role::Local };
+    (@role parameter) => { $crate::table::Role::Parameter };
+    (@role fixed) => { $crate::table::Role::Fixed };
+    (@role effect) => { $crate::table::Role::Effect };
+    (@role fixed_effect) => { $crate::table::Role::FixedEffect };
+    (@role $other:ident) => {
+        compile_error!(concat!(
+            "`", stringify!($other), "`: one of input, output, local, parameter, fixed, effect, fixed_effect is needed"
+        ))
     };
     (@attribute $variable:ident, min, $value:expr) => { $variable.min = Some($value as f64); };
     (@attribute $variable:ident, max, $value:expr) => { $variable.max = Some($value as f64); };
@@ -266,10 +278,23 @@ macro_rules! table {
     };
 }
 
+/// First word of an entry of [`variables!`].
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    Input,
+    Output,
+    Local,
+    Parameter,
+    Fixed,
+    Effect,
+    FixedEffect,
+}
+
 /// What [`variables!`] calls for each entry.
 #[doc(hidden)]
 pub fn declared(
-    role: &str,
+    role: Role,
     name: &'static str,
     field: &'static str,
     symbol: &'static str,
@@ -279,15 +304,12 @@ pub fn declared(
 ) -> Variable {
     let is_real = matches!(kind, Kind::Real(_));
     let signal = if is_real { Variability::Continuous } else { Variability::Discrete };
-    let (causality, variability, is_effect) = match role {
-        "input" => (Causality::Input, signal, false),
-        "output" => (Causality::Output, signal, false),
-        "local" => (Causality::Local, signal, false),
-        "parameter" => (Causality::Parameter, Variability::Tunable, false),
-        "fixed" => (Causality::Parameter, Variability::Fixed, false),
-        "effect" => (Causality::Parameter, Variability::Tunable, true),
-        "fixed_effect" => (Causality::Parameter, Variability::Fixed, true),
-        other => panic!("variable {name}: unknown role `{other}`"), // a mistake in the declaration; met by every test
+    let (causality, variability) = match role {
+        Role::Input => (Causality::Input, signal),
+        Role::Output => (Causality::Output, signal),
+        Role::Local => (Causality::Local, signal),
+        Role::Parameter | Role::Effect => (Causality::Parameter, Variability::Tunable),
+        Role::Fixed | Role::FixedEffect => (Causality::Parameter, Variability::Fixed),
     };
     Variable {
         name,
@@ -298,7 +320,7 @@ pub fn declared(
         kind,
         unit,
         description,
-        is_effect,
+        is_effect: matches!(role, Role::Effect | Role::FixedEffect),
         min: None,
         max: None,
         derivative_of: None,

@@ -24,7 +24,8 @@ pub const ONE: Unit = si("1", 0, 0, 0, 0);
 /// Plane angle.
 pub const RADIAN: Unit = Unit { display: &[("deg", DEGREES_PER_RADIAN)], ..si("rad", 0, 0, 0, 1) };
 /// Angular velocity.
-pub const RADIAN_PER_SECOND: Unit = Unit { display: &[("deg/s", DEGREES_PER_RADIAN)], ..si("rad/s", 0, 0, -1, 1) };
+pub const RADIAN_PER_SECOND: Unit =
+    Unit { display: &[("deg/s", DEGREES_PER_RADIAN)], ..si("rad/s", 0, 0, -1, 1) };
 /// Angular acceleration.
 pub const RADIAN_PER_SECOND_SQUARED: Unit = si("rad/s2", 0, 0, -2, 1);
 /// Time.

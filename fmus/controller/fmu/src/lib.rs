@@ -1,1 +1,3 @@
 //! The controller unit as a shared library: nothing but the FMI 2.0 functions.
+
+fmi2_export::export!(controller::Controller);

@@ -1,0 +1,98 @@
+//! The way of the torque from command to joint, solved in closed form.
+//!
+//! Within a communication step the command is a line. Delay, saturation and rate limit turn it into lines with
+//! corners, the lag into lines with decaying transients. The plant is integrated from corner to corner, so that the
+//! integrator only ever meets smooth torques.
+
+use fmi2_export::{ModelError, serde};
+use std::collections::VecDeque;
+
+/// The shortest stretch, s. Time stamps carry rounding of about 1e-14 s; corners closer than this are one.
+pub const SHORTEST: f64 = 1e-12;
+
+/// A torque over a stretch of time: value + rate·s + transient·e^(−decay·s), s from the stretch's beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Signal {
+    /// N·m
+    pub value: f64,
+    /// N·m/s
+    pub rate: f64,
+    /// N·m
+    pub transient: f64,
+    /// 1/s
+    pub decay: f64,
+}
+
+impl Signal {
+    /// A line.
+    pub fn linear(value: f64, rate: f64) -> Signal {
+        Signal { value, rate, transient: 0.0, decay: 0.0 }
+    }
+
+    /// A constant.
+    pub fn constant(value: f64) -> Signal {
+        Signal::linear(value, 0.0)
+    }
+
+    /// The torque `s` seconds after the beginning. Terms that are zero are left out, not added.
+    pub fn at(&self, s: f64) -> f64 {
+        let mut torque = self.value;
+        if self.rate != 0.0 {
+            torque += self.rate * s;
+        }
+        if self.transient != 0.0 {
+            torque += self.transient * libm::exp(-self.decay * s);
+        }
+        torque
+    }
+}
+
+/// A command and the time from which it holds.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(crate = "fmi2_export::serde")]
+pub struct Command {
+    /// s
+    pub from: f64,
+    /// N·m, at `from`
+    pub value: f64,
+    /// N·m/s
+    pub rate: f64,
+}
+
+/// What the actuator remembers between stretches.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(crate = "fmi2_export::serde")]
+pub struct Memory {
+    /// Commands on their way through the delay, the oldest first. At most one a step within the delay, and only
+    /// where the command changes.
+    pub commands: VecDeque<Command>,
+    /// Output of the rate limit, N·m.
+    pub limited: f64,
+    /// Output of the lag, N·m.
+    pub lagged: f64,
+}
+
+impl Memory {
+    /// Lines a command up for the delay.
+    pub fn line_up(&mut self, from: f64, value: f64, rate: f64) {
+        match self.commands.back_mut() {
+            Some(last) if last.value == value && last.rate == 0.0 && rate == 0.0 => {}
+            Some(last) if last.from == from => *last = Command { from, value, rate },
+            _ => self.commands.push_back(Command { from, value, rate }),
+        }
+    }
+}
+
+/// A stage of the actuator.
+pub trait Stage {
+    /// Refuses parameters that can't be used.
+    fn check(&self) -> Result<(), ModelError>;
+
+    /// What comes out for what goes in from `now` on. Shortens `span` to where the output has a corner.
+    fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal;
+
+    /// The stretch ended at the time `end` with this output.
+    fn remember(&self, memory: &mut Memory, output: f64, end: f64) {
+        let _ = (memory, output, end);
+    }
+}

@@ -1,0 +1,92 @@
+//! What depends on what: ModelStructure and directional derivatives.
+//!
+//! The derivatives of (q̇, q̈) by (q, q̇, tau, tau_1) are the linearised plant with all its effects, at any state.
+//! Those by states are fourth-order central differences of the equation of motion, within 1e-9 of the derivative
+//! (1e-6 of Coulomb friction's part of it); those by torques are exact.
+
+use crate::{Plant, Variables, dynamics::Dynamics, effects::Motion};
+use fmi2_export::Dependencies;
+
+const STATES: [&str; 4] = ["q1", "q2", "dq1", "dq2"];
+/// Steps of the differences, rad and rad/s; the second well within the smoothing of Coulomb friction.
+const DIFFERENCES: [f64; 4] = [1e-4, 1e-4, 2e-5, 2e-5];
+
+/// ModelStructure.
+pub fn dependencies(output: &str) -> Dependencies {
+    const NOTHING: &[&str] = &[];
+    let (while_stepping, at_start): (&'static [&'static str], Option<&'static [&'static str]>) = match output
+    {
+        "q1" => (NOTHING, Some(&["q1_0"])),
+        "q2" => (NOTHING, Some(&["q2_0"])),
+        "dq1" => (NOTHING, Some(&["dq1_0", "q2_0", "q2_max"])),
+        "dq2" => (NOTHING, Some(&["dq2_0", "q2_0", "q2_max"])),
+        "contact" => (NOTHING, Some(&["q2_0", "q2_max"])),
+        "z" => (
+            NOTHING,
+            Some(&["q2_0", "theta_1", "theta_2", "theta_5", "theta_7", "theta_8", "theta_9", "theta_10"]),
+        ),
+        "tau_applied" => {
+            (&["tau"], Some(&["tau", "tau_max", "dtau_max", "T_act", "tau_delay", "k_tau", "tau_bias"]))
+        }
+        _ => (&["tau", "tau_1", "q1", "q2", "dq1", "dq2"], None),
+    };
+    Dependencies { while_stepping, at_start }
+}
+
+/// ∂unknown/∂known at the current communication point, with the torque that the actuator gives there.
+pub fn derivative(plant: &Plant, variables: &Variables, unknown: &str, known: &str) -> Option<f64> {
+    let state = STATES.iter().position(|name| *name == known);
+    if state.is_none() && known != "tau" && known != "tau_1" {
+        return None;
+    }
+    if let Some(place) = STATES.iter().position(|name| *name == unknown) {
+        return Some(if state == Some(place) { 1.0 } else { 0.0 });
+    }
+    match unknown {
+        "ddq1" => Some(by_acceleration(plant, variables, known, state)[0]),
+        "ddq2" => Some(by_acceleration(plant, variables, known, state)[1]),
+        "tau_applied" => Some(if known == "tau" { feedthrough(variables) } else { 0.0 }),
+        "z" if known == "q2" => {
+            let place = plant.place.as_ref().and_then(|(_, place)| place.as_ref());
+            Some(place.map_or(0.0, |place| place.slope(plant.state[1])))
+        }
+        "z" => Some(0.0),
+        _ => None,
+    }
+}
+
+/// ∂q̈/∂known.
+fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Option<usize>) -> [f64; 2] {
+    if plant.contact {
+        return [0.0; 2];
+    }
+    let dynamics = Dynamics::new(variables, 0.0);
+    let equation = |state: [f64; 4]| {
+        let motion = Motion { q: [state[0], state[1]], dq: [state[2], state[3]] };
+        dynamics.equation(&motion, variables.outputs.applied_torque, 0.0)
+    };
+    if let Some(place) = state {
+        let step = DIFFERENCES[place];
+        let at = |multiple: f64| {
+            let mut moved = plant.state;
+            moved[place] += multiple * step;
+            equation(moved).accelerations()
+        };
+        let [far_before, before, after, far_after] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
+        return [0, 1]
+            .map(|i| (8.0 * (after[i] - before[i]) - (far_after[i] - far_before[i])) / (12.0 * step));
+    }
+    let mut equation = equation(plant.state);
+    let torque = if known == "tau" { feedthrough(variables) } else { 0.0 };
+    (equation.f1, equation.f2) = if known == "tau" { (-torque, torque) } else { (1.0, 0.0) };
+    equation.accelerations()
+}
+
+/// ∂tau_applied/∂tau: 0 where the actuator needs time, or is saturated.
+fn feedthrough(variables: &Variables) -> f64 {
+    let effects = &variables.effects;
+    let needs_time = effects.delay.time != 0.0 || effects.rate_limit.limit != 0.0 || effects.lag.time != 0.0;
+    let limit = effects.saturation.limit;
+    let is_saturated = limit != 0.0 && variables.inputs.torque.abs() >= limit;
+    if needs_time || is_saturated { 0.0 } else { effects.gain.factor }
+}

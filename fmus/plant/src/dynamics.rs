@@ -1,0 +1,49 @@
+//! The right-hand side that the integrator sees: eq. (12), the effects on the bodies, the torques.
+
+use crate::effects::{Effects, Motion};
+use crate::variables::Variables;
+use mechanics::{Equation, Incline, Theta};
+
+/// The plant's equations with everything that stays the same within a step.
+#[derive(Debug)]
+pub struct Dynamics<'a> {
+    theta: Theta,
+    velocity_terms: bool,
+    effects: &'a Effects,
+    ground: Option<Incline>,
+    /// External torque on link 1 at the beginning of the step, N·m, and its rate, N·m/s.
+    link1_torque: (f64, f64),
+}
+
+impl<'a> Dynamics<'a> {
+    /// The equations for these parameters; the external torque on link 1 has the given rate.
+    pub fn new(variables: &'a Variables, link1_torque_rate: f64) -> Dynamics<'a> {
+        let parameters = &variables.parameters;
+        Dynamics {
+            theta: parameters.theta(),
+            velocity_terms: parameters.velocity_terms,
+            effects: &variables.effects,
+            ground: variables.effects.incline(),
+            link1_torque: (variables.inputs.link1_torque, link1_torque_rate),
+        }
+    }
+
+    /// M·q̈ = f at a state and a torque between the links, `offset` s after the beginning of the step.
+    #[inline]
+    pub fn equation(&self, motion: &Motion, torque: f64, offset: f64) -> Equation {
+        let mut equation =
+            self.theta.equation(motion.q, motion.dq, self.ground.as_ref(), self.velocity_terms);
+        self.effects.act(motion, &mut equation);
+        equation.add_joint_torque(torque);
+        let (link1_torque, rate) = self.link1_torque;
+        if link1_torque != 0.0 || rate != 0.0 {
+            equation.f1 += link1_torque + rate * offset;
+        }
+        equation
+    }
+
+    /// Kinetic and potential energy, J.
+    pub fn energy(&self, motion: &Motion) -> f64 {
+        self.theta.energy(motion.q, motion.dq, self.ground.as_ref()) + self.effects.kinetic_energy(motion)
+    }
+}

@@ -1,0 +1,48 @@
+//! Dead time between command and torque: u(t) = τ(t − T).
+//!
+//! Commands wait in a line, each with the time from which it holds, so that the delay need not be a multiple of
+//! anything. Before the first command the torque is 0.
+
+use super::non_negative;
+use crate::actuator::{Memory, SHORTEST, Signal, Stage};
+use fmi2_export::{ModelError, unit, variables};
+
+variables! {
+    /// Dead time.
+    pub struct Delay {
+        fixed_effect time: f64 = 0.0, "tau_delay", "T_τ", unit::SECOND,
+            "Dead time of the actuator; off at 0.", min = 0.0;
+    }
+}
+
+impl Stage for Delay {
+    fn check(&self) -> Result<(), ModelError> {
+        non_negative("tau_delay", self.time)
+    }
+
+    fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal {
+        if self.time == 0.0 {
+            return input;
+        }
+        let mut output = Signal::constant(0.0);
+        for command in &memory.commands {
+            let wait = command.from + self.time - now;
+            if wait > SHORTEST {
+                *span = span.min(wait);
+                break;
+            }
+            output = Signal::linear(command.value - command.rate * wait, command.rate);
+        }
+        output
+    }
+
+    fn remember(&self, memory: &mut Memory, _: f64, end: f64) {
+        if self.time == 0.0 {
+            memory.commands.clear();
+        }
+        // The front command is needed until the one behind it arrives.
+        while memory.commands.get(1).is_some_and(|next| next.from + self.time - end <= SHORTEST) {
+            memory.commands.pop_front();
+        }
+    }
+}

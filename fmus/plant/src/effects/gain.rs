@@ -1,0 +1,31 @@
+//! Torque gain: what the drive gives for one newton metre of command, e.g. a torque constant off its data sheet.
+
+use super::finite;
+use crate::actuator::{Memory, Signal, Stage};
+use fmi2_export::{ModelError, unit, variables};
+
+variables! {
+    /// Torque gain.
+    pub struct Gain {
+        effect factor: f64 = 1.0, "k_tau", "k_τ", unit::ONE,
+            "Gain of the actuator: torque over command; off at 1.";
+    }
+}
+
+impl Stage for Gain {
+    fn check(&self) -> Result<(), ModelError> {
+        finite("k_tau", self.factor)
+    }
+
+    fn shape(&self, _: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
+        if self.factor == 1.0 {
+            return input;
+        }
+        Signal {
+            value: self.factor * input.value,
+            rate: self.factor * input.rate,
+            transient: self.factor * input.transient,
+            decay: input.decay,
+        }
+    }
+}

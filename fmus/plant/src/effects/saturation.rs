@@ -1,0 +1,39 @@
+//! The largest torque: u = max(−τ_max, min(τ_max, τ)).
+
+use super::non_negative;
+use crate::actuator::{Memory, Signal, Stage};
+use fmi2_export::{ModelError, unit, variables};
+
+variables! {
+    /// Saturation.
+    pub struct Saturation {
+        effect limit: f64 = 0.0, "tau_max", "τ_max", unit::NEWTON_METRE,
+            "Largest torque either way; off (no limit) at 0.", min = 0.0;
+    }
+}
+
+impl Stage for Saturation {
+    fn check(&self) -> Result<(), ModelError> {
+        non_negative("tau_max", self.limit)
+    }
+
+    fn shape(&self, _: &Memory, _: f64, input: Signal, span: &mut f64) -> Signal {
+        let limit = self.limit;
+        if limit == 0.0 {
+            return input;
+        }
+        let Signal { value, rate, .. } = input; // a line: the lag comes later
+        let outwards = rate * value.signum();
+        if value.abs() > limit || (value.abs() == limit && outwards >= 0.0) {
+            if outwards < 0.0 {
+                *span = span.min((value.abs() - limit) / -outwards);
+            }
+            return Signal::constant(limit.copysign(value));
+        }
+        if rate != 0.0 {
+            let ahead = (limit.copysign(rate) - value) / rate;
+            *span = span.min(ahead);
+        }
+        input
+    }
+}

@@ -1,0 +1,148 @@
+//! The AVX2 path of [`super::quantise`], chosen at run time. All `unsafe` of the camera is in this file.
+
+use super::quantise::{Span, portable};
+
+/// A way to quantise a span.
+pub type Path = fn(Span<'_>, &mut [u8], &mut [u32]);
+
+/// The fastest path that this machine has.
+pub fn best() -> Path {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        return x86::avx2;
+    }
+    portable
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::super::noise::{Keys, ROUNDS, TABLE_A, TABLE_B, WEIGHTS};
+    use super::super::plane::BLOCK;
+    use super::Span;
+    use core::arch::x86_64::*;
+
+    /// Same bits as [`super::portable`]. Only handed out by [`super::best`] where the machine has AVX2.
+    pub fn avx2(span: Span<'_>, picture: &mut [u8], mask: &mut [u32]) {
+        let blocks = span.base.len() / BLOCK;
+        assert!(picture.len() >= blocks * BLOCK && mask.len() >= blocks, "a span's slices have one length");
+        // SAFETY: `best` has seen that the machine has AVX2; the lengths that the pointers rely on are asserted.
+        unsafe {
+            match span.noise {
+                Some((keys, gain)) => noisy(span, keys, gain, picture, mask, blocks),
+                None => clean(span, picture, mask, blocks),
+            }
+        }
+    }
+
+    /// 16 deviates from the words `word..word + 8`, scaled.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn noise16(word: __m256i, second: __m256i, tables: &Tables) -> __m256i {
+        let mut h = _mm256_xor_si256(word, _mm256_srli_epi32::<16>(word));
+        h = _mm256_mullo_epi32(h, tables.rounds.0);
+        h = _mm256_xor_si256(h, second);
+        h = _mm256_xor_si256(h, _mm256_srli_epi32::<15>(h));
+        h = _mm256_mullo_epi32(h, tables.rounds.1);
+        h = _mm256_xor_si256(h, _mm256_srli_epi32::<16>(h));
+        // Bytes of `even` hold the nibbles 0 and 2 of each pixel's 16 bits, those of `odd` the nibbles 1 and 3.
+        let even = _mm256_and_si256(h, tables.low);
+        let odd = _mm256_and_si256(_mm256_srli_epi16::<4>(h), tables.low);
+        let a = _mm256_maddubs_epi16(tables.weights.0, _mm256_shuffle_epi8(tables.a, even));
+        let b = _mm256_maddubs_epi16(tables.weights.1, _mm256_shuffle_epi8(tables.b, odd));
+        _mm256_mulhrs_epi16(_mm256_add_epi16(a, b), tables.gain)
+    }
+
+    struct Tables {
+        a: __m256i,
+        b: __m256i,
+        low: __m256i,
+        weights: (__m256i, __m256i),
+        rounds: (__m256i, __m256i),
+        gain: __m256i,
+    }
+
+    #[target_feature(enable = "avx2")]
+    fn tables(gain: i16) -> Tables {
+        let wide = |table: [i8; 16]| {
+            let [low, high]: [i64; 2] =
+                [0, 8].map(|at| i64::from_le_bytes(core::array::from_fn(|i| table[at + i] as u8)));
+            _mm256_set_epi64x(high, low, high, low)
+        };
+        let pair = |first: i8, second: i8| _mm256_set1_epi16(i16::from_le_bytes([first as u8, second as u8]));
+        Tables {
+            a: wide(TABLE_A),
+            b: wide(TABLE_B),
+            low: _mm256_set1_epi8(15),
+            weights: (pair(WEIGHTS[0], WEIGHTS[2]), pair(WEIGHTS[1], WEIGHTS[3])),
+            rounds: (_mm256_set1_epi32(ROUNDS.0 as i32), _mm256_set1_epi32(ROUNDS.1 as i32)),
+            gain: _mm256_set1_epi16(gain),
+        }
+    }
+
+    /// # Safety
+    /// `span.base` and `picture` hold `blocks` blocks, `mask` that many words.
+    #[target_feature(enable = "avx2")]
+    unsafe fn noisy(
+        span: Span<'_>,
+        keys: Keys,
+        gain: i16,
+        picture: &mut [u8],
+        mask: &mut [u32],
+        blocks: usize,
+    ) {
+        let tables = tables(gain);
+        let second = _mm256_set1_epi32(keys.1 as i32);
+        let half = _mm256_set1_epi16(32);
+        let level = _mm256_set1_epi8(span.level as i8);
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let first = span.first_word.wrapping_add(keys.0);
+        let mut word = _mm256_add_epi32(_mm256_set1_epi32(first as i32), lanes);
+        let eight = _mm256_set1_epi32(8);
+        for (block, bits) in mask.iter_mut().enumerate().take(blocks) {
+            let next = _mm256_add_epi32(word, eight);
+            let (noise_a, noise_b) = (noise16(word, second, &tables), noise16(next, second, &tables));
+            word = _mm256_add_epi32(next, eight);
+            // SAFETY: block < blocks, see above; the loads and stores are unaligned ones.
+            unsafe {
+                let base = span.base.as_ptr().add(block * BLOCK).cast::<__m256i>();
+                let sum_a = _mm256_adds_epi16(_mm256_loadu_si256(base), noise_a);
+                let sum_b = _mm256_adds_epi16(_mm256_loadu_si256(base.add(1)), noise_b);
+                let out = picture.as_mut_ptr().add(block * BLOCK).cast::<__m256i>();
+                *bits = rounded(sum_a, sum_b, half, level, out);
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for `noisy`.
+    #[target_feature(enable = "avx2")]
+    unsafe fn clean(span: Span<'_>, picture: &mut [u8], mask: &mut [u32], blocks: usize) {
+        let half = _mm256_set1_epi16(32);
+        let level = _mm256_set1_epi8(span.level as i8);
+        for (block, bits) in mask.iter_mut().enumerate().take(blocks) {
+            // SAFETY: block < blocks, see above; the loads and stores are unaligned ones.
+            unsafe {
+                let base = span.base.as_ptr().add(block * BLOCK).cast::<__m256i>();
+                let (a, b) = (_mm256_loadu_si256(base), _mm256_loadu_si256(base.add(1)));
+                let out = picture.as_mut_ptr().add(block * BLOCK).cast::<__m256i>();
+                *bits = rounded(a, b, half, level, out);
+            }
+        }
+    }
+
+    /// Rounds, packs and stores 32 pixels; answers their mask.
+    ///
+    /// # Safety
+    /// 32 bytes can be written at `out`.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn rounded(a: __m256i, b: __m256i, half: __m256i, level: __m256i, out: *mut __m256i) -> u32 {
+        let a = _mm256_srai_epi16::<6>(_mm256_adds_epi16(a, half));
+        let b = _mm256_srai_epi16::<6>(_mm256_adds_epi16(b, half));
+        // Packing works on halves of the register; put them into the order of the pixels again.
+        let pixels = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_packus_epi16(a, b));
+        // SAFETY: as the caller promised.
+        unsafe { _mm256_storeu_si256(out, pixels) };
+        _mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(pixels, level), pixels)) as u32
+    }
+}

@@ -1,0 +1,87 @@
+//! Which region is which circle (Section 3.2).
+//!
+//! From frame to frame by the nearest neighbour, as long as every circle has moved less than half the smallest
+//! separation of any two. At the first frame, and after a loss, by the known geometry: the ordered triple of regions
+//! whose first lies at the height of the drum's centre and whose distances are the links' lengths. It has to be
+//! clearly better than any other triple; otherwise nothing is identified. *Deviations*: the paper assumes "an
+//! initial knowledge of the correspondence" and says nothing of what follows a loss.
+
+use super::Feature;
+use crate::variables::{Scene, Sensor};
+
+/// Features of circles 1, 2, 3.
+pub type Triple = [Feature; 3];
+
+/// Largest share by which a link may look longer or shorter than it is. The paper's strongest lens (p₂ = 0.1)
+/// stretches the picture by up to 30 %.
+const LENGTH_TOLERANCE: f64 = 0.4;
+/// Largest height of the drum's centre above or below its own place, in image units.
+const HEIGHT_TOLERANCE: f64 = 0.3;
+/// How much better the best triple has to be than the next one (sums of squares).
+const CLEARLY: f64 = 2.0;
+/// With more regions than this the geometry is not tried: chance would find triples.
+const MOST_CANDIDATES: usize = 16;
+
+fn squared_distance(a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (du, dv) = (a.0 - b.0, a.1 - b.1);
+    du * du + dv * dv
+}
+
+/// The circles of the last frame found again; `None` if one has moved too far or two have become one.
+pub fn nearest(candidates: &[Feature], last: &Triple) -> Option<Triple> {
+    let pairs = [(0, 1), (0, 2), (1, 2)];
+    let separation = |(i, j): (usize, usize)| squared_distance(last[i].centre_px, last[j].centre_px);
+    let smallest = pairs.into_iter().map(separation).fold(f64::INFINITY, f64::min);
+    let mut found = [0; 3];
+    for (circle, known) in last.iter().enumerate() {
+        let distance = |i: &usize| squared_distance(candidates[*i].centre_px, known.centre_px);
+        let best = (0..candidates.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        if distance(&best) >= 0.25 * smallest || found[..circle].contains(&best) {
+            return None;
+        }
+        found[circle] = best;
+    }
+    Some(found.map(|i| candidates[i]))
+}
+
+/// The circles identified by the robot's geometry as a perfect pinhole would show it.
+pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Option<Triple> {
+    if !(3..=MOST_CANDIDATES).contains(&candidates.len()) {
+        return None;
+    }
+    let half = (f64::from(sensor.width) / 2.0, f64::from(sensor.height) / 2.0);
+    let image = |feature: &Feature| (feature.centre_px.0 / half.0, feature.centre_px.1 / half.1);
+    let world_unit = 2.0 / scene.field_of_view;
+    let height = (scene.ground_height + scene.drum_radius) * world_unit;
+    let misfit = |a: (f64, f64), b: (f64, f64), length: f64| {
+        squared_distance(a, b).sqrt() / (length * world_unit) - 1.0
+    };
+    let (mut best, mut best_cost, mut next_cost) = (None, f64::INFINITY, f64::INFINITY);
+    for drum in candidates {
+        let too_high = image(drum).1 - height;
+        if too_high.abs() > HEIGHT_TOLERANCE {
+            continue;
+        }
+        for joint in candidates.iter().filter(|joint| *joint != drum) {
+            let first = misfit(image(drum), image(joint), scene.link1_length);
+            if first.abs() > LENGTH_TOLERANCE {
+                continue;
+            }
+            for tip in candidates.iter().filter(|tip| *tip != drum && *tip != joint) {
+                let second = misfit(image(joint), image(tip), scene.link2_length);
+                if second.abs() > LENGTH_TOLERANCE {
+                    continue;
+                }
+                let cost = too_high * too_high + first * first + second * second;
+                if cost < best_cost {
+                    next_cost = best_cost;
+                    best_cost = cost;
+                    best = Some([*drum, *joint, *tip]);
+                } else {
+                    next_cost = next_cost.min(cost);
+                }
+            }
+        }
+    }
+    best.filter(|_| next_cost > CLEARLY * best_cost)
+}

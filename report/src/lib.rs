@@ -1,0 +1,37 @@
+//! Graphs, tables and pages: what a person sees of a run, a claim or a diagnosis.
+//!
+//! Data comes in as numbers and leaves as one self-contained HTML file: graphs are inline SVG, pictures inline PNG,
+//! nothing is fetched from anywhere. This crate knows no unit and no signal by name.
+
+pub mod field;
+pub mod graph;
+pub mod map;
+pub mod page;
+pub mod picture;
+pub mod thin;
+
+pub use field::VectorField;
+pub use graph::{Axis, Graph, Line, Marks, Style};
+pub use map::{Contour, HeatMap};
+pub use maud::{Markup, PreEscaped, html};
+pub use page::{Cell, Page, Table};
+pub use picture::Picture;
+
+/// What can go wrong while drawing.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The drawing library refused.
+    #[error("can't draw `{title}`: {why}")]
+    Draw {
+        /// Title of the graph.
+        title: String,
+        /// What the drawing library says.
+        why: String,
+    },
+    /// Nothing to draw.
+    #[error("can't draw `{title}`: it has no finite point")]
+    Empty {
+        /// Title of the graph.
+        title: String,
+    },
+}

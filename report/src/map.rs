@@ -1,0 +1,105 @@
+//! A value over a plane as colours, with curves drawn over it.
+
+use crate::Error;
+use crate::graph::{Area, Axis, FONT, Refusal, tick};
+use plotters::prelude::*;
+
+/// A value over a plane. Cells are rectangles around their centres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatMap {
+    /// Title above the graph.
+    pub title: String,
+    /// Horizontal axis; needs a range.
+    pub x: Axis,
+    /// Vertical axis; needs a range.
+    pub y: Axis,
+    /// Edges of the cells along x, one more than columns.
+    pub x_edges: Vec<f64>,
+    /// Edges of the cells along y, one more than rows.
+    pub y_edges: Vec<f64>,
+    /// Values from 0 (white) to 1 (full colour), row by row; `NaN` stays white.
+    pub values: Vec<f64>,
+    /// Curves over the cells.
+    pub contours: Vec<Contour>,
+}
+
+/// A curve over the cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contour {
+    /// Its entry in the legend.
+    pub label: String,
+    /// Points in drawing order.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl HeatMap {
+    /// Draws the map as SVG.
+    pub fn to_svg(&self) -> Result<String, Error> {
+        let (Some(x), Some(y)) = (self.x.range, self.y.range) else {
+            return Err(Error::Empty { title: self.title.clone() });
+        };
+        let mut svg = String::new();
+        {
+            let root = SVGBackend::with_string(&mut svg, crate::graph::SIZE).into_drawing_area();
+            self.draw(&root, x, y)
+                .map_err(|why| Error::Draw { title: self.title.clone(), why: why.to_string() })?;
+        }
+        Ok(svg)
+    }
+
+    fn draw(&self, root: &Area<'_>, x: (f64, f64), y: (f64, f64)) -> Result<(), Refusal> {
+        root.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(root)
+            .caption(&self.title, (FONT, 16))
+            .margin(8)
+            .x_label_area_size(38)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
+        chart.draw_series(self.cells())?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .x_desc(&self.x.label)
+            .y_desc(&self.y.label)
+            .label_style((FONT, 13))
+            .x_label_formatter(&|value| tick(*value, x))
+            .y_label_formatter(&|value| tick(*value, y))
+            .draw()?;
+        for (index, contour) in self.contours.iter().enumerate() {
+            let colour = crate::graph::colour(index);
+            chart
+                .draw_series(LineSeries::new(contour.points.iter().copied(), colour.stroke_width(2)))?
+                .label(&contour.label)
+                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2)));
+        }
+        if !self.contours.is_empty() {
+            chart
+                .configure_series_labels()
+                .background_style(WHITE.mix(0.85))
+                .border_style(RGBColor(200, 200, 200))
+                .label_font((FONT, 13))
+                .position(SeriesLabelPosition::UpperRight)
+                .draw()?;
+        }
+        root.present()
+    }
+
+    fn cells(&self) -> impl Iterator<Item = Rectangle<(f64, f64)>> + '_ {
+        let columns = self.x_edges.len().saturating_sub(1);
+        self.values.iter().enumerate().filter(|(_, value)| value.is_finite()).filter_map(
+            move |(index, value)| {
+                let (row, column) = (index.checked_div(columns)?, index.checked_rem(columns)?);
+                let corner = (*self.x_edges.get(column)?, *self.y_edges.get(row)?);
+                let opposite = (*self.x_edges.get(column + 1)?, *self.y_edges.get(row + 1)?);
+                Some(Rectangle::new([corner, opposite], shade(*value).filled()))
+            },
+        )
+    }
+}
+
+/// White to the blue of the palette.
+fn shade(value: f64) -> RGBColor {
+    let share = value.clamp(0.0, 1.0);
+    let mix = |full: f64| (255.0 + (full - 255.0) * 0.75 * share).round() as u8;
+    RGBColor(mix(0.0), mix(114.0), mix(178.0))
+}

@@ -1,0 +1,161 @@
+//! One self-contained HTML page: headings, text, tables, drawn graphs and pictures, in the order they are added.
+
+use base64::Engine as _;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// A page that is filled from top to bottom.
+#[derive(Debug, Clone)]
+pub struct Page {
+    title: String,
+    body: Vec<Markup>,
+}
+
+/// A table of text.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Heads of the columns.
+    pub head: Vec<String>,
+    /// Rows, each as long as the head.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number, set flush right.
+    Number(String),
+    /// A statement that holds or does not.
+    Holds(bool, String),
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+const STYLE: &str = "
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 1360px; margin: 2rem auto; padding: 0 1.5rem; }
+h1 { font-size: 1.6rem; margin-bottom: .3rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
+p { max-width: 75ch; }
+figure { margin: .6rem 0; display: inline-block; vertical-align: top; }
+figure svg, figure img { max-width: 100%; height: auto; }
+figcaption { color: #444; font-size: .9rem; max-width: 640px; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 520px), 1fr)); gap: 1rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: 1rem 0; font-size: .92rem; }
+th, td { border-bottom: 1px solid #e3e3e3; padding: .25rem .7rem; text-align: left; vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.yes { color: #00664a; } .no { color: #a63603; font-weight: 600; }
+code, pre { font-family: ui-monospace, monospace; font-size: .9em; } pre { background: #f6f6f6; padding: .7rem; overflow-x: auto; }
+";
+
+impl Page {
+    /// An empty page.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), body: Vec::new() }
+    }
+
+    /// A heading.
+    pub fn heading(&mut self, text: &str) -> &mut Self {
+        self.push(html! { h2 { (text) } })
+    }
+
+    /// A paragraph.
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        self.push(html! { p { (text) } })
+    }
+
+    /// Text as it was typed.
+    pub fn verbatim(&mut self, text: &str) -> &mut Self {
+        self.push(html! { pre { (text) } })
+    }
+
+    /// A drawn graph with a caption.
+    pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
+        self.push(figure(svg, caption))
+    }
+
+    /// Several drawn graphs side by side where the window is wide enough: (SVG, caption).
+    pub fn figures(&mut self, figures: &[(String, String)]) -> &mut Self {
+        self.push(html! { div.row { @for (svg, caption) in figures { (figure(svg, caption)) } } })
+    }
+
+    /// A PNG picture with a caption and an alternative text.
+    pub fn picture(&mut self, png: &[u8], caption: &str) -> &mut Self {
+        let data = base64::engine::general_purpose::STANDARD.encode(png);
+        let source = format!("data:image/png;base64,{data}");
+        self.push(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
+    }
+
+    /// A table.
+    pub fn table(&mut self, table: &Table) -> &mut Self {
+        self.push(html! {
+            div.scroll { table {
+                thead { tr { @for name in &table.head { th { (name) } } } }
+                tbody { @for row in &table.rows { tr { @for cell in row { (cell_markup(cell)) } } } }
+            } }
+        })
+    }
+
+    /// Anything else.
+    pub fn push(&mut self, markup: Markup) -> &mut Self {
+        self.body.push(markup);
+        self
+    }
+
+    /// The whole page.
+    pub fn to_html(&self) -> String {
+        html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (self.title) }
+                    style { (PreEscaped(STYLE)) }
+                }
+                body { h1 { (self.title) } @for part in &self.body { (part) } }
+            }
+        }
+        .into_string()
+    }
+}
+
+fn figure(svg: &str, caption: &str) -> Markup {
+    html! { figure { (PreEscaped(svg)) @if !caption.is_empty() { figcaption { (caption) } } } }
+}
+
+fn cell_markup(cell: &Cell) -> Markup {
+    match cell {
+        Cell::Text(text) => html! { td { (text) } },
+        Cell::Number(text) => html! { td.number { (text) } },
+        Cell::Holds(true, text) => html! { td.yes { "✓ " (text) } },
+        Cell::Holds(false, text) => html! { td.no { "✗ " (text) } },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cell, Page, Table};
+
+    #[test]
+    fn law_text_is_escaped() {
+        let mut page = Page::new("a < b");
+        page.text("<script>").table(&Table { head: vec!["&".into()], rows: vec![vec![Cell::from("\"<\"")]] });
+        let html = page.to_html();
+        assert!(
+            html.contains("a &lt; b") && html.contains("&lt;script&gt;") && html.contains("<th>&amp;</th>")
+        );
+        assert!(!html.contains("<script>"));
+    }
+}

@@ -1,0 +1,51 @@
+//! Thins a long line to what a screen can show, without losing a peak.
+
+/// Keeps at most about `4 * columns` points: of each column of the picture the first, lowest, highest and last.
+/// Points must be ordered by x; a line that is short already comes back as it is.
+pub fn thin(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
+    if points.len() <= 4 * columns || columns == 0 {
+        return points.to_vec();
+    }
+    let (first, last) = (points[0].0, points[points.len() - 1].0);
+    let width = (last - first) / columns as f64;
+    if width.is_nan() || width <= 0.0 {
+        return points.to_vec();
+    }
+    let column = |x: f64| (((x - first) / width) as usize).min(columns - 1);
+    points.chunk_by(|a, b| column(a.0) == column(b.0)).flat_map(extremes).collect()
+}
+
+/// First, lowest, highest and last point of a run, in their order, each once.
+fn extremes(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let by_y = |a: &usize, b: &usize| run[*a].1.total_cmp(&run[*b].1);
+    let lowest = (0..run.len()).min_by(by_y).unwrap_or(0);
+    let highest = (0..run.len()).max_by(by_y).unwrap_or(0);
+    let mut keep = [0, lowest, highest, run.len() - 1];
+    keep.sort_unstable();
+    let mut kept: Vec<usize> = keep.to_vec();
+    kept.dedup();
+    kept.into_iter().map(|index| run[index]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thin;
+
+    #[test]
+    fn law_peaks_survive() {
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(|i| (i as f64, (i as f64 * 1e-3).sin())).collect();
+        points[54_321].1 = 7.0;
+        points[54_322].1 = -7.0;
+        let thinned = thin(&points, 600);
+        assert!(thinned.len() <= 2400, "{} points left", thinned.len());
+        assert!(thinned.contains(&(54_321.0, 7.0)) && thinned.contains(&(54_322.0, -7.0)));
+        assert_eq!((thinned[0], thinned[thinned.len() - 1]), (points[0], points[99_999]));
+        assert!(thinned.windows(2).all(|pair| pair[0].0 < pair[1].0), "order is kept, no point twice");
+    }
+
+    #[test]
+    fn law_short_lines_are_untouched() {
+        let points = [(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)];
+        assert_eq!(thin(&points, 600).len(), 3);
+    }
+}

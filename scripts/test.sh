@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs what the tests need and passes all of them. Needs Rust (rustup), Python 3.11 or newer, and gcc.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+step() { printf '\n== %s ==\n' "$*"; }
+
+step "Python environment (.venv)"
+[ -x .venv/bin/python ] || python3 -m venv .venv
+.venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+
+step "Formatting"
+cargo fmt --check
+
+step "Lints"
+cargo clippy --quiet --release --workspace --all-targets -- -D warnings
+
+step "Units: build, pack, compare with the committed descriptions"
+cargo xtask pack --check
+cargo acroscope --version
+
+step "Rust tests"
+if cargo nextest --version >/dev/null 2>&1; then
+    cargo nextest run --release --workspace --cargo-quiet --status-level fail
+else
+    cargo test --quiet --release --workspace --lib --bins --tests
+fi
+cargo test --quiet --release --workspace --doc
+
+step "Foreign programs drive the units (FMPy, libcosim, scipy, OpenCV, PythonFMU)"
+.venv/bin/python -m pytest tests/fmpy
+
+step "Documentation"
+RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps --workspace

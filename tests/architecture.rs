@@ -1,0 +1,106 @@
+//! The map is true: crates depend on each other only along the arrows of ARCHITECTURE.md, every path it names
+//! exists, and every third-party crate has its line of reason.
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The only arrows. Shells (`*-fmu`) depend on their own model and on the export; nobody depends on a shell.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("mechanics", &[]),
+    ("fmi2-export", &[]),
+    ("orchestrator", &[]),
+    ("report", &[]),
+    ("xtask", &[]),
+    ("plant", &["mechanics", "fmi2-export"]),
+    ("controller", &["mechanics", "fmi2-export"]),
+    ("camera", &["fmi2-export"]),
+    ("diagnosis", &["orchestrator", "mechanics", "report"]),
+    ("studies", &["orchestrator", "mechanics", "report"]),
+    ("acroscope", &["orchestrator", "diagnosis", "studies", "report"]),
+    ("system-tests", &[]),
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+fn metadata() -> Metadata {
+    MetadataCommand::new().current_dir(root()).no_deps().exec().expect("cargo metadata answers")
+}
+
+fn arrows_of(name: &str) -> Vec<String> {
+    if let Some(model) = name.strip_suffix("-fmu") {
+        return vec![model.to_owned(), "fmi2-export".to_owned()];
+    }
+    let known = ARROWS.iter().find(|(from, _)| *from == name);
+    let (_, to) = known.unwrap_or_else(|| panic!("crate `{name}` has no line in ARROWS and in ARCHITECTURE.md"));
+    to.iter().map(|name| (*name).to_owned()).collect()
+}
+
+#[test]
+fn every_dependency_follows_an_arrow() {
+    let metadata = metadata();
+    let ours: BTreeSet<&str> = metadata.packages.iter().map(|package| package.name.as_str()).collect();
+    for package in &metadata.packages {
+        let allowed = arrows_of(&package.name);
+        let product = package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Development);
+        for dependency in product.filter(|dependency| ours.contains(dependency.name.as_str())) {
+            assert!(
+                allowed.contains(&dependency.name),
+                "{} -> {} is no arrow of ARCHITECTURE.md",
+                package.name,
+                dependency.name
+            );
+        }
+    }
+}
+
+#[test]
+fn every_path_in_the_map_exists() {
+    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
+    let paths: Vec<&str> =
+        text.split('`').skip(1).step_by(2).filter(|code| code.contains('/') && !code.contains([' ', '*', '<', ':'])).collect();
+    assert!(paths.len() > 20, "the map names {} paths", paths.len());
+    let made = ["target/", "out/"]; // by the build, not committed
+    for path in paths.iter().filter(|path| !made.iter().any(|folder| path.starts_with(folder))) {
+        assert!(root().join(path).exists(), "ARCHITECTURE.md names `{path}`, which does not exist");
+    }
+}
+
+#[test]
+fn every_third_party_crate_has_its_reason() {
+    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
+    let metadata = metadata();
+    let ours: BTreeSet<&str> = metadata.packages.iter().map(|package| package.name.as_str()).collect();
+    let theirs: BTreeSet<&str> = (metadata.packages.iter())
+        .flat_map(|package| &package.dependencies)
+        .map(|dependency| dependency.name.as_str())
+        .filter(|name| !ours.contains(name))
+        .collect();
+    for name in theirs {
+        assert!(text.contains(&format!("| `{name}` |")), "ARCHITECTURE.md has no line for the crate `{name}`");
+    }
+}
+
+#[test]
+fn every_source_file_says_what_it_is() {
+    let mut folders = vec![root()];
+    let mut seen = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("folders of the repository can be read") {
+            let path = entry.expect("entries can be read").path();
+            let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
+            if path.is_dir() {
+                if !name.starts_with('.') && name != "target" && name != "out" {
+                    folders.push(path);
+                }
+            } else if name.ends_with(".rs") {
+                seen += 1;
+                let text = std::fs::read_to_string(&path).expect("source files are text");
+                assert!(text.starts_with("//!"), "{} does not begin with //!", path.display());
+            }
+        }
+    }
+    assert!(seen > 50, "found {seen} source files");
+}

@@ -1,0 +1,81 @@
+"""A state saved at any time, turned into bytes and restored in another instance, goes on with the same bytes."""
+
+import struct
+
+import pytest
+from conftest import NAMES
+
+STEP = 1 / 600
+DRIVE = {
+    "plant": lambda k: {"tau": 0.05 * ((k * 7919) % 13 - 6)},
+    "camera": lambda k: {"q1": 0.0004 * k, "q2": 0.1 + 0.0006 * k, "dq1": 0.24, "dq2": 0.36},
+    "controller": lambda k: {"q1": 0.001 * k, "q2": -0.002 * k, "dq1": 0.6, "dq2": -1.2, "z_desired": 0.01 * k},
+}
+# Friction, a lag and a delay line in the plant; noise, blur, dropped frames and images in flight in the camera.
+PARAMETERS = {
+    "plant": {"q1_0": 0.02, "b_joint": 0.01, "fc_joint": 0.02, "tau_delay": 0.0123, "T_act": 0.02, "dtau_max": 30.0},
+    "camera": {"sigma": 15.0, "E_t": 1.0, "T_delay": 0.11, "drop_rate": 0.2, "N": 1, "k1": 0.05, "seed": 9},
+    "controller": {},
+}
+
+
+def bits(outputs):
+    return b"".join(struct.pack("<d", float(value)) for value in outputs.values())
+
+
+def advance(unit, name, first, last):
+    seen = []
+    for k in range(first, last):
+        unit.set(**DRIVE[name](k)).step(k * STEP, STEP)
+        seen.append(bits(unit.outputs()))
+    return seen
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("saved_at", [0, 37, 211])
+def test_restored_in_another_instance(unit, name, saved_at):
+    one = unit(name).start(**PARAMETERS[name])
+    advance(one, name, 0, saved_at)
+    state = one.slave.getFMUState()
+    data = one.slave.serializeFMUState(state)
+    expected = advance(one, name, saved_at, saved_at + 120)
+    assert len(set(expected)) > 1, "something moves"
+
+    other = unit(name).start()
+    copy = other.slave.deSerializeFMUState(data)
+    other.slave.setFMUState(copy)
+    assert advance(other, name, saved_at, saved_at + 120) == expected
+    other.slave.freeFMUState(copy)
+
+    one.slave.setFMUState(state)  # and back in the first
+    assert advance(one, name, saved_at, saved_at + 120) == expected
+    one.slave.freeFMUState(state)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_reset_goes_back_to_the_start_values(unit, name):
+    one = unit(name)
+    start = {n: one.get(n) for n in one.variables}
+    one.start(**PARAMETERS[name])
+    advance(one, name, 0, 50)
+    one.slave.reset()
+    assert {n: one.get(n) for n in one.variables} == start
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_damaged_bytes_are_refused(unit, name):
+    one = unit(name).start()
+    state = one.slave.getFMUState()
+    data = bytearray(one.slave.serializeFMUState(state))
+    data[len(data) // 2] ^= 0x40
+    with pytest.raises(Exception, match="fmi2DeSerializeFMUstate"):
+        one.slave.deSerializeFMUState(bytes(data))
+    one.slave.freeFMUState(state)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nan_is_refused_and_the_instance_lives_on(unit, name):
+    one = unit(name).start()
+    with pytest.raises(Exception, match="fmi2SetReal"):
+        one.set(**{next(iter(DRIVE[name](0))): float("nan")})
+    one.set(**DRIVE[name](1)).step(0.0, STEP)

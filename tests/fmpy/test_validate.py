@@ -1,0 +1,28 @@
+"""`fmpy validate` has nothing to say about any unit: it checks the description against the standard's schema."""
+
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from conftest import NAMES, ROOT, UNITS
+from fmpy.validation import validate_fmu
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_message(name):
+    assert validate_fmu(str(UNITS / f"acrobot_{name}.fmu")) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_command_line_agrees(name):
+    command = [sys.executable, "-m", "fmpy.command_line", "validate", str(UNITS / f"acrobot_{name}.fmu")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0 and "No problems found." in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_committed_description_is_the_one_inside(name):
+    with zipfile.ZipFile(UNITS / f"acrobot_{name}.fmu") as fmu:
+        inside = fmu.read("modelDescription.xml")
+    assert inside == (ROOT / "modelDescriptions" / f"acrobot_{name}.xml").read_bytes()

@@ -3,7 +3,8 @@
 //! An instance is reset before each use, so results don't depend on which one a thread gets.
 
 use crate::error::Error;
-use orchestrator::{Fmu, Instance, Kind, Status, Value};
+use orchestrator::fmu::{Instance, Status};
+use orchestrator::{Fmu, Kind, Value};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -32,7 +33,7 @@ impl Bench {
             .description()
             .variables
             .iter()
-            .map(|variable| (variable.name.clone(), (variable.reference, variable.start_kind())))
+            .map(|variable| (variable.name.clone(), (variable.reference, variable.kind)))
             .collect();
         let mut bench = Self { fmu, nominal: Vec::new(), references, pool: Mutex::new(Vec::new()) };
         for (name, value) in nominal {
@@ -109,6 +110,9 @@ impl Bench {
 pub fn step(instance: &mut Instance, from: f64, size: f64) -> Result<(), Error> {
     match instance.do_step(from, size, true) {
         Status::Ok | Status::Warning => Ok(()),
-        status => Err(Error::Model(format!("unit step at {from} s of {size} s: {status}"))),
+        status => {
+            let said = instance.log().last().map(|line| format!(": {}", line.text)).unwrap_or_default();
+            Err(Error::Model(format!("unit step at {from} s of {size} s: {status}{said}")))
+        }
     }
 }

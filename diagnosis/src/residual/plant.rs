@@ -113,36 +113,61 @@ impl PlantCut {
         Ok(motions)
     }
 
+    /// Gauss-Newton for the start state, a step only if it brings the rows closer. What is left then is so small
+    /// that the linear projection takes care of it.
+    fn settle(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        run: &dyn Fn(&State) -> Result<Vec<[f64; 5]>, Error>,
+    ) -> Result<(State, Vec<[f64; 5]>, Cell), Error> {
+        let empty = || DMatrix::zeros(layout.len(), 0);
+        let square = |cell: &Cell| cell.residual.iter().zip(&cell.sigma).map(|(r, s)| (r / s).powi(2)).sum::<f64>();
+        let mut start = window.start;
+        let mut base = run(&start)?;
+        let mut cell = layout.cell(self, window, &base, empty());
+        for _ in 0..if window.settled { 2 } else { 8 } {
+            let mut hard = DMatrix::zeros(layout.len(), 4);
+            for place in 0..4 {
+                let mut moved = start;
+                moved[place] += NUDGE[place];
+                layout.column(&base, &run(&moved)?, NUDGE[place], &mut hard, place);
+            }
+            cell.hard = hard;
+            let shift = nuisances(&cell, 0.0);
+            let moved = (&cell.hard * &shift).iter().zip(&cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
+            // a tenth of a standard deviation per row
+            if moved < 0.01 * cell.residual.len() as f64 {
+                break;
+            }
+            let mut length = 1.0;
+            let better = loop {
+                let trial: State = std::array::from_fn(|place| start[place] + length * shift[place]);
+                if let Ok(rows) = run(&trial) {
+                    let there = layout.cell(self, window, &rows, empty());
+                    if square(&there) < square(&cell) {
+                        break Some((trial, rows, there));
+                    }
+                }
+                length *= 0.25;
+                if length < 0.01 {
+                    break None;
+                }
+            };
+            let Some((trial, rows, there)) = better else { break };
+            let hard = std::mem::replace(&mut cell.hard, empty());
+            (start, base, cell) = (trial, rows, Cell { hard, ..there });
+        }
+        Ok((start, base, cell))
+    }
+
     fn window(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<(State, Block), Error> {
         let base_settings = self.settings(point, None)?;
         let run = |settings: &[Setting], state: &State, push: Option<Push>| {
             simulate(&self.bench, &self.ports, settings, &window.drive, state, push)
         };
         let layout = Layout::of(self, window);
-        let mut start = window.start;
-        let mut cell;
-        let mut base;
-        let mut tries = if window.settled { 2 } else { 6 };
-        loop {
-            base = run(&base_settings, &start, None)?;
-            let mut hard = DMatrix::zeros(layout.len(), 4);
-            for place in 0..4 {
-                let mut moved = start;
-                moved[place] += NUDGE[place];
-                layout.column(&base, &run(&base_settings, &moved, None)?, NUDGE[place], &mut hard, place);
-            }
-            cell = layout.cell(self, window, &base, hard);
-            tries -= 1;
-            let shift = nuisances(&cell, 0.0);
-            let moved = (&cell.hard * &shift).iter().zip(&cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
-            // a tenth of a standard deviation over the whole window: the projection takes care of the rest
-            if tries == 0 || moved < 0.01 * cell.residual.len() as f64 {
-                break;
-            }
-            for place in 0..4 {
-                start[place] += shift[place];
-            }
-        }
+        let (start, base, mut cell) = self.settle(window, &layout, &|state: &State| run(&base_settings, state, None))?;
         let (from, to) = (window.drive.start(), window.drive.end());
         let edge = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
         let mut soft = DMatrix::zeros(layout.len(), 2 * PARTS);

@@ -160,7 +160,7 @@ pub fn simulate(
                 rows.push(outputs);
             }
         }
-        if rows.iter().flatten().all(|value| value.is_finite()) {
+        if rows.iter().flatten().all(|value: &f64| value.is_finite()) {
             Ok(rows)
         } else {
             Err(Error::Model("the plant left the finite numbers".into()))

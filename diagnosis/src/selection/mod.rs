@@ -121,6 +121,12 @@ pub fn study(
             }
         }
         trials.sort_by(|a, b| a.1.deviance().total_cmp(&b.1.deviance()));
+        for hit in &found.hits {
+            tell(&format!("  {} gain {:.1} t {:.2} by {:.5}", candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement));
+        }
+        for (c, trial) in &trials {
+            tell(&format!("  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}", candidates[*c].name, trial.point[*c], last.deviance(), trial.deviance(), trial.softness, trial.sigmas, trial.total.square));
+        }
         let mut accepted = None;
         for (candidate, trial) in trials {
             let before = last.under(&trial);

@@ -15,9 +15,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("plant", &["mechanics", "fmi2-export"]),
     ("controller", &["mechanics", "fmi2-export"]),
     ("camera", &["fmi2-export"]),
-    ("diagnosis", &["orchestrator", "mechanics", "report"]),
-    ("studies", &["orchestrator", "mechanics", "report"]),
-    ("acroscope", &["orchestrator", "diagnosis", "studies", "report"]),
+    ("scenarios", &["orchestrator"]),
+    ("diagnosis", &["orchestrator", "scenarios", "mechanics", "report"]),
+    ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),
+    ("acroscope", &["orchestrator", "scenarios", "diagnosis", "studies", "report"]),
     ("system-tests", &[]),
 ];
 
@@ -34,7 +35,8 @@ fn arrows_of(name: &str) -> Vec<String> {
         return vec![model.to_owned(), "fmi2-export".to_owned()];
     }
     let known = ARROWS.iter().find(|(from, _)| *from == name);
-    let (_, to) = known.unwrap_or_else(|| panic!("crate `{name}` has no line in ARROWS and in ARCHITECTURE.md"));
+    let (_, to) =
+        known.unwrap_or_else(|| panic!("crate `{name}` has no line in ARROWS and in ARCHITECTURE.md"));
     to.iter().map(|name| (*name).to_owned()).collect()
 }
 
@@ -44,7 +46,8 @@ fn every_dependency_follows_an_arrow() {
     let ours: BTreeSet<&str> = metadata.packages.iter().map(|package| package.name.as_str()).collect();
     for package in &metadata.packages {
         let allowed = arrows_of(&package.name);
-        let product = package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Development);
+        let product =
+            package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Development);
         for dependency in product.filter(|dependency| ours.contains(dependency.name.as_str())) {
             assert!(
                 allowed.contains(&dependency.name),
@@ -58,9 +61,14 @@ fn every_dependency_follows_an_arrow() {
 
 #[test]
 fn every_path_in_the_map_exists() {
-    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
-    let paths: Vec<&str> =
-        text.split('`').skip(1).step_by(2).filter(|code| code.contains('/') && !code.contains([' ', '*', '<', ':'])).collect();
+    let text =
+        std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
+    let paths: Vec<&str> = text
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .filter(|code| code.contains('/') && !code.contains([' ', '*', '<', ':']))
+        .collect();
     assert!(paths.len() > 20, "the map names {} paths", paths.len());
     let made = ["target/", "out/"]; // by the build, not committed
     for path in paths.iter().filter(|path| !made.iter().any(|folder| path.starts_with(folder))) {
@@ -70,7 +78,8 @@ fn every_path_in_the_map_exists() {
 
 #[test]
 fn every_third_party_crate_has_its_reason() {
-    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
+    let text =
+        std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is at the root");
     let metadata = metadata();
     let ours: BTreeSet<&str> = metadata.packages.iter().map(|package| package.name.as_str()).collect();
     let theirs: BTreeSet<&str> = (metadata.packages.iter())
@@ -79,7 +88,10 @@ fn every_third_party_crate_has_its_reason() {
         .filter(|name| !ours.contains(name))
         .collect();
     for name in theirs {
-        assert!(text.contains(&format!("| `{name}` |")), "ARCHITECTURE.md has no line for the crate `{name}`");
+        assert!(
+            text.contains(&format!("| `{name}` |")),
+            "ARCHITECTURE.md has no line for the crate `{name}`"
+        );
     }
 }
 

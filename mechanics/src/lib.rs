@@ -53,10 +53,4 @@ pub enum MechanicsError {
         /// Angle of link 2, rad.
         q2: f64,
     },
-    /// z would not grow with q2, so it can't tell places on the manifold apart.
-    #[error("z stops growing with q2 at q2 = {q2} rad: n(s).x_e'(s) changes sign there")]
-    TurningPlace {
-        /// Angle of link 2, rad.
-        q2: f64,
-    },
 }

@@ -90,11 +90,19 @@ impl Linearisation {
         [[0.0, b1, 0.0, kb1], [0.0, b2, 0.0, kb2], [b1, 0.0, kb1, 0.0], [b2, 0.0, kb2, 0.0]]
     }
 
+    /// B₂·(KB)₁ − B₁·(KB)₂, whose square is the controllability matrix' determinant. Between two points at which its
+    /// signs differ lies one that is not controllable.
+    pub fn controllability_determinant(&self) -> f64 {
+        let [b1, b2] = self.input;
+        let [kb1, kb2] = self.stiffness_times_input();
+        b2 * kb1 - b1 * kb2
+    }
+
     /// p, the first half of n(s); the second half is zero. Fails where the plant is not controllable.
     pub fn p(&self) -> Result<[f64; 2], MechanicsError> {
         let [b1, b2] = self.input;
         let [kb1, kb2] = self.stiffness_times_input();
-        let determinant = b2 * kb1 - b1 * kb2;
+        let determinant = self.controllability_determinant();
         let scale = (b2 * kb1).abs() + (b1 * kb2).abs();
         if determinant.abs() > CONTROLLABLE * scale {
             Ok([b2 / determinant, -b1 / determinant])

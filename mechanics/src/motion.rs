@@ -88,46 +88,70 @@ impl Equation {
 
 impl Theta {
     /// Eq. (12) without any torque: f = −c(q, q̇).
+    #[inline]
     pub fn equation(
         &self,
-        [q1, q2]: [f64; 2],
+        q: [f64; 2],
         [dq1, dq2]: [f64; 2],
         ground: Option<&Incline>,
         velocity_terms: bool,
     ) -> Equation {
-        let Theta { theta_1, theta_2, theta_5, theta_7, theta_8, theta_9, theta_10 } = *self;
-        let (s1, c1) = libm::sincos(q1);
-        let (s2, c2) = libm::sincos(q2);
-        let (s12, c12) = (s1 * c2 - c1 * s2, c1 * c2 + s1 * s2);
-        let ((s1_drum, c1_drum), (s2_drum, c2_drum)) = match ground {
-            None => ((s1, c1), (s2, c2)),
-            Some(incline) => (incline.turned((s1, c1)), incline.turned((s2, c2))),
-        };
+        let Theta { theta_2, theta_7, theta_8, theta_9, theta_10, .. } = *self;
+        let pose = Pose::new(q, ground);
+        let (s1, s2, s12) = (pose.link1.0, pose.link2.0, pose.between.0);
+        let (s1_path, s2_path) = (pose.link1_path.0, pose.link2_path.0);
 
         let mut f1 = theta_9 * s1; // (12)
         let mut f2 = theta_10 * s2; // (12)
         if velocity_terms {
             let (dq1_dq1, dq2_dq2) = (dq1 * dq1, dq2 * dq2);
-            f1 += 0.5 * theta_2 * s1_drum * dq1_dq1 + (theta_7 * s2_drum - theta_8 * s12) * dq2_dq2;
+            f1 += 0.5 * theta_2 * s1_path * dq1_dq1 + (theta_7 * s2_path - theta_8 * s12) * dq2_dq2;
             f2 += theta_8 * s12 * dq1_dq1;
         }
         if let Some(incline) = ground {
             f1 += incline.torque();
         }
-        Equation {
-            m11: theta_1 + theta_2 * c1_drum,       // (12)
-            m12: theta_7 * c2_drum + theta_8 * c12, // (12)
-            m22: theta_5,                           // (12)
-            f1,
-            f2,
-        }
+        let [[m11, m12], [_, m22]] = pose.inertia(self);
+        Equation { m11, m12, m22, f1, f2 }
     }
 
     /// Kinetic and potential energy in J; the potential is θ₉ + θ₁₀ at the upright on level ground.
     pub fn energy(&self, q: [f64; 2], dq: [f64; 2], ground: Option<&Incline>) -> f64 {
-        let Equation { m11, m12, m22, .. } = self.equation(q, dq, ground, false);
+        let pose = Pose::new(q, ground);
+        let [[m11, m12], [_, m22]] = pose.inertia(self);
         let kinetic = 0.5 * m11 * dq[0] * dq[0] + m12 * dq[0] * dq[1] + 0.5 * m22 * dq[1] * dq[1];
-        let potential = self.theta_9 * libm::cos(q[0]) + self.theta_10 * libm::cos(q[1]);
+        let potential = self.theta_9 * pose.link1.1 + self.theta_10 * pose.link2.1;
         kinetic + potential - ground.map_or(0.0, |incline| incline.torque() * q[0])
+    }
+}
+
+/// The sines and cosines of a configuration, each as (sin, cos).
+struct Pose {
+    link1: (f64, f64),
+    link2: (f64, f64),
+    /// Of q₁ − q₂.
+    between: (f64, f64),
+    /// Of the links against the drum's path: q₁ − α, q₂ − α.
+    link1_path: (f64, f64),
+    link2_path: (f64, f64),
+}
+
+impl Pose {
+    #[inline]
+    fn new([q1, q2]: [f64; 2], ground: Option<&Incline>) -> Pose {
+        let (link1, link2) = (libm::sincos(q1), libm::sincos(q2));
+        let ((s1, c1), (s2, c2)) = (link1, link2);
+        let (link1_path, link2_path) = match ground {
+            None => (link1, link2),
+            Some(incline) => (incline.turned(link1), incline.turned(link2)),
+        };
+        Pose { link1, link2, between: (s1 * c2 - c1 * s2, c1 * c2 + s1 * s2), link1_path, link2_path }
+    }
+
+    /// M(q).
+    #[inline]
+    fn inertia(&self, theta: &Theta) -> [[f64; 2]; 2] {
+        let m12 = theta.theta_7 * self.link2_path.1 + theta.theta_8 * self.between.1; // (12)
+        [[theta.theta_1 + theta.theta_2 * self.link1_path.1, m12], [m12, theta.theta_5]] // (12)
     }
 }

@@ -1,7 +1,11 @@
 //! z, the place on the manifold.
 //!
 //! dz/ds = c·n(s)·x_e′(s), z = 0 at the upright, positive with q₂, and c such that z = 0.5 at 75 % of the arc
-//! length in (q₁, q₂) from q₂ = 0 to q₂ = 2.35. Along the manifold s may be q₂ itself: n·x_e′ = p·(dq₁/dq₂, 1).
+//! length in (q₁, q₂) from q₂ = 0 to q₂ = 2.35. Along the manifold s may be q₂ itself.
+//!
+//! n·x_e′ has a closed form. K·q_e′ = −B·τ_e′ along the manifold, p·B = 0 and p·KB = 1, so that by Cayley and
+//! Hamilton p·q_e′ = τ_e′/det K = −det M/(θ₉cos q₁). It never changes sign: z grows with q₂ wherever M is regular,
+//! even past a point at which the plant is not controllable.
 //!
 //! *Deviations*: the paper takes z from its reference \[27\], which is not available, and says only that z = 0.5
 //! lies at about 75 % of an arm. The normalisation is that of a pseudolinearizing coordinate.
@@ -42,24 +46,14 @@ struct Sum {
 }
 
 impl Place {
-    /// Integrates z along the manifold of `theta`. Fails, with the place, where the manifold, controllability or
-    /// the growth of z ends before the arm does.
+    /// Integrates z along the manifold of `theta`. Fails if there is none, or M is singular somewhere on it.
     pub fn new(theta: &Theta) -> Result<Place, MechanicsError> {
-        let upright = rate(theta, 0.0)?;
         let mut sums = Vec::with_capacity(ARM_INTERVALS + SPARE_INTERVALS + 1);
-        sums.push(Sum { place: 0.0, arc: 0.0, rate: upright });
+        sums.push(Sum { place: 0.0, arc: 0.0, rate: rate(theta, 0.0)? });
         for interval in 0..ARM_INTERVALS + SPARE_INTERVALS {
             let from = interval as f64 * INTERVAL;
             let to = (interval + 1) as f64 * INTERVAL;
-            let next = integrals(theta, from, to).and_then(|(place, arc)| {
-                let rate = rate(theta, to)?;
-                // c fixes the sign, so only a change of sign is wrong.
-                if rate * upright > 0.0 {
-                    Ok((place, arc, rate))
-                } else {
-                    Err(MechanicsError::TurningPlace { q2: to })
-                }
-            });
+            let next = integrals(theta, from, to).and_then(|(place, arc)| Ok((place, arc, rate(theta, to)?)));
             match next {
                 Ok((place, arc, rate)) => {
                     let last = sums[interval];
@@ -107,6 +101,9 @@ impl Place {
 
     /// q₂ at a place, rad; the table's end for a place beyond it.
     pub fn q2(&self, z: f64) -> f64 {
+        if z == 0.0 {
+            return 0.0; // halving would end at a tiny positive number
+        }
         let (mut low, mut high) = (0.0, self.end());
         let goal = z.abs();
         // z grows monotonically: halving until neighbouring numbers needs at most the bits of a double.
@@ -127,8 +124,13 @@ impl Place {
 
 /// n(s)·x_e′(s) with s = q₂.
 fn rate(theta: &Theta, q2: f64) -> Result<f64, MechanicsError> {
-    let p = theta.linearisation(q2)?.p()?;
-    Ok(p[0] * theta.manifold_slope(q2)? + p[1])
+    let q1 = theta.manifold_q1(q2)?;
+    let equation = theta.equation([q1, q2], [0.0; 2], None, false);
+    let determinant = equation.determinant();
+    if !equation.is_regular() {
+        return Err(MechanicsError::SingularInertia { q1, q2, determinant });
+    }
+    Ok(-determinant / (theta.theta_9 * libm::cos(q1)))
 }
 
 /// Three-point Gauss quadrature of n·x_e′ and of the arc length; its error over one interval is below 1e-16.

@@ -13,7 +13,7 @@ pub mod thin;
 pub use field::VectorField;
 pub use graph::{Axis, Graph, Line, Marks, Style};
 pub use map::{Contour, HeatMap};
-pub use maud::{Markup, PreEscaped, html};
+pub use maud::{Markup, PreEscaped};
 pub use page::{Cell, Page, Table};
 pub use picture::Picture;
 

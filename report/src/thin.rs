@@ -27,9 +27,57 @@ fn extremes(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
     kept.into_iter().map(|index| run[index]).collect()
 }
 
+/// The same for a line that comes point by point and may be longer than memory: it keeps buckets of equally many
+/// points, and when there are too many buckets it joins them two by two.
+#[derive(Debug, Clone)]
+pub struct Thinner {
+    buckets: Vec<Vec<(f64, f64)>>,
+    /// Points that a bucket stands for, and how many the last one has taken.
+    per_bucket: usize,
+    taken: usize,
+}
+
+/// Buckets of a [`Thinner`], at most.
+const BUCKETS: usize = 2048;
+
+impl Default for Thinner {
+    fn default() -> Self {
+        Self { buckets: Vec::new(), per_bucket: 1, taken: 0 }
+    }
+}
+
+impl Thinner {
+    /// Adds the next point.
+    pub fn push(&mut self, x: f64, y: f64) {
+        if self.taken == 0 {
+            if self.buckets.len() == BUCKETS {
+                self.halve();
+            }
+            self.buckets.push(Vec::with_capacity(5));
+        }
+        if let Some(bucket) = self.buckets.last_mut() {
+            bucket.push((x, y));
+            if bucket.len() > 4 {
+                *bucket = extremes(bucket);
+            }
+        }
+        self.taken = (self.taken + 1) % self.per_bucket;
+    }
+
+    fn halve(&mut self) {
+        self.buckets = self.buckets.chunks(2).map(|pair| extremes(&pair.concat())).collect();
+        self.per_bucket *= 2;
+    }
+
+    /// The thinned line.
+    pub fn finish(self) -> Vec<(f64, f64)> {
+        self.buckets.concat()
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::thin;
+    use super::{BUCKETS, Thinner, thin};
 
     #[test]
     fn law_peaks_survive() {
@@ -40,6 +88,19 @@ mod tests {
         assert!(thinned.len() <= 2400, "{} points left", thinned.len());
         assert!(thinned.contains(&(54_321.0, 7.0)) && thinned.contains(&(54_322.0, -7.0)));
         assert_eq!((thinned[0], thinned[thinned.len() - 1]), (points[0], points[99_999]));
+        assert!(thinned.windows(2).all(|pair| pair[0].0 < pair[1].0), "order is kept, no point twice");
+    }
+
+    #[test]
+    fn law_a_stream_keeps_its_peaks_in_bounded_memory() {
+        let mut thinner = Thinner::default();
+        for i in 0..200_000 {
+            thinner.push(i as f64, if i == 123_457 { 9.0 } else { (i as f64 * 1e-3).sin() });
+        }
+        let thinned = thinner.finish();
+        assert!(thinned.len() <= 4 * BUCKETS, "{} points left", thinned.len());
+        assert!(thinned.contains(&(123_457.0, 9.0)));
+        assert_eq!((thinned[0].0, thinned[thinned.len() - 1].0), (0.0, 199_999.0));
         assert!(thinned.windows(2).all(|pair| pair[0].0 < pair[1].0), "order is kept, no point twice");
     }
 

@@ -28,7 +28,10 @@ def test_fmpy_and_our_master_agree_to_the_last_bit(acroscope, tmp_path):
 
 
 def test_libcosim_balances_the_acrobot():
-    """libcosim steps all units at once (Jacobi) on a clock of whole nanoseconds: a millisecond it can express."""
+    """libcosim steps all units at once (Jacobi) on a clock of whole nanoseconds: a millisecond it can express.
+
+    libcosimpy 0.0.6 can't connect Integers, so the controller computes at every point from the newest estimate.
+    """
     execution = CosimExecution.from_step_size(step_size=1_000_000)
     index = {}
     slaves = {name: CosimLocalSlave(fmu_path=str(UNITS / f"acrobot_{name}.fmu"), instance_name=name) for name in NAMES}
@@ -43,12 +46,10 @@ def test_libcosim_balances_the_acrobot():
     links += [(("camera", f"{name}_est"), ("controller", name)) for name in ("q1", "q2", "dq1", "dq2")]
     links += [(("controller", "tau"), ("plant", "tau"))]
     for (source, output), (target, variable) in links:
-        assert execution.connect_real_variables(
+        status = execution.connect_real_variables(
             index[source], reference[source][output], index[target], reference[target][variable]
         )
-    assert execution.connect_integer_variables(
-        index["camera"], reference["camera"]["frame"], index["controller"], reference["controller"]["frame"]
-    )
+        assert status == 0, f"{source}.{output} -> {target}.{variable}"
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
     assert execution.simulate_until(6_000_000_000)

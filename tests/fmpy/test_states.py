@@ -36,41 +36,47 @@ def advance(unit, name, first, last):
 def test_restored_in_another_instance(unit, name, saved_at):
     one = unit(name).start(**PARAMETERS[name])
     advance(one, name, 0, saved_at)
-    state = one.slave.getFMUState()
-    data = one.slave.serializeFMUState(state)
+    state = one.slave.getFMUstate()
+    data = one.slave.serializeFMUstate(state)
     expected = advance(one, name, saved_at, saved_at + 120)
     assert len(set(expected)) > 1, "something moves"
 
     other = unit(name).start()
-    copy = other.slave.deSerializeFMUState(data)
-    other.slave.setFMUState(copy)
+    copy = other.slave.deSerializeFMUstate(data)
+    other.slave.setFMUstate(copy)
     assert advance(other, name, saved_at, saved_at + 120) == expected
-    other.slave.freeFMUState(copy)
+    other.slave.freeFMUstate(copy)
 
-    one.slave.setFMUState(state)  # and back in the first
+    one.slave.setFMUstate(state)  # and back in the first
     assert advance(one, name, saved_at, saved_at + 120) == expected
-    one.slave.freeFMUState(state)
+    one.slave.freeFMUstate(state)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_reset_goes_back_to_the_start_values(unit, name):
+    def values():  # readable from initialisation mode on
+        one.slave.setupExperiment(startTime=0.0)
+        one.slave.enterInitializationMode()
+        return {n: one.get(n) for n in one.variables}
+
     one = unit(name)
-    start = {n: one.get(n) for n in one.variables}
-    one.start(**PARAMETERS[name])
+    start = values()
+    one.set(**PARAMETERS[name])
+    one.slave.exitInitializationMode()
     advance(one, name, 0, 50)
     one.slave.reset()
-    assert {n: one.get(n) for n in one.variables} == start
+    assert values() == start
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_damaged_bytes_are_refused(unit, name):
     one = unit(name).start()
-    state = one.slave.getFMUState()
-    data = bytearray(one.slave.serializeFMUState(state))
+    state = one.slave.getFMUstate()
+    data = bytearray(one.slave.serializeFMUstate(state))
     data[len(data) // 2] ^= 0x40
     with pytest.raises(Exception, match="fmi2DeSerializeFMUstate"):
-        one.slave.deSerializeFMUState(bytes(data))
-    one.slave.freeFMUState(state)
+        one.slave.deSerializeFMUstate(bytes(data))
+    one.slave.freeFMUstate(state)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -79,3 +85,15 @@ def test_nan_is_refused_and_the_instance_lives_on(unit, name):
     with pytest.raises(Exception, match="fmi2SetReal"):
         one.set(**{next(iter(DRIVE[name](0))): float("nan")})
     one.set(**DRIVE[name](1)).step(0.0, STEP)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_promise_not_to_go_back_is_kept(unit, name):
+    one = unit(name).start()
+    state = one.slave.getFMUstate()
+    one.step(0.0, STEP).slave.setFMUstate(state)  # nothing promised
+    one.step(0.0, STEP).step(STEP, STEP, no_way_back=True)
+    with pytest.raises(Exception, match="fmi2SetFMUstate"):
+        one.slave.setFMUstate(state)
+    one.step(2 * STEP, STEP)
+    one.slave.freeFMUstate(state)

@@ -134,6 +134,7 @@ impl Outputs {
         (self.area1, self.area2, self.area3) = (first.area_px, second.area_px, third.area_px);
         self.valid = estimate.valid;
         self.frame = delivered;
+        self.frame_index = i32::try_from(estimate.number).unwrap_or(i32::MAX);
         self.mid_exposure = estimate.mid_exposure;
     }
 }
@@ -188,7 +189,7 @@ impl Camera {
         features.clear();
         let circles = components.iter().filter(|component| select::may_be_circle(component, sensor));
         features.extend(circles.map(|component| Feature::binary(component, sensor)));
-        Ok(self.tracker.follow(features, clock.mid_exposure(k), scene, sensor))
+        Ok(Estimate { number: k, ..self.tracker.follow(features, clock.mid_exposure(k), scene, sensor) })
     }
 
     /// Writes the newest result that has arrived by `now`.
@@ -233,7 +234,7 @@ impl Model for Camera {
 
     fn dependencies(output: &str) -> Dependencies {
         let while_stepping: &[&str] = match output {
-            "frame" | "t_mid" => &[],
+            "frame" | "frame_index" | "t_mid" => &[],
             _ => &["q1", "q2", "dq1", "dq2"],
         };
         Dependencies { while_stepping, at_start: None }

@@ -44,6 +44,8 @@ variables! {
         output frame: i32 = 0, "frame", "n", unit::ONE, "Number of delivered frames; 0: none yet.";
         output mid_exposure: f64 = 0.0, "t_mid", "t_mid", unit::SECOND,
             "Time of mid-exposure of the newest delivered frame.";
+        output frame_index: i32 = -1, "frame_index", "k", unit::ONE,
+            "Number k of the newest delivered frame, whose exposure ended at k/omega_cam; -1: none yet.";
     }
 }
 

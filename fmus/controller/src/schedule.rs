@@ -7,7 +7,7 @@
 //! value, and its slope within 1e-8 (tested for Table 2, for R = 0 and for other theta).
 
 use crate::spline::Spline;
-use mechanics::{MechanicsError, Place, Theta};
+use mechanics::{MechanicsError, Place, Theta, place::ARM_END};
 
 /// Intervals from the upright to the end of the table; half of those of [`Place`], so that its nodes are met.
 const INTERVALS: usize = 248;
@@ -46,15 +46,24 @@ impl Schedule {
     /// Builds the table. Fails, naming the place, where theta has no manifold or no controllable one.
     pub fn new(theta: &Theta) -> Result<Schedule, MechanicsError> {
         let place = Place::new(theta)?;
-        let (scale, end) = (place.scale(), place.end());
-        let spacing = end / INTERVALS as f64;
-        let start = -(MARGIN as f64) * spacing;
-        let values = (0..=INTERVALS + MARGIN)
-            .map(|knot| row(theta, &place, (knot as f64 - MARGIN as f64) * spacing))
-            .collect::<Result<Vec<_>, _>>()?;
-        // INTERVALS + MARGIN is more than the spline's fewest.
-        let splines = Spline::through(start, spacing, &values).expect("enough knots by the constants above");
-        Ok(Schedule { theta: *theta, scale, end, splines })
+        let spacing = place.end() / INTERVALS as f64;
+        let upright = theta.linearisation(0.0)?.controllability_determinant();
+        let mut values = Vec::with_capacity(MARGIN + INTERVALS + 1);
+        for knot in (1..=MARGIN).rev() {
+            values.push(row(theta, &place, upright, -(knot as f64) * spacing)?);
+        }
+        for knot in 0..=INTERVALS {
+            let q2 = knot as f64 * spacing;
+            match row(theta, &place, upright, q2) {
+                Ok(row) => values.push(row),
+                Err(error) if q2 <= ARM_END => return Err(error),
+                Err(_) => break, // past the arm a shorter table will do
+            }
+        }
+        let end = (values.len() - 1 - MARGIN) as f64 * spacing;
+        let splines = Spline::through(-(MARGIN as f64) * spacing, spacing, &values)
+            .expect("MARGIN alone is as many intervals as a spline needs"); // so it can't fail
+        Ok(Schedule { theta: *theta, scale: place.scale(), end, splines })
     }
 
     /// The parameters that it was built from.
@@ -90,8 +99,12 @@ impl Schedule {
     }
 }
 
-fn row(theta: &Theta, place: &Place, q2: f64) -> Result<[f64; 8], MechanicsError> {
+/// The functions at one knot; `upright` is the controllability determinant there.
+fn row(theta: &Theta, place: &Place, upright: f64, q2: f64) -> Result<[f64; 8], MechanicsError> {
     let linearisation = theta.linearisation(q2)?;
+    if linearisation.controllability_determinant() * upright <= 0.0 {
+        return Err(MechanicsError::Uncontrollable { q2 });
+    }
     let p = linearisation.p()?;
     let pk = linearisation.times_stiffness(p);
     let pkk = linearisation.times_stiffness(pk);

@@ -1,8 +1,11 @@
 //! Integration of the plant from corner to corner of its torque, and the event of contact.
 //!
 //! Dormand and Prince's embedded Runge-Kutta pair of orders 5 and 4 (J. Comput. Appl. Math. 6, 1980), continued
-//! with the fifth-order result. The difference of the two is kept below [`TOLERANCE`] per second of simulated time,
-//! so that the error of a run does not depend on how a master divides it.
+//! with the fifth-order result. The difference of the two is kept below [`TOLERANCE`] per second of simulated time.
+//!
+//! Error of the result: below 1e-10 rad and rad/s after a second, whatever the communication step. Against scipy's
+//! DOP853 at rtol 1e-13 (tests/value.rs) the largest seen is 5e-11, over ten full swings with each effect; the energy
+//! of a free swing stays within 1e-10 of itself over 10 s.
 
 use crate::actuator::Signal;
 use crate::dynamics::Dynamics;
@@ -10,7 +13,7 @@ use crate::effects::Motion;
 use fmi2_export::ModelError;
 
 /// Largest estimated error per second, in rad and rad/s, relative to values above 1. The estimate belongs to the
-/// fourth-order result; the fifth-order one that is kept has been seen to be 10 to 100 times better.
+/// fourth-order result; the fifth-order one that is kept is 20 times better or more.
 pub const TOLERANCE: f64 = 1e-9;
 /// The longest step that is ever tried, s: well below the plant's time constants.
 pub const LONGEST_STEP: f64 = 0.05;
@@ -176,19 +179,13 @@ impl Stretch<'_> {
         let [q1, q2, dq1, dq2] = *state;
         let motion = Motion { q: [q1, q2], dq: [dq1, dq2] };
         let equation = self.dynamics.equation(&motion, self.torque.at(at), self.offset + at);
-        let place = format!("q1 = {q1} rad, q2 = {q2} rad, dq1 = {dq1} rad/s, dq2 = {dq2} rad/s");
-        ModelError::Failed(if equation.is_regular() {
-            format!(
-                "the state can't be integrated further than {place}: no step of {SHORTEST_STEP} s is exact enough"
-            )
-        } else {
-            format!(
-                "the inertia matrix is not positive definite near {place}: M11 = {} kg.m2, det M = {} kg2.m4, both \
-                 must be > 0; see theta_1, theta_2, theta_5, theta_7, theta_8",
-                equation.m11,
-                equation.determinant()
-            )
-        })
+        ModelError::Failed(format!(
+            "the state can't be integrated further than q1 = {q1} rad, q2 = {q2} rad, dq1 = {dq1} rad/s, dq2 = {dq2} \
+             rad/s: no step of {SHORTEST_STEP} s is exact enough. M11 = {} kg.m2 and det M = {} kg2.m4 there; if they \
+             are not well above 0, theta_1, theta_2, theta_5, theta_7, theta_8 belong to no body",
+            equation.m11,
+            equation.determinant()
+        ))
     }
 }
 

@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 /// What the vision system knows after a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Estimate {
+    /// Number k of the frame: its exposure ended at k/omega_cam.
+    pub number: i64,
     /// The circles were found and matched in this frame.
     pub valid: bool,
     /// Time of mid-exposure of this frame, in s.

@@ -1,0 +1,39 @@
+//! What can be typed.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Co-simulation bench for visual servoing: an acrobot balanced by what a camera sees.
+#[derive(Debug, Parser)]
+#[command(name = "acroscope", version, propagate_version = true)]
+pub struct Arguments {
+    /// Print errors only.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario: writes results.csv, resolved.toml and report.html.
+    Run(Run),
+}
+
+/// `acroscope run`
+#[derive(Debug, Args)]
+pub struct Run {
+    /// A scenario file, or the name of a shipped one: visual-servo, full-state.
+    pub scenario: String,
+    /// Set a parameter or start value; may be given several times.
+    #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated time at which to stop, in s (a number or a fraction such as 1/3); the scenario's own if not given.
+    #[arg(long, value_name = "T")]
+    pub stop: Option<String>,
+    /// Folder for the results, made if it is missing [default: out/SCENARIO].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}

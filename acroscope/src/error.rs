@@ -1,0 +1,57 @@
+//! What ends the program, and with which exit status.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a command did not do its work.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The orchestrator refused or failed.
+    #[error(transparent)]
+    Orchestrator(#[from] orchestrator::Error),
+    /// A graph can't be drawn.
+    #[error(transparent)]
+    Report(#[from] report::Error),
+    /// There is no such scenario, or it can't be read.
+    #[error(transparent)]
+    Scenario(#[from] scenarios::Error),
+    /// An override that is none.
+    #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
+    Override {
+        /// As typed.
+        given: String,
+    },
+    /// The scenario's table for the report is wrong.
+    #[error("{scenario}: [report]: {why}")]
+    Layout {
+        /// The scenario.
+        scenario: String,
+        /// What is wrong and what would be right.
+        why: String,
+    },
+    /// A file or folder can't be read or written.
+    #[error("{}: {why}", path.display())]
+    File {
+        /// Which one.
+        path: PathBuf,
+        /// What the system or the reader says.
+        why: String,
+    },
+}
+
+impl Error {
+    /// 2 if the user can mend the input, else 1.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Orchestrator(error) if !error.is_input() => 1,
+            Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
+            Self::Report(_) | Self::File { .. } => 1,
+        }
+    }
+
+    /// For `map_err` on something that was done with a file.
+    pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |why| Self::File { path, why: why.to_string() }
+    }
+}

@@ -1,0 +1,246 @@
+//! What can go wrong, with the values that a person needs to put it right.
+
+use crate::fmu::{LogLine, Status};
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where a person wrote something.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a file.
+    Line {
+        /// The file as it was named.
+        file: Arc<str>,
+        /// From 1.
+        line: usize,
+    },
+    /// A value given beside the file, as `unit.variable=value`.
+    Override(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { file, line } => write!(f, "{file}:{line}"),
+            Self::Override(text) => write!(f, "--set {text}"),
+        }
+    }
+}
+
+/// Why a scenario can't be loaded, built or run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file can't be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Something in a scenario is wrong.
+    #[error("{place}: {what}: {expected}")]
+    Scenario {
+        /// Where.
+        place: Place,
+        /// What is wrong.
+        what: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A name in a call of this library is wrong.
+    #[error("{what} {name:?} does not exist: {expected}")]
+    Name {
+        /// What was looked for.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A value in a call of this library is wrong.
+    #[error("{name} = {value}: {expected}")]
+    Value {
+        /// `unit.variable`.
+        name: String,
+        /// The value.
+        value: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A `.fmu` file is broken.
+    #[error("{}: not a usable FMU: {reason}", path.display())]
+    Archive {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A description breaks the standard.
+    #[error("{}: modelDescription.xml:{line}: {what}", path.display())]
+    Description {
+        /// The `.fmu` file.
+        path: PathBuf,
+        /// Line of the description.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// The library of a unit can't be used.
+    #[error("{}: {reason}", path.display())]
+    Library {
+        /// The `.fmu` file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A unit refused to be instantiated.
+    #[error("unit {unit} ({}): fmi2Instantiate gave no instance{}", path.display(), tail(log))]
+    Instantiate {
+        /// Name in the scenario.
+        unit: String,
+        /// The `.fmu` file.
+        path: PathBuf,
+        /// What the unit logged.
+        log: Vec<LogLine>,
+    },
+    /// A unit lacks a function that is needed.
+    #[error("unit {unit}: its library has no {function}, which this run needs")]
+    Missing {
+        /// Name in the scenario.
+        unit: String,
+        /// The function.
+        function: &'static str,
+    },
+    /// A call with as many references as values was needed.
+    #[error("unit {unit}: {function} called with {references} references and {values} values")]
+    Lengths {
+        /// Name in the scenario.
+        unit: String,
+        /// The function.
+        function: &'static str,
+        /// How many references.
+        references: usize,
+        /// How many values.
+        values: usize,
+    },
+    /// A call failed.
+    #[error("unit {unit}: {function}{} answered {status}{}", at(*time), tail(log))]
+    Call {
+        /// Name in the scenario.
+        unit: String,
+        /// The function.
+        function: &'static str,
+        /// What it answered.
+        status: Status,
+        /// Simulated time in s, if there was one.
+        time: Option<f64>,
+        /// What the unit logged.
+        log: Vec<LogLine>,
+    },
+    /// A unit ended a step early.
+    #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help{}",
+            reached(*last), tail(log))]
+    Discarded {
+        /// Name in the scenario.
+        unit: String,
+        /// Begin of the step in s.
+        from: f64,
+        /// Its size in s.
+        size: f64,
+        /// How far the unit came, if it can tell.
+        last: Option<f64>,
+        /// What the unit logged.
+        log: Vec<LogLine>,
+    },
+    /// A unit delivered no number.
+    #[error("{variable} is NaN at t = {time} s; the run stops before another unit gets it{}", tail(log))]
+    NotANumber {
+        /// `unit.variable`.
+        variable: String,
+        /// Simulated time in s.
+        time: f64,
+        /// What the unit logged.
+        log: Vec<LogLine>,
+    },
+    /// A loop of direct dependencies has no solution that fixed-point iteration finds.
+    #[error(
+        "algebraic loop at initialisation: {path}: no fixed point after {iterations} iterations (last change of \
+         {variable}: {change}); give one of its connections a delay, or declare the dependencies that don't exist"
+    )]
+    Loop {
+        /// The loop, variable by variable.
+        path: String,
+        /// How many iterations were made.
+        iterations: u32,
+        /// The variable that moved most.
+        variable: String,
+        /// By how much, in the last iteration.
+        change: f64,
+    },
+    /// The times of a scenario have no common tick within 64 bits.
+    #[error(
+        "{place}: the intervals, delays, start and stop ({times}) have no common tick that fits 64 bits: use rounder numbers"
+    )]
+    Tick {
+        /// The scenario.
+        place: Place,
+        /// All of them.
+        times: String,
+    },
+    /// Results can't be written.
+    #[error("cannot write results{}: {source}", target.as_ref().map_or_else(String::new, |path| format!(" to {}", path.display())))]
+    Record {
+        /// The file, if it is one.
+        target: Option<PathBuf>,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl Error {
+    /// The user's input is wrong, rather than a unit or the machine: exit status 2 of the command line.
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::File { .. }
+                | Self::Scenario { .. }
+                | Self::Name { .. }
+                | Self::Value { .. }
+                | Self::Archive { .. }
+                | Self::Description { .. }
+                | Self::Library { .. }
+                | Self::Tick { .. }
+                | Self::Loop { .. }
+        )
+    }
+
+    /// An error with `time` put in, where a call during a step failed.
+    #[cold]
+    pub(crate) fn during(self, now: f64) -> Self {
+        match self {
+            Self::Call { unit, function, status, time: None, log } => {
+                Self::Call { unit, function, status, time: Some(now), log }
+            }
+            other => other,
+        }
+    }
+}
+
+fn at(time: Option<f64>) -> String {
+    time.map_or_else(String::new, |time| format!(" at t = {time} s"))
+}
+
+fn reached(last: Option<f64>) -> String {
+    last.map_or_else(String::new, |last| format!(" by the unit, which reached t = {last} s"))
+}
+
+/// The last lines of a log, each on its own line.
+fn tail(log: &[LogLine]) -> String {
+    const SHOWN: usize = 5;
+    let newest = &log[log.len().saturating_sub(SHOWN)..];
+    newest.iter().map(|line| format!("\n  {line}")).collect()
+}

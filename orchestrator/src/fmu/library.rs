@@ -1,0 +1,122 @@
+//! The shared library of a unit: its `fmi2…` functions by name, looked up once.
+
+use crate::error::Error;
+use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::path::Path;
+
+pub(crate) type Component = *mut c_void;
+pub(crate) type State = *mut c_void;
+
+/// `fmi2CallbackFunctions`. The standard has the unit copy the pointer, so it lives as long as the instance.
+#[repr(C)]
+pub(crate) struct Callbacks {
+    pub(crate) logger:
+        unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...),
+    pub(crate) allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    pub(crate) free: unsafe extern "C" fn(*mut c_void),
+    pub(crate) step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    pub(crate) environment: *mut c_void,
+}
+
+type Plain = unsafe extern "C" fn(Component) -> c_int;
+type Get<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *mut T) -> c_int;
+type Set<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *const T) -> c_int;
+
+macro_rules! functions {
+    (needed { $( $need:ident = $need_symbol:literal : $need_type:ty ; )* }
+     optional { $( $opt:ident = $opt_symbol:literal : $opt_type:ty ; )* }) => {
+        /// The functions of a unit. Copied into each instance, so that a call costs one load.
+        #[derive(Clone, Copy)]
+        pub(crate) struct Functions {
+            $( pub(crate) $need: $need_type, )*
+            $( pub(crate) $opt: Option<$opt_type>, )*
+        }
+
+        impl Functions {
+            /// Looks all of them up.
+            ///
+            /// # Safety
+            /// The library must outlive the result and define the symbols with the types of `fmi2FunctionTypes.h`.
+            unsafe fn find(library: &libloading::Library) -> Result<Self, &'static str> {
+                Ok(Self {
+                    // SAFETY: the types are those of the standard's header.
+                    $( $need: *unsafe { library.get::<$need_type>($need_symbol) }.map_err(|_| $need_symbol)?, )*
+                    // SAFETY: as above.
+                    $( $opt: unsafe { library.get::<$opt_type>($opt_symbol) }.ok().map(|symbol| *symbol), )*
+                })
+            }
+        }
+    };
+}
+
+functions! {
+    needed {
+        instantiate = "fmi2Instantiate": unsafe extern "C" fn(
+            *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Component;
+        free_instance = "fmi2FreeInstance": unsafe extern "C" fn(Component);
+        setup_experiment = "fmi2SetupExperiment":
+            unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int;
+        enter_initialization = "fmi2EnterInitializationMode": Plain;
+        exit_initialization = "fmi2ExitInitializationMode": Plain;
+        terminate = "fmi2Terminate": Plain;
+        get_real = "fmi2GetReal": Get<f64>;
+        set_real = "fmi2SetReal": Set<f64>;
+        do_step = "fmi2DoStep": unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int;
+    }
+    optional {
+        get_version = "fmi2GetVersion": unsafe extern "C" fn() -> *const c_char;
+        set_debug_logging = "fmi2SetDebugLogging":
+            unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int;
+        reset = "fmi2Reset": Plain;
+        get_integer = "fmi2GetInteger": Get<c_int>;
+        set_integer = "fmi2SetInteger": Set<c_int>;
+        get_boolean = "fmi2GetBoolean": Get<c_int>;
+        set_boolean = "fmi2SetBoolean": Set<c_int>;
+        get_string = "fmi2GetString": Get<*const c_char>;
+        set_string = "fmi2SetString": Set<*const c_char>;
+        get_state = "fmi2GetFMUstate": unsafe extern "C" fn(Component, *mut State) -> c_int;
+        set_state = "fmi2SetFMUstate": unsafe extern "C" fn(Component, State) -> c_int;
+        free_state = "fmi2FreeFMUstate": unsafe extern "C" fn(Component, *mut State) -> c_int;
+        state_size = "fmi2SerializedFMUstateSize": unsafe extern "C" fn(Component, State, *mut usize) -> c_int;
+        serialize_state = "fmi2SerializeFMUstate":
+            unsafe extern "C" fn(Component, State, *mut c_char, usize) -> c_int;
+        deserialize_state = "fmi2DeSerializeFMUstate":
+            unsafe extern "C" fn(Component, *const c_char, usize, *mut State) -> c_int;
+        directional_derivative = "fmi2GetDirectionalDerivative": unsafe extern "C" fn(
+            Component, *const c_uint, usize, *const c_uint, usize, *const f64, *mut f64) -> c_int;
+        set_input_derivatives = "fmi2SetRealInputDerivatives":
+            unsafe extern "C" fn(Component, *const c_uint, usize, *const c_int, *const f64) -> c_int;
+        get_output_derivatives = "fmi2GetRealOutputDerivatives":
+            unsafe extern "C" fn(Component, *const c_uint, usize, *const c_int, *mut f64) -> c_int;
+        get_real_status = "fmi2GetRealStatus": unsafe extern "C" fn(Component, c_int, *mut f64) -> c_int;
+    }
+}
+
+/// A loaded library with its functions.
+pub(crate) struct Library {
+    pub(crate) functions: Functions,
+    // Unloaded on drop, after the last instance is gone (each holds the unit).
+    _library: libloading::Library,
+}
+
+impl Library {
+    pub(crate) fn load(path: &Path, unit: &Path) -> Result<Self, Error> {
+        let failed = |reason: String| Error::Library { path: unit.into(), reason };
+        // SAFETY: loading runs the library's initialisers; running the unit is what the user asked for.
+        let library = unsafe { libloading::Library::new(path) }.map_err(|error| {
+            // The bare text of the loader says which symbol or library is missing.
+            failed(std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string))
+        })?;
+        // SAFETY: the functions are kept beside the library.
+        let functions = unsafe { Functions::find(&library) }
+            .map_err(|symbol| failed(format!("the library lacks the function {symbol}")))?;
+        if let Some(get_version) = functions.get_version {
+            // SAFETY: fmi2GetVersion takes nothing and returns a static string.
+            let version = crate::fmu::logger::owned(unsafe { get_version() });
+            if !version.starts_with("2.") {
+                return Err(failed(format!("the library is of FMI version {version}; needed is 2.0")));
+            }
+        }
+        Ok(Self { functions, _library: library })
+    }
+}

@@ -1,0 +1,158 @@
+//! The importer: opens any FMI 2.0 co-simulation unit and calls it safely.
+//!
+//! [`Fmu::open`] unpacks and reads the description; the library is loaded at the first [`Fmu::instantiate`]. The
+//! unpacked folder and the library live as long as any instance.
+
+mod archive;
+mod call;
+mod description;
+mod instance;
+mod library;
+mod logger;
+mod state;
+mod xml;
+
+pub use description::{
+    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,
+    Variability, Variable,
+};
+pub use instance::Instance;
+pub use logger::LogLine;
+pub use state::SavedState;
+
+use crate::error::Error;
+use archive::Archive;
+use library::Library;
+use std::ffi::c_int;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// What a call answered (`fmi2Status`). A unit may return any integer, so this is no bare C enum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All well.
+    Ok,
+    /// Not quite right, but the run can go on.
+    Warning,
+    /// The call had no effect; for a step: it ended early.
+    Discard,
+    /// This instance can't go on.
+    Error,
+    /// No instance of the unit can go on.
+    Fatal,
+    /// The answer comes later.
+    Pending,
+    /// Not a status of the standard.
+    Unknown(c_int),
+}
+
+impl From<c_int> for Status {
+    fn from(status: c_int) -> Self {
+        match status {
+            0 => Self::Ok,
+            1 => Self::Warning,
+            2 => Self::Discard,
+            3 => Self::Error,
+            4 => Self::Fatal,
+            5 => Self::Pending,
+            other => Self::Unknown(other),
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ok => f.write_str("ok"),
+            Self::Warning => f.write_str("warning"),
+            Self::Discard => f.write_str("discard"),
+            Self::Error => f.write_str("error"),
+            Self::Fatal => f.write_str("fatal"),
+            Self::Pending => f.write_str("pending"),
+            Self::Unknown(status) => write!(f, "unknown status {status}"),
+        }
+    }
+}
+
+/// A unit that can be instantiated. Clones share everything.
+#[derive(Clone)]
+pub struct Fmu {
+    inner: Arc<Inner>,
+}
+
+pub(crate) struct Inner {
+    path: PathBuf,
+    description: Description,
+    // Dropped before the archive that holds its file.
+    library: OnceLock<Library>,
+    archive: Archive,
+}
+
+impl fmt::Debug for Fmu {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Fmu").field("path", &self.inner.path).finish_non_exhaustive()
+    }
+}
+
+impl Fmu {
+    /// Unpacks a `.fmu` file and reads its description.
+    ///
+    /// # Errors
+    /// If the file can't be read, is no archive, or its description is not one of FMI 2.0 co-simulation.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let archive = Archive::unpack(path)?;
+        let description = Description::parse(&archive.description)
+            .map_err(|(line, what)| Error::Description { path: path.into(), line, what })?;
+        Ok(Self {
+            inner: Arc::new(Inner { path: path.into(), description, library: OnceLock::new(), archive }),
+        })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.inner.path
+    }
+
+    /// What the unit says of itself.
+    pub fn description(&self) -> &Description {
+        &self.inner.description
+    }
+
+    /// The text of `modelDescription.xml`.
+    pub fn description_xml(&self) -> &str {
+        &self.inner.archive.description
+    }
+
+    /// Makes an instance. Errors and warnings that the unit logs are collected.
+    ///
+    /// # Errors
+    /// If there are no binaries for this platform, the library can't be loaded, or the unit refuses.
+    pub fn instantiate(&self, name: &str) -> Result<Instance, Error> {
+        Instance::new(self.clone(), name)
+    }
+
+    fn library(&self) -> Result<&Library, Error> {
+        let inner = &*self.inner;
+        if let Some(library) = inner.library.get() {
+            return Ok(library);
+        }
+        let path = inner.archive.library(&inner.description.co_simulation.model_identifier);
+        if !path.exists() {
+            let reason = format!(
+                "it holds no binaries/{}/{} (platforms inside: {})",
+                archive::PLATFORM,
+                path.file_name().unwrap_or_default().to_string_lossy(),
+                if inner.archive.platforms.is_empty() {
+                    "none".into()
+                } else {
+                    inner.archive.platforms.join(", ")
+                },
+            );
+            return Err(Error::Library { path: inner.path.clone(), reason });
+        }
+        let library = Library::load(&path, &inner.path)?;
+        Ok(inner.library.get_or_init(|| library))
+    }
+}

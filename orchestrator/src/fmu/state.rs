@@ -1,0 +1,77 @@
+//! Saved states of an instance: `fmi2GetFMUstate` and its family.
+
+use crate::error::Error;
+use crate::fmu::Instance;
+use crate::fmu::library::State;
+use std::ptr;
+
+/// A state of one instance, kept inside the unit. Give it back with [`Instance::free_state`]; a state that is only
+/// dropped stays allocated until the process ends, since freeing needs the instance.
+#[derive(Debug)]
+#[must_use = "a state is freed only by Instance::free_state"]
+pub struct SavedState {
+    state: State,
+}
+
+// SAFETY: a state is data of the unit without thread affinity, as the instance is.
+unsafe impl Send for SavedState {}
+
+impl Instance {
+    /// `fmi2GetFMUstate`.
+    pub fn save_state(&mut self) -> Result<SavedState, Error> {
+        const NAME: &str = "fmi2GetFMUstate";
+        let Some(function) = self.functions.get_state else { return Err(self.missing(NAME)) };
+        let mut state: State = ptr::null_mut();
+        // SAFETY: a null state asks for a new one.
+        let status = unsafe { function(self.component(), &mut state) };
+        self.checked(NAME, status)?;
+        Ok(SavedState { state })
+    }
+
+    /// `fmi2SetFMUstate`: back to a state of this instance.
+    pub fn restore_state(&mut self, saved: &SavedState) -> Result<(), Error> {
+        const NAME: &str = "fmi2SetFMUstate";
+        let Some(function) = self.functions.set_state else { return Err(self.missing(NAME)) };
+        // SAFETY: the state came from this unit.
+        let status = unsafe { function(self.component(), saved.state) };
+        self.checked(NAME, status)
+    }
+
+    /// `fmi2FreeFMUstate`.
+    pub fn free_state(&mut self, mut saved: SavedState) -> Result<(), Error> {
+        const NAME: &str = "fmi2FreeFMUstate";
+        let Some(function) = self.functions.free_state else { return Err(self.missing(NAME)) };
+        // SAFETY: the state came from this unit and is used no more.
+        let status = unsafe { function(self.component(), &mut saved.state) };
+        self.checked(NAME, status)
+    }
+
+    /// `fmi2SerializeFMUstate`: the state as bytes.
+    pub fn serialize_state(&mut self, saved: &SavedState) -> Result<Vec<u8>, Error> {
+        const NAME: &str = "fmi2SerializeFMUstate";
+        let (Some(size_of), Some(function)) = (self.functions.state_size, self.functions.serialize_state)
+        else {
+            return Err(self.missing(NAME));
+        };
+        let mut size = 0;
+        // SAFETY: the state came from this unit.
+        let status = unsafe { size_of(self.component(), saved.state, &mut size) };
+        self.checked("fmi2SerializedFMUstateSize", status)?;
+        let mut bytes = vec![0u8; size];
+        // SAFETY: the buffer has the size that the unit asked for.
+        let status = unsafe { function(self.component(), saved.state, bytes.as_mut_ptr().cast(), size) };
+        self.checked(NAME, status)?;
+        Ok(bytes)
+    }
+
+    /// `fmi2DeSerializeFMUstate`: a state from bytes, also those of another instance of the same unit.
+    pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<SavedState, Error> {
+        const NAME: &str = "fmi2DeSerializeFMUstate";
+        let Some(function) = self.functions.deserialize_state else { return Err(self.missing(NAME)) };
+        let mut state: State = ptr::null_mut();
+        // SAFETY: the buffer has the length that is given.
+        let status = unsafe { function(self.component(), bytes.as_ptr().cast(), bytes.len(), &mut state) };
+        self.checked(NAME, status)?;
+        Ok(SavedState { state })
+    }
+}

@@ -1,0 +1,161 @@
+//! Results as CSV while the run goes on.
+//!
+//! Numbers are the shortest ones that read back to the same bits; Booleans are 0 and 1. Only whole rows are handed
+//! to the system, at the latest when a simulated second is full, so that a killed run leaves a readable file.
+
+use super::{Cell, Column, Recorder, Row};
+use crate::error::Error;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Rows are handed over when this many bytes wait, or when a simulated second is full.
+const WAITING: usize = 1 << 16;
+
+/// Writes CSV to a file or to anything else that takes bytes.
+pub struct CsvRecorder<W: Write> {
+    sink: W,
+    path: Option<PathBuf>,
+    waiting: Vec<u8>,
+    /// Simulated time at which the next second is full.
+    next_second: f64,
+    number: zmij::Buffer,
+}
+
+impl CsvRecorder<File> {
+    /// Writes a file; what it held is lost.
+    ///
+    /// # Errors
+    /// If the file can't be made.
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let sink =
+            File::create(path).map_err(|source| Error::Record { target: Some(path.into()), source })?;
+        Ok(Self { path: Some(path.into()), ..Self::new(sink) })
+    }
+}
+
+impl<W: Write> CsvRecorder<W> {
+    /// Writes to `sink`, in large pieces.
+    pub fn new(sink: W) -> Self {
+        Self {
+            sink,
+            path: None,
+            waiting: Vec::with_capacity(WAITING + 4096),
+            next_second: f64::NEG_INFINITY,
+            number: zmij::Buffer::new(),
+        }
+    }
+
+    /// What was written to.
+    pub fn into_inner(self) -> W {
+        self.sink
+    }
+
+    #[cold]
+    fn hand_over(&mut self) -> Result<(), Error> {
+        let result = self.sink.write_all(&self.waiting).and_then(|()| self.sink.flush());
+        self.waiting.clear();
+        result.map_err(|source| self.failed(source))
+    }
+
+    fn failed(&self, source: io::Error) -> Error {
+        Error::Record { target: self.path.clone(), source }
+    }
+}
+
+impl<W: Write> Recorder for CsvRecorder<W> {
+    fn begin(&mut self, columns: &[Column]) -> Result<(), Error> {
+        self.next_second = f64::NEG_INFINITY;
+        self.waiting.extend_from_slice(b"time");
+        for column in columns {
+            self.waiting.push(b',');
+            text(&mut self.waiting, &column.name);
+        }
+        self.waiting.push(b'\n');
+        self.hand_over()
+    }
+
+    #[inline]
+    fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), Error> {
+        let line = &mut self.waiting;
+        line.extend_from_slice(self.number.format(time).as_bytes());
+        for cell in row.cells() {
+            line.push(b',');
+            match cell {
+                Cell::Real(value) => line.extend_from_slice(self.number.format(value).as_bytes()),
+                Cell::Integer(value) => integer(line, value),
+                Cell::Boolean(value) => line.push(b'0' + u8::from(value)),
+                Cell::String(value) => text(line, value),
+            }
+        }
+        line.push(b'\n');
+        if time >= self.next_second || self.waiting.len() >= WAITING {
+            self.next_second = time.floor() + 1.0;
+            return self.hand_over();
+        }
+        Ok(())
+    }
+
+    fn end(&mut self) -> Result<(), Error> {
+        self.hand_over()
+    }
+}
+
+impl<W: Write> CsvRecorder<W> {
+    /// Bytes that were recorded but not handed over yet.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+}
+
+fn integer(line: &mut Vec<u8>, value: i32) {
+    let mut digits = [0u8; 10];
+    let mut at = digits.len();
+    let mut rest = value.unsigned_abs();
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    if value < 0 {
+        line.push(b'-');
+    }
+    line.extend_from_slice(&digits[at..]);
+}
+
+/// Quotes a text where RFC 4180 asks for it.
+fn text(line: &mut Vec<u8>, value: &str) {
+    if !value.contains(['"', ',', '\n', '\r']) {
+        line.extend_from_slice(value.as_bytes());
+        return;
+    }
+    line.push(b'"');
+    for byte in value.bytes() {
+        if byte == b'"' {
+            line.push(b'"');
+        }
+        line.push(byte);
+    }
+    line.push(b'"');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_texts_and_integers_are_written_as_others_read_them() {
+        let mut line = Vec::new();
+        for value in [0, 7, -10, i32::MAX, i32::MIN] {
+            integer(&mut line, value);
+            line.push(b' ');
+        }
+        text(&mut line, "a");
+        text(&mut line, "b \"c\", d");
+        assert_eq!(String::from_utf8_lossy(&line), "0 7 -10 2147483647 -2147483648 a\"b \"\"c\"\", d\"");
+    }
+}

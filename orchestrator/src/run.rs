@@ -1,0 +1,177 @@
+//! The loop of a run: step, record, look at the stop conditions, tell how far it is.
+
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::recorder::{Recorder, Slot};
+use crate::simulation::{Phase, Simulation};
+use crate::system::Values;
+use std::time::{Duration, Instant};
+
+/// Why a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ended {
+    /// The stop time was reached.
+    AtStop,
+    /// A stop condition held.
+    When {
+        /// The condition, e.g. `plant.contact > 0.5`.
+        condition: String,
+        /// Simulated time in s.
+        time: f64,
+    },
+    /// The progress asked for it.
+    Interrupted {
+        /// Simulated time in s.
+        time: f64,
+    },
+}
+
+/// How a value is compared by a stop condition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Comparison {
+    /// The run ends when the value is greater.
+    Above,
+    /// The run ends when the value is less.
+    Below,
+    /// The run ends when its absolute value is greater.
+    AbsoluteAbove,
+}
+
+/// A stop condition.
+#[derive(Debug, Clone)]
+pub(crate) struct Stop {
+    name: String,
+    slot: Slot,
+    comparison: Comparison,
+    limit: f64,
+}
+
+impl Stop {
+    fn holds(&self, values: &Values) -> bool {
+        let value = match self.slot {
+            Slot::Real(at) => values.reals[at as usize],
+            Slot::Integer(at) | Slot::Boolean(at) => f64::from(values.integers[at as usize]),
+            Slot::String(_) => return false,
+        };
+        match self.comparison {
+            Comparison::Above => value > self.limit,
+            Comparison::Below => value < self.limit,
+            Comparison::AbsoluteAbove => value.abs() > self.limit,
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { name, limit, .. } = self;
+        match self.comparison {
+            Comparison::Above => format!("{name} > {limit}"),
+            Comparison::Below => format!("{name} < {limit}"),
+            Comparison::AbsoluteAbove => format!("|{name}| > {limit}"),
+        }
+    }
+}
+
+impl Simulation {
+    /// Ends runs when a recorded or connected variable passes a limit; looked at in every communication point, the
+    /// start included. The row at which it holds is recorded.
+    ///
+    /// # Errors
+    /// If there is no such variable, it is a String, or it is neither recorded nor connected.
+    pub fn stop_when(&mut self, name: &str, comparison: Comparison, limit: f64) -> Result<(), Error> {
+        let variable = self.wiring.names.named(name)?;
+        match self.wiring.slots.get(&variable) {
+            Some(&slot) if !matches!(slot, Slot::String(_)) => {
+                self.stops.push(Stop { name: name.into(), slot, comparison, limit });
+                Ok(())
+            }
+            _ => Err(Error::Value {
+                name: name.into(),
+                value: limit.to_string(),
+                expected: "a stop condition needs a number that is recorded or connected".into(),
+            }),
+        }
+    }
+
+    fn stopped(&self) -> Option<Ended> {
+        let stop = self.stops.iter().find(|stop| stop.holds(&self.wiring.system.values))?;
+        Some(Ended::When { condition: stop.text(), time: self.now.time })
+    }
+}
+
+pub(crate) fn run(
+    simulation: &mut Simulation,
+    recorder: &mut dyn Recorder,
+    progress: &mut dyn Progress,
+) -> Result<Ended, Error> {
+    simulation.reset();
+    simulation.initialize()?;
+    recorder.begin(simulation.columns())?;
+    let (start, stop) = simulation.span();
+    progress.begin(start, stop);
+    let mut pace = Pace::new(start);
+    let result = go(simulation, recorder, progress, &mut pace);
+    simulation.phase = Phase::Over;
+    // What was recorded before a failure is handed over too; the failure is what counts.
+    let ended = recorder.end();
+    progress.end(simulation.now.time, pace.factor(simulation.now.time));
+    let result = result?;
+    ended.map(|()| result)
+}
+
+fn go(
+    simulation: &mut Simulation,
+    recorder: &mut dyn Recorder,
+    progress: &mut dyn Progress,
+    pace: &mut Pace,
+) -> Result<Ended, Error> {
+    recorder.row(simulation.now.time, simulation.row())?;
+    let has_stops = !simulation.stops.is_empty();
+    loop {
+        if has_stops && let Some(ended) = simulation.stopped() {
+            return Ok(ended);
+        }
+        let Some(ticks) = simulation.wiring.system.next() else { return Ok(Ended::AtStop) };
+        simulation.advance_over(ticks)?;
+        recorder.row(simulation.now.time, simulation.row())?;
+        simulation.algorithm.after(&mut simulation.wiring.system, simulation.now);
+        pace.left -= 1;
+        if pace.left == 0 {
+            let time = simulation.now.time;
+            if progress.at(time, pace.look(time)).is_break() {
+                return Ok(Ended::Interrupted { time });
+            }
+        }
+    }
+}
+
+/// Looks at the real clock only so often that looking costs nothing: a look takes as long as a cheap step.
+struct Pace {
+    began: Instant,
+    start: f64,
+    looked: Instant,
+    every: u32,
+    left: u32,
+}
+
+impl Pace {
+    fn new(start: f64) -> Self {
+        let now = Instant::now();
+        Self { began: now, start, looked: now, every: 1, left: 1 }
+    }
+
+    fn look(&mut self, time: f64) -> f64 {
+        let now = Instant::now();
+        let since = now - self.looked;
+        self.looked = now;
+        if since < Duration::from_millis(10) {
+            self.every = self.every.saturating_mul(2);
+        } else if since > Duration::from_millis(50) {
+            self.every = (self.every / 2).max(1);
+        }
+        self.left = self.every;
+        self.factor(time)
+    }
+
+    fn factor(&self, time: f64) -> f64 {
+        (time - self.start) / self.began.elapsed().as_secs_f64().max(1e-9)
+    }
+}

@@ -1,0 +1,271 @@
+//! From TOML text to a [`Scenario`]: the keys, their types and their lines.
+
+use super::{ConnectionEntry, Given, Placed, Scenario, Shape, SignalEntry, SourceEntry, UnitEntry};
+use crate::error::{Error, Place};
+use crate::time::Rational;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    format: Spanned<i64>,
+    #[serde(default)]
+    description: String,
+    experiment: Experiment,
+    units: Vec<Spanned<Unit>>,
+    #[serde(default)]
+    connections: Vec<Spanned<Connection>>,
+    #[serde(default)]
+    sources: Vec<Spanned<Source>>,
+    record: Option<Record>,
+    #[serde(default)]
+    report: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Experiment {
+    start: Option<Spanned<toml::Value>>,
+    stop: Spanned<toml::Value>,
+    algorithm: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Unit {
+    name: Spanned<String>,
+    fmu: Spanned<String>,
+    interval: Spanned<toml::Value>,
+    #[serde(default)]
+    set: BTreeMap<String, Spanned<toml::Value>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Connection {
+    from: String,
+    to: String,
+    delay: Option<Spanned<toml::Value>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Source {
+    to: String,
+    kind: Spanned<String>,
+    value: Option<Spanned<toml::Value>>,
+    points: Option<Spanned<Vec<(Number, Number)>>>,
+    file: Option<Spanned<String>>,
+    column: Option<Spanned<String>>,
+    interpolation: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Record {
+    variables: Vec<Spanned<String>>,
+}
+
+/// 1, 1.0 or true.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(untagged)]
+enum Number {
+    Real(f64),
+    Integer(i64),
+    Boolean(bool),
+}
+
+impl From<Number> for f64 {
+    fn from(number: Number) -> Self {
+        match number {
+            Number::Real(value) => value,
+            Number::Integer(value) => value as f64,
+            Number::Boolean(value) => f64::from(u8::from(value)),
+        }
+    }
+}
+
+/// Turns byte positions into lines.
+struct Text<'a> {
+    text: &'a str,
+    file: Arc<str>,
+}
+
+impl Text<'_> {
+    fn place(&self, span: Range<usize>) -> Place {
+        let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        Place::Line { file: self.file.clone(), line }
+    }
+
+    fn wrong(&self, span: Range<usize>, what: impl Into<String>, expected: impl Into<String>) -> Error {
+        Error::Scenario { place: self.place(span), what: what.into(), expected: expected.into() }
+    }
+
+    fn time(&self, key: &str, value: &Spanned<toml::Value>) -> Result<Rational, Error> {
+        let time = match value.get_ref() {
+            toml::Value::Integer(number) => Rational::new(i128::from(*number), 1),
+            toml::Value::Float(number) => Rational::from_f64(*number),
+            toml::Value::String(text) => Rational::parse(text),
+            _ => None,
+        };
+        time.ok_or_else(|| {
+            let expected = "a time in s that fits 64-bit fractions, such as 0.001, 5e-3 or \"1/30\"";
+            self.wrong(value.span(), format!("{key} = {}", value.get_ref()), expected)
+        })
+    }
+
+    fn positive(&self, key: &str, value: &Spanned<toml::Value>, or_zero: bool) -> Result<Rational, Error> {
+        let time = self.time(key, value)?;
+        if time.is_positive() || or_zero && time == Rational::ZERO {
+            return Ok(time);
+        }
+        let expected = if or_zero { "not less than zero" } else { "greater than zero" };
+        Err(self.wrong(value.span(), format!("{key} = {time}"), expected))
+    }
+}
+
+pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
+    let at = Text { text, file: origin.to_string_lossy().into() };
+    let raw: Raw = toml::from_str(text).map_err(|error| {
+        let span = error.span().unwrap_or(0..0);
+        at.wrong(span, "not a scenario", error.message().replace('\n', " "))
+    })?;
+    if *raw.format.get_ref() != 1 {
+        let what = format!("format = {}", raw.format.get_ref());
+        return Err(at.wrong(raw.format.span(), what, "this program reads format = 1"));
+    }
+    let start = raw.experiment.start.as_ref().map_or(Ok(Rational::ZERO), |value| at.time("start", value))?;
+    let stop = at.time("stop", &raw.experiment.stop)?;
+    if stop < start {
+        let what = format!("stop = {stop}");
+        return Err(at.wrong(raw.experiment.stop.span(), what, format!("not before start = {start}")));
+    }
+    let algorithm = match raw.experiment.algorithm {
+        Some(name) => Placed { place: at.place(name.span()), value: name.into_inner() },
+        None => Placed { place: at.place(0..0), value: "gauss-seidel".into() },
+    };
+    let placed = |text: Spanned<String>| Placed { place: at.place(text.span()), value: text.into_inner() };
+    Ok(Scenario {
+        origin: origin.into(),
+        description: raw.description,
+        start,
+        stop,
+        algorithm,
+        units: units(&at, raw.units)?,
+        connections: raw
+            .connections
+            .into_iter()
+            .map(|entry| connection(&at, entry))
+            .collect::<Result<_, _>>()?,
+        sources: raw.sources.into_iter().map(|entry| source(&at, entry)).collect::<Result<_, _>>()?,
+        record: raw.record.map(|record| record.variables.into_iter().map(placed).collect()),
+        report: raw.report,
+        place: at.place(0..0),
+    })
+}
+
+fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
+    let mut units: Vec<UnitEntry> = Vec::with_capacity(raw.len());
+    for entry in raw {
+        let place = at.place(entry.span());
+        let unit = entry.into_inner();
+        let name = unit.name.get_ref();
+        if name.is_empty() || name.contains(['.', '*', '=']) || name.contains(char::is_whitespace) {
+            let expected = "a name without dots, stars, equal signs and spaces";
+            return Err(at.wrong(unit.name.span(), format!("unit name {name:?}"), expected));
+        }
+        if let Some(first) = units.iter().find(|known| known.name == *name) {
+            let expected = format!("the first one is at {}", first.place);
+            return Err(at.wrong(unit.name.span(), format!("a second unit {name:?}"), expected));
+        }
+        let set = (unit.set.into_iter())
+            .map(|(name, value)| {
+                let place = at.place(value.span());
+                (name, Placed { value: Given::Toml(value.into_inner()), place })
+            })
+            .collect();
+        units.push(UnitEntry {
+            interval: at.positive("interval", &unit.interval, false)?,
+            fmu: Placed { place: at.place(unit.fmu.span()), value: unit.fmu.into_inner() },
+            name: unit.name.into_inner(),
+            set,
+            place,
+        });
+    }
+    Ok(units)
+}
+
+fn connection(at: &Text<'_>, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {
+    let place = at.place(entry.span());
+    let Connection { from, to, delay } = entry.into_inner();
+    let delay = delay.as_ref().map_or(Ok(Rational::ZERO), |delay| at.positive("delay", delay, true))?;
+    Ok(ConnectionEntry { from, to, delay, place })
+}
+
+fn source(at: &Text<'_>, entry: Spanned<Source>) -> Result<SourceEntry, Error> {
+    let span = entry.span();
+    let source = entry.into_inner();
+    let kind = source.kind.get_ref().as_str();
+    let missing =
+        |key: &str| at.wrong(span.clone(), format!("a source of kind {kind:?}"), format!("it needs {key}"));
+    let keys = [
+        ("value", source.value.is_some(), &["constant"][..]),
+        ("points", source.points.is_some(), &["hold", "linear", "smooth"]),
+        ("file", source.file.is_some(), &["csv"]),
+        ("column", source.column.is_some(), &["csv"]),
+        ("interpolation", source.interpolation.is_some(), &["csv"]),
+    ];
+    if !keys.iter().any(|(.., kinds)| kinds.contains(&kind)) {
+        let expected = "constant, hold, linear, smooth or csv";
+        return Err(at.wrong(source.kind.span(), format!("kind = {kind:?}"), expected));
+    }
+    if let Some((key, ..)) = keys.iter().find(|(_, given, kinds)| *given && !kinds.contains(&kind)) {
+        return Err(at.wrong(span, format!("a source of kind {kind:?}"), format!("it has no key {key}")));
+    }
+    let signal = match kind {
+        "constant" => SignalEntry::Constant(source.value.ok_or_else(|| missing("value"))?.into_inner()),
+        "csv" => SignalEntry::Csv {
+            file: source.file.ok_or_else(|| missing("file"))?.into_inner(),
+            column: source.column.ok_or_else(|| missing("column"))?.into_inner(),
+            shape: match &source.interpolation {
+                None => Shape::Linear,
+                Some(name) => match name.get_ref().as_str() {
+                    "linear" => Shape::Linear,
+                    "hold" => Shape::Hold,
+                    other => {
+                        return Err(at.wrong(
+                            name.span(),
+                            format!("interpolation = {other:?}"),
+                            "linear or hold",
+                        ));
+                    }
+                },
+            },
+        },
+        _ => {
+            let points = source.points.ok_or_else(|| missing("points"))?;
+            let table: Vec<(f64, f64)> =
+                points.get_ref().iter().map(|(time, value)| ((*time).into(), (*value).into())).collect();
+            if table.is_empty() || !table.iter().all(|(time, value)| time.is_finite() && value.is_finite()) {
+                return Err(at.wrong(points.span(), "points", "one or more [time, value], all finite"));
+            }
+            if let Some(pair) = table.windows(2).find(|pair| pair[1].0 < pair[0].0) {
+                let what = format!("time {} comes after {}", pair[1].0, pair[0].0);
+                return Err(at.wrong(points.span(), what, "times in rising order"));
+            }
+            let shape = match kind {
+                "hold" => Shape::Hold,
+                "linear" => Shape::Linear,
+                _ => Shape::Smooth,
+            };
+            SignalEntry::Table { shape, points: table }
+        }
+    };
+    Ok(SourceEntry { to: source.to, signal, place: at.place(span) })
+}

@@ -1,0 +1,107 @@
+//! A scenario with every value that was used, as TOML that loads again and gives the same run.
+
+use super::{Scenario, Shape, SignalEntry};
+use crate::value::Value;
+use std::fmt::Write;
+use toml::Value as Toml;
+
+/// What became of a unit: where its file is looked for, and all values it was given.
+pub(crate) struct ResolvedUnit {
+    pub(crate) fmu: String,
+    pub(crate) values: Vec<(String, Value)>,
+}
+
+/// The text of the resolved scenario; `units` in the scenario's order.
+pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
+    let mut out = String::from("# Written by the run: every value that was used.\nformat = 1\n");
+    line(&mut out, "description", &scenario.description);
+    out.push_str("\n[experiment]\n");
+    line(&mut out, "start", &scenario.start.to_string());
+    line(&mut out, "stop", &scenario.stop.to_string());
+    line(&mut out, "algorithm", &scenario.algorithm.value);
+    for (entry, unit) in scenario.units.iter().zip(units) {
+        out.push_str("\n[[units]]\n");
+        line(&mut out, "name", &entry.name);
+        line(&mut out, "fmu", &unit.fmu);
+        line(&mut out, "interval", &entry.interval.to_string());
+        out.push_str("[units.set]\n");
+        for (name, value) in &unit.values {
+            put(&mut out, name, &toml_of(value));
+        }
+    }
+    for connection in &scenario.connections {
+        out.push_str("\n[[connections]]\n");
+        line(&mut out, "from", &connection.from);
+        line(&mut out, "to", &connection.to);
+        if connection.delay.is_positive() {
+            line(&mut out, "delay", &connection.delay.to_string());
+        }
+    }
+    for source in &scenario.sources {
+        out.push_str("\n[[sources]]\n");
+        line(&mut out, "to", &source.to);
+        signal(&mut out, &source.signal, scenario);
+    }
+    if let Some(patterns) = &scenario.record {
+        out.push_str("\n[record]\n");
+        let patterns = patterns.iter().map(|pattern| Toml::String(pattern.value.clone())).collect();
+        put(&mut out, "variables", &Toml::Array(patterns));
+    }
+    if !scenario.report.is_empty() {
+        let report = toml::Table::from_iter([("report".to_owned(), Toml::Table(scenario.report.clone()))]);
+        out.push('\n');
+        out.push_str(&report.to_string());
+    }
+    out
+}
+
+fn signal(out: &mut String, signal: &SignalEntry, scenario: &Scenario) {
+    match signal {
+        SignalEntry::Constant(value) => {
+            line(out, "kind", "constant");
+            put(out, "value", value);
+        }
+        SignalEntry::Table { shape, points } => {
+            line(out, "kind", name(*shape));
+            let pair = |&(time, value): &(f64, f64)| Toml::Array(vec![Toml::Float(time), Toml::Float(value)]);
+            put(out, "points", &Toml::Array(points.iter().map(pair).collect()));
+        }
+        SignalEntry::Csv { file, column, shape } => {
+            line(out, "kind", "csv");
+            let path = scenario.folder().join(file);
+            line(out, "file", &path.canonicalize().unwrap_or(path).to_string_lossy());
+            line(out, "column", column);
+            line(out, "interpolation", name(*shape));
+        }
+    }
+}
+
+fn name(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Hold => "hold",
+        Shape::Linear => "linear",
+        Shape::Smooth => "smooth",
+    }
+}
+
+fn toml_of(value: &Value) -> Toml {
+    match value {
+        Value::Real(value) => Toml::Float(*value),
+        Value::Integer(value) => Toml::Integer(i64::from(*value)),
+        Value::Boolean(value) => Toml::Boolean(*value),
+        Value::String(value) => Toml::String(value.clone()),
+    }
+}
+
+fn line(out: &mut String, key: &str, text: &str) {
+    put(out, key, &Toml::String(text.to_owned()));
+}
+
+fn put(out: &mut String, key: &str, value: &Toml) {
+    let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    // Writing to a String can't fail.
+    let _ = match bare {
+        true => writeln!(out, "{key} = {value}"),
+        false => writeln!(out, "{} = {value}", Toml::String(key.to_owned())),
+    };
+}

@@ -1,0 +1,313 @@
+//! A scenario that was built: run it, step it, look into it, run it again with other values.
+
+use crate::algorithm::{self, Algorithm};
+use crate::error::Error;
+use crate::fmu::{Causality, Description, Initial, Variability};
+use crate::initialise::initialise;
+use crate::progress::Progress;
+use crate::recorder::{Column, Recorder, Row};
+use crate::run::Stop;
+use crate::scenario::{Scenario, write::ResolvedUnit};
+use crate::system::Point;
+use crate::unit_path::UnitPath;
+use crate::value::Value;
+use crate::wiring::{self, Variable, Wiring, start_value};
+use std::path::Path;
+
+/// Where a simulation is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Built or reset; the units are not initialised.
+    Ready,
+    /// Between two points.
+    Running,
+    /// At its end, or broken: only a reset leads on.
+    Over,
+}
+
+/// A built scenario. Building loads and instantiates the units; every run reuses them.
+pub struct Simulation {
+    pub(crate) scenario: Scenario,
+    pub(crate) wiring: Wiring,
+    pub(crate) algorithm: Box<dyn Algorithm>,
+    pub(crate) phase: Phase,
+    pub(crate) now: Point,
+    pub(crate) stops: Vec<Stop>,
+    notices: Vec<String>,
+    from_unit_path: Vec<bool>,
+}
+
+impl Simulation {
+    /// Builds a scenario: finds and loads its units, checks every name, type, unit and value, and lays out all
+    /// copies.
+    ///
+    /// # Errors
+    /// If anything in the scenario doesn't fit the units, naming file and line.
+    pub fn new(scenario: &Scenario, path: &UnitPath) -> Result<Self, Error> {
+        let name = &scenario.algorithm;
+        let algorithm = algorithm::find(&name.value).map_err(|expected| Error::Scenario {
+            place: name.place.clone(),
+            what: format!("there is no algorithm {:?}", name.value),
+            expected,
+        })?;
+        let wiring = wiring::wire(scenario, path)?;
+        let in_folders = |file: &Path| path.folders().iter().any(|folder| file.starts_with(folder));
+        Ok(Self {
+            from_unit_path: wiring.files.iter().map(|file| in_folders(file)).collect(),
+            scenario: scenario.clone(),
+            now: wiring.start,
+            wiring,
+            algorithm,
+            phase: Phase::Ready,
+            stops: Vec::new(),
+            notices: Vec::new(),
+        })
+    }
+
+    /// Runs from the start to the stop time, or until a stop condition holds or the progress says so. Resets first
+    /// where that is needed.
+    ///
+    /// # Errors
+    /// If a unit fails, a value passed between units is NaN, or results can't be written. What was recorded until
+    /// then stays.
+    pub fn run(
+        &mut self,
+        recorder: &mut dyn Recorder,
+        progress: &mut dyn Progress,
+    ) -> Result<crate::Ended, Error> {
+        crate::run::run(self, recorder, progress)
+    }
+
+    /// Back to before the start. Values set for the start stay as they are.
+    pub fn reset(&mut self) {
+        self.phase = Phase::Ready;
+        self.now = self.wiring.start;
+    }
+
+    /// Initialises the units, if that has not been done.
+    ///
+    /// # Errors
+    /// If a unit fails, or an algebraic loop has no solution.
+    pub fn initialize(&mut self) -> Result<(), Error> {
+        if self.phase != Phase::Ready {
+            return Ok(());
+        }
+        let Wiring { system, plan, sets, start, stop, names, .. } = &mut self.wiring;
+        let by_reference: Vec<Vec<(u32, Value)>> = (sets.iter().enumerate())
+            .map(|(unit, sets)| {
+                let reference = |place: usize| names.variable((unit, place)).reference;
+                sets.iter().map(|(place, value)| (reference(*place), value.clone())).collect()
+            })
+            .collect();
+        self.notices.clear();
+        self.phase = Phase::Over;
+        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices)?;
+        self.now = *start;
+        self.phase = Phase::Running;
+        self.algorithm.after(&mut self.wiring.system, self.now);
+        Ok(())
+    }
+
+    /// Goes on to the next communication point of any unit; `None` when there is none before the stop time.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn advance(&mut self) -> Result<Option<f64>, Error> {
+        self.initialize()?;
+        if self.phase == Phase::Over {
+            return Ok(None);
+        }
+        let Some(ticks) = self.wiring.system.next() else { return Ok(None) };
+        self.advance_over(ticks)?;
+        self.algorithm.after(&mut self.wiring.system, self.now);
+        Ok(Some(self.now.time))
+    }
+
+    /// Makes the steps that end at a point.
+    #[inline]
+    pub(crate) fn advance_over(&mut self, ticks: i64) -> Result<(), Error> {
+        let point = Point { ticks, time: self.wiring.clock.seconds(ticks) };
+        match self.algorithm.step(&mut self.wiring.system, point) {
+            Ok(()) => {
+                self.now = point;
+                Ok(())
+            }
+            Err(error) => {
+                self.phase = Phase::Over;
+                Err(error)
+            }
+        }
+    }
+
+    /// Goes on to the last communication point that is not later than a time in s.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        self.initialize()?;
+        while self.phase == Phase::Running {
+            match self.wiring.system.next() {
+                Some(ticks) if self.wiring.clock.seconds(ticks) <= time => self.advance()?,
+                _ => break,
+            };
+        }
+        Ok(())
+    }
+
+    /// Simulated time in s.
+    pub fn time(&self) -> f64 {
+        self.now.time
+    }
+
+    /// Start and stop time in s.
+    pub fn span(&self) -> (f64, f64) {
+        (self.wiring.start.time, self.wiring.stop)
+    }
+
+    /// The value of `unit.variable` now, as a number (Booleans are 0 and 1).
+    ///
+    /// # Errors
+    /// If there is no such variable, or it is a String.
+    pub fn value(&mut self, name: &str) -> Result<f64, Error> {
+        let value = self.get(name)?;
+        let expected = || "a String has no number; use Simulation::get".into();
+        value.as_f64().ok_or_else(|| Error::Value {
+            name: name.into(),
+            value: value.to_string(),
+            expected: expected(),
+        })
+    }
+
+    /// The value of `unit.variable` now, in its own type.
+    ///
+    /// # Errors
+    /// If there is no such variable, or initialisation fails.
+    pub fn get(&mut self, name: &str) -> Result<Value, Error> {
+        let variable = self.wiring.names.named(name)?;
+        self.initialize()?;
+        if let Some(slot) = self.wiring.slots.get(&variable) {
+            return Ok(self.wiring.system.values.get(*slot));
+        }
+        let description = self.wiring.names.variable(variable);
+        self.wiring.system.units[variable.0].instance.get(description.kind, description.reference)
+    }
+
+    /// Gives `unit.variable` a value. Before a run it is a start value and stays for all further runs; while
+    /// stepping it must be an input that nothing drives or a tunable parameter, and holds until the reset.
+    ///
+    /// # Errors
+    /// If there is no such variable, the type or range is wrong, or it can't be set now.
+    pub fn set(&mut self, name: &str, value: impl Into<Value>) -> Result<(), Error> {
+        let value = value.into();
+        let variable = self.wiring.names.named(name)?;
+        let description = self.wiring.names.variable(variable);
+        let wrong = |expected: String| Error::Value { name: name.into(), value: value.to_string(), expected };
+        let typed = value
+            .cast(description.kind)
+            .ok_or_else(|| wrong(format!("it is of type {}", description.kind)))?;
+        start_value(description, &typed).map_err(wrong)?;
+        if self.phase != Phase::Running {
+            let settable = self.wiring.names.settable(variable.0, &description.name);
+            settable.map_err(|(what, expected)| wrong(format!("{what}: {expected}")))?;
+            let sets = &mut self.wiring.sets[variable.0];
+            match sets.iter_mut().find(|(place, _)| *place == variable.1) {
+                Some((_, known)) => *known = typed,
+                None => sets.push((variable.1, typed)),
+            }
+            return Ok(());
+        }
+        if let Some(place) = self.wiring.driven.get(&variable) {
+            return Err(wrong(format!("its signal at {place} would overwrite it")));
+        }
+        let tunable = description.causality == Causality::Input
+            || description.causality == Causality::Parameter
+                && description.variability == Variability::Tunable;
+        if !tunable {
+            return Err(wrong(
+                "only inputs and tunable parameters change while stepping; reset first".into(),
+            ));
+        }
+        self.wiring.system.units[variable.0].instance.set(description.reference, &typed)?;
+        if let Some(slot) = self.wiring.slots.get(&variable) {
+            self.wiring.system.values.put(*slot, &typed);
+        }
+        Ok(())
+    }
+
+    /// What is recorded.
+    pub fn columns(&self) -> &[Column] {
+        &self.wiring.columns
+    }
+
+    /// The recorded values now.
+    pub fn row(&self) -> Row<'_> {
+        let values = &self.wiring.system.values;
+        Row {
+            slots: &self.wiring.recorded,
+            reals: &values.reals,
+            integers: &values.integers,
+            strings: &values.strings,
+        }
+    }
+
+    /// What a person should know but what stops nothing: loops, conversions that could not be made, start values
+    /// that differ along a connection, warnings of units.
+    pub fn notices(&self) -> Vec<String> {
+        let warnings =
+            self.wiring.system.units.iter().filter(|unit| unit.instance.warnings() > 0).map(|unit| {
+                let last = unit
+                    .instance
+                    .log()
+                    .last()
+                    .map_or_else(String::new, |line| format!("; last log line: {line}"));
+                format!("unit {} answered {} calls with a warning{last}", unit.name, unit.instance.warnings())
+            });
+        self.wiring.notices.iter().chain(&self.notices).cloned().chain(warnings).collect()
+    }
+
+    /// The names of the units with their descriptions, in the order of the scenario.
+    pub fn units(&self) -> impl Iterator<Item = (&str, &Description)> {
+        self.wiring.names.units.iter().map(|(name, fmu)| (name.as_str(), fmu.description()))
+    }
+
+    /// The scenario it was built from.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The scenario with every value that a run from here on uses, as TOML: loaded again with the same unit path it
+    /// gives the same run.
+    pub fn resolved(&self) -> String {
+        let unit = |unit: usize| {
+            let entry = &self.scenario.units[unit];
+            let file = &self.wiring.files[unit];
+            // A file of the unit path is found again by its name, another one only by its full path.
+            let fmu = match self.from_unit_path[unit] {
+                true => entry.fmu.value.clone(),
+                false => file.canonicalize().unwrap_or_else(|_| file.clone()).to_string_lossy().into_owned(),
+            };
+            ResolvedUnit { fmu, values: self.used_values(unit) }
+        };
+        let units: Vec<ResolvedUnit> = (0..self.scenario.units.len()).map(unit).collect();
+        crate::scenario::resolved(&self.scenario, &units)
+    }
+
+    /// All parameters and everything that was set, in the order of the description.
+    fn used_values(&self, unit: usize) -> Vec<(String, Value)> {
+        let description = self.wiring.names.units[unit].1.description();
+        let used = |place: usize| -> Option<(String, Value)> {
+            let variable: Variable = (unit, place);
+            let description = self.wiring.names.variable(variable);
+            let set =
+                self.wiring.sets[unit].iter().find(|(known, _)| *known == place).map(|(_, value)| value);
+            let is_parameter = description.causality == Causality::Parameter
+                && description.initial == Some(Initial::Exact)
+                && description.variability != Variability::Constant;
+            let is_free_input =
+                description.causality == Causality::Input && !self.wiring.driven.contains_key(&variable);
+            let start = if is_parameter || is_free_input { description.start.as_ref() } else { None };
+            set.or(start).map(|value| (description.name.clone(), value.clone()))
+        };
+        (0..description.variables.len()).filter_map(used).collect()
+    }
+}

@@ -1,0 +1,358 @@
+//! The running system: instances, their values in flat buffers, and the copies between them. Everything is laid out
+//! beforehand (`wiring.rs`), so that a step neither allocates nor looks anything up.
+
+use crate::error::Error;
+use crate::fmu::{Instance, Status};
+use crate::recorder::Slot;
+use crate::source::Signal;
+use crate::value::Value;
+use std::collections::VecDeque;
+use std::ops::Range;
+
+/// A point in time: exact, and as the units get it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point {
+    pub(crate) ticks: i64,
+    pub(crate) time: f64,
+}
+
+/// The values of all units. Booleans lie among the integers, as in the calls.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Values {
+    pub(crate) reals: Vec<f64>,
+    pub(crate) integers: Vec<i32>,
+    pub(crate) strings: Vec<String>,
+}
+
+impl Values {
+    pub(crate) fn get(&self, slot: Slot) -> Value {
+        match slot {
+            Slot::Real(at) => Value::Real(self.reals[at as usize]),
+            Slot::Integer(at) => Value::Integer(self.integers[at as usize]),
+            Slot::Boolean(at) => Value::Boolean(self.integers[at as usize] != 0),
+            Slot::String(at) => Value::String(self.strings[at as usize].clone()),
+        }
+    }
+
+    /// Writes a value of the slot's type (others are left out: the wiring has checked them).
+    pub(crate) fn put(&mut self, slot: Slot, value: &Value) {
+        match (slot, value) {
+            (Slot::Real(at), Value::Real(value)) => self.reals[at as usize] = *value,
+            (Slot::Integer(at), Value::Integer(value)) => self.integers[at as usize] = *value,
+            (Slot::Boolean(at), Value::Boolean(value)) => self.integers[at as usize] = i32::from(*value),
+            (Slot::String(at), Value::String(value)) => self.strings[at as usize].clone_from(value),
+            _ => debug_assert!(false, "{value} in {slot:?}"),
+        }
+    }
+}
+
+/// How a value changes on its way through a connection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Conversion {
+    /// Not at all.
+    Same,
+    /// To another unit of the same quantity: gain · value + bias.
+    Affine { gain: f64, bias: f64 },
+    /// To another type, then perhaps to another unit.
+    Type,
+}
+
+/// A connection without delay.
+#[derive(Debug, Clone)]
+pub(crate) struct Link {
+    pub(crate) from: Slot,
+    pub(crate) to: Slot,
+    pub(crate) conversion: Conversion,
+}
+
+impl Link {
+    pub(crate) fn convert(&self, value: Value) -> Value {
+        match (self.conversion, self.to, &value) {
+            (Conversion::Affine { gain, bias }, _, Value::Real(value)) => Value::Real(gain * value + bias),
+            (Conversion::Same, ..) => value,
+            (_, Slot::Real(_), _) => Value::Real(value.as_f64().unwrap_or(f64::NAN)),
+            (_, Slot::Integer(_), Value::Boolean(value)) => Value::Integer(i32::from(*value)),
+            (_, Slot::Boolean(_), Value::Integer(value)) => Value::Boolean(*value != 0),
+            _ => value,
+        }
+    }
+}
+
+/// A connection with delay: what its output was, and when.
+#[derive(Debug, Clone)]
+pub(crate) struct Line {
+    pub(crate) link: Link,
+    pub(crate) delay: i64,
+    pub(crate) queue: VecDeque<(i64, Value)>,
+}
+
+/// A signal from outside.
+#[derive(Debug, Clone)]
+pub(crate) struct Feed {
+    pub(crate) signal: Signal,
+    pub(crate) to: Slot,
+}
+
+/// Variables of one type that are set or read in one call: their references, and where their values lie.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Block {
+    pub(crate) references: Vec<u32>,
+    pub(crate) at: Range<usize>,
+}
+
+/// A block for each type.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Blocks {
+    pub(crate) reals: Block,
+    pub(crate) integers: Block,
+    pub(crate) booleans: Block,
+    pub(crate) strings: Block,
+    /// There is something besides reals.
+    pub(crate) mixed: bool,
+}
+
+/// One unit, ready to step.
+pub(crate) struct Unit {
+    pub(crate) name: String,
+    pub(crate) instance: Instance,
+    /// Communication interval, and as the unit gets it.
+    pub(crate) interval: i64,
+    pub(crate) size: f64,
+    /// Where its next step ends; past every time if there is none.
+    pub(crate) next: i64,
+    /// Where its next step begins, as the unit gets it.
+    pub(crate) begin: f64,
+    /// Plain copies between reals: (from, to).
+    pub(crate) copies: Vec<(u32, u32)>,
+    /// All other connections, lines (by number) and signals.
+    pub(crate) links: Vec<Link>,
+    pub(crate) lines_in: Vec<usize>,
+    pub(crate) feeds: Vec<Feed>,
+    pub(crate) lines_out: Vec<usize>,
+    /// What is set before a step and read after it.
+    pub(crate) inputs: Blocks,
+    pub(crate) outputs: Blocks,
+    /// What is read at initialisation only: recorded parameters and unconnected inputs.
+    pub(crate) fixed: Blocks,
+    /// The first so many real outputs go to other units.
+    pub(crate) connected_reals: usize,
+    /// `copies` is all there is to gather, and no line begins here.
+    pub(crate) plain: bool,
+}
+
+/// The running system.
+pub(crate) struct System {
+    pub(crate) units: Vec<Unit>,
+    pub(crate) lines: Vec<Line>,
+    pub(crate) values: Values,
+    /// No unit steps past this.
+    pub(crate) stop: i64,
+}
+
+impl System {
+    #[inline]
+    pub(crate) fn count(&self) -> usize {
+        self.units.len()
+    }
+
+    /// Whether a step of a unit ends at a point.
+    #[inline]
+    pub(crate) fn ends_at(&self, unit: usize, point: Point) -> bool {
+        self.units[unit].next == point.ticks
+    }
+
+    /// Whether a step of a unit begins at a point, once those that end there were made.
+    #[inline]
+    pub(crate) fn begins_at(&self, unit: usize, point: Point) -> bool {
+        let unit = &self.units[unit];
+        unit.next != i64::MAX && unit.next - unit.interval == point.ticks
+    }
+
+    /// The next point at which a step of any unit ends.
+    #[inline]
+    pub(crate) fn next(&self) -> Option<i64> {
+        self.units.iter().map(|unit| unit.next).min().filter(|&next| next != i64::MAX)
+    }
+
+    /// Puts all units at the start.
+    pub(crate) fn rewind(&mut self, start: Point) {
+        for unit in &mut self.units {
+            unit.begin = start.time;
+            unit.next = first_end(start.ticks, unit.interval, self.stop);
+        }
+        for line in &mut self.lines {
+            line.queue.clear();
+        }
+        for line in 0..self.lines.len() {
+            self.push(line, start.ticks);
+        }
+    }
+
+    /// Computes a unit's inputs from what the others have delivered by now.
+    #[inline]
+    pub(crate) fn gather(&mut self, unit: usize, point: Point) {
+        let unit = &mut self.units[unit];
+        let reals = &mut self.values.reals;
+        for &(from, to) in &unit.copies {
+            reals[to as usize] = reals[from as usize];
+        }
+        if !unit.plain {
+            Self::gather_rest(unit, &mut self.lines, &mut self.values, point);
+        }
+    }
+
+    fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
+        for link in &unit.links {
+            if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
+                (link.conversion, link.from, link.to)
+            {
+                values.reals[to as usize] = gain * values.reals[from as usize] + bias;
+            } else {
+                let value = link.convert(values.get(link.from));
+                values.put(link.to, &value);
+            }
+        }
+        for &line in &unit.lines_in {
+            let line = &mut lines[line];
+            let mut arrived = None;
+            while line.queue.front().is_some_and(|(sent, _)| sent + line.delay <= point.ticks) {
+                arrived = line.queue.pop_front();
+            }
+            if let Some((_, value)) = arrived {
+                values.put(line.link.to, &value);
+            }
+        }
+        for feed in &mut unit.feeds {
+            feed_into(feed, values, point.time);
+        }
+    }
+
+    /// Makes the step of a unit that ends at `point`, and reads its outputs.
+    #[inline]
+    pub(crate) fn step(&mut self, index: usize, point: Point) -> Result<(), Error> {
+        let unit = &mut self.units[index];
+        let values = &mut self.values;
+        let inputs = &unit.inputs.reals;
+        if !inputs.references.is_empty() {
+            let result = unit.instance.set_real(&inputs.references, &values.reals[inputs.at.clone()]);
+            result.map_err(|e| e.during(unit.begin))?;
+        }
+        if unit.inputs.mixed {
+            set_rest(&mut unit.instance, &unit.inputs, values).map_err(|e| e.during(unit.begin))?;
+        }
+        let status = unit.instance.do_step(unit.begin, unit.size, true);
+        if status != Status::Ok {
+            Self::not_ok(unit, status)?;
+        }
+        let outputs = &unit.outputs.reals;
+        if !outputs.references.is_empty() {
+            let read = &mut values.reals[outputs.at.clone()];
+            unit.instance.get_real(&outputs.references, read).map_err(|e| e.during(point.time))?;
+            if read[..unit.connected_reals].iter().any(|value| value.is_nan()) {
+                return Err(Self::not_a_number(unit, values, point.time));
+            }
+        }
+        if unit.outputs.mixed {
+            get_rest(&mut unit.instance, &unit.outputs, values).map_err(|e| e.during(point.time))?;
+        }
+        unit.begin = point.time;
+        unit.next = first_end(point.ticks, unit.interval, self.stop);
+        if !unit.plain {
+            for line in 0..self.units[index].lines_out.len() {
+                self.push(self.units[index].lines_out[line], point.ticks);
+            }
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, line: usize, ticks: i64) {
+        let line = &mut self.lines[line];
+        let value = line.link.convert(self.values.get(line.link.from));
+        line.queue.push_back((ticks, value));
+    }
+
+    #[cold]
+    fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
+        if unit.instance.note(status) {
+            return Ok(());
+        }
+        if status == Status::Discard {
+            let last = unit.instance.last_successful_time();
+            let log = unit.instance.log();
+            return Err(Error::Discarded {
+                unit: unit.name.clone(),
+                from: unit.begin,
+                size: unit.size,
+                last,
+                log,
+            });
+        }
+        Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
+    }
+
+    #[cold]
+    pub(crate) fn not_a_number(unit: &Unit, values: &Values, time: f64) -> Error {
+        let outputs = &unit.outputs.reals;
+        let wrong = values.reals[outputs.at.clone()].iter().position(|value| value.is_nan());
+        let reference = wrong.map(|at| outputs.references[at]);
+        let variables = &unit.instance.fmu().description().variables;
+        // Of several names for one reference the first is as good as any.
+        let name = variables.iter().find(|v| Some(v.reference) == reference).map_or("?", |v| v.name.as_str());
+        Error::NotANumber { variable: format!("{}.{name}", unit.name), time, log: unit.instance.log() }
+    }
+}
+
+/// Where the step ends that begins at `from`; never, if that is past the stop.
+#[inline]
+fn first_end(from: i64, interval: i64, stop: i64) -> i64 {
+    let end = from.saturating_add(interval);
+    if end > stop { i64::MAX } else { end }
+}
+
+/// Writes a signal's value at a time into its slot.
+pub(crate) fn feed_into(feed: &mut Feed, values: &mut Values, time: f64) {
+    let value = feed.signal.at(time);
+    match feed.to {
+        Slot::Real(at) => values.reals[at as usize] = value,
+        Slot::Integer(at) => values.integers[at as usize] = value as i32,
+        Slot::Boolean(at) => values.integers[at as usize] = i32::from(value != 0.0),
+        Slot::String(_) => {}
+    }
+}
+
+fn set_rest(instance: &mut Instance, blocks: &Blocks, values: &Values) -> Result<(), Error> {
+    let Blocks { integers, booleans, strings, .. } = blocks;
+    if !integers.references.is_empty() {
+        instance.set_integer(&integers.references, &values.integers[integers.at.clone()])?;
+    }
+    if !booleans.references.is_empty() {
+        instance.set_boolean(&booleans.references, &values.integers[booleans.at.clone()])?;
+    }
+    if !strings.references.is_empty() {
+        instance.set_string(&strings.references, &values.strings[strings.at.clone()])?;
+    }
+    Ok(())
+}
+
+fn get_rest(instance: &mut Instance, blocks: &Blocks, values: &mut Values) -> Result<(), Error> {
+    let Blocks { integers, booleans, strings, .. } = blocks;
+    if !integers.references.is_empty() {
+        instance.get_integer(&integers.references, &mut values.integers[integers.at.clone()])?;
+    }
+    if !booleans.references.is_empty() {
+        instance.get_boolean(&booleans.references, &mut values.integers[booleans.at.clone()])?;
+    }
+    if !strings.references.is_empty() {
+        instance.get_string(&strings.references, &mut values.strings[strings.at.clone()])?;
+    }
+    Ok(())
+}
+
+/// Reads all variables of some blocks.
+pub(crate) fn get_all(instance: &mut Instance, blocks: &Blocks, values: &mut Values) -> Result<(), Error> {
+    let reals = &blocks.reals;
+    if !reals.references.is_empty() {
+        instance.get_real(&reals.references, &mut values.reals[reals.at.clone()])?;
+    }
+    if blocks.mixed { get_rest(instance, blocks, values) } else { Ok(()) }
+}

@@ -1,0 +1,257 @@
+//! Exact time. Intervals are rational numbers; all of a system are whole multiples of one tick, and a point in time
+//! is a count of ticks. So nothing drifts, and points that coincide are equal.
+//!
+//! What the units get is the double nearest to the exact time, `float(Fraction)` of Python: [`Rational::to_f64`] is
+//! correctly rounded. The step size is the double nearest to the exact interval.
+
+use std::fmt;
+
+/// An exact number: numerator and positive denominator in lowest terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Rational {
+    numerator: i64,
+    denominator: i64,
+}
+
+impl Rational {
+    /// 0.
+    pub const ZERO: Self = Self { numerator: 0, denominator: 1 };
+
+    /// numerator/denominator; `None` where the denominator is zero or the result doesn't fit 64 bits.
+    pub fn new(numerator: i128, denominator: i128) -> Option<Self> {
+        if denominator == 0 {
+            return None;
+        }
+        let common = gcd(numerator.unsigned_abs(), denominator.unsigned_abs()) as i128;
+        let sign = denominator.signum();
+        Some(Self {
+            numerator: i64::try_from(sign * (numerator / common)).ok()?,
+            denominator: i64::try_from(sign * (denominator / common)).ok()?,
+        })
+    }
+
+    /// Reads `"1/30"`, `"0.001"`, `"5e-3"`, `"2"`, exactly. `None` where it is no such number or doesn't fit.
+    pub fn parse(text: &str) -> Option<Self> {
+        match text.split_once('/') {
+            None => decimal(text.trim()),
+            Some((over, under)) => {
+                let (a, b) = (decimal(over.trim())?, decimal(under.trim())?);
+                Self::new(
+                    i128::from(a.numerator) * i128::from(b.denominator),
+                    i128::from(a.denominator) * i128::from(b.numerator),
+                )
+            }
+        }
+    }
+
+    /// The shortest decimal number that is this double: 0.1 gives 1/10.
+    pub fn from_f64(value: f64) -> Option<Self> {
+        if value.is_finite() { Self::parse(&format!("{value:e}")) } else { None }
+    }
+
+    /// The double nearest to the exact value (ties to even).
+    pub fn to_f64(self) -> f64 {
+        quotient(self.numerator, self.denominator)
+    }
+
+    /// Greater than zero.
+    pub fn is_positive(self) -> bool {
+        self.numerator > 0
+    }
+
+    /// Less than zero.
+    pub fn is_negative(self) -> bool {
+        self.numerator < 0
+    }
+}
+
+impl PartialOrd for Rational {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Rational {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let (a, b) = (i128::from(self.numerator), i128::from(self.denominator));
+        let (c, d) = (i128::from(other.numerator), i128::from(other.denominator));
+        (a * d).cmp(&(c * b))
+    }
+}
+
+/// `1/30`, or `5` where the denominator is 1: what [`Rational::parse`] reads back.
+impl fmt::Display for Rational {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.denominator {
+            1 => write!(f, "{}", self.numerator),
+            _ => write!(f, "{}/{}", self.numerator, self.denominator),
+        }
+    }
+}
+
+fn decimal(text: &str) -> Option<Rational> {
+    let (mantissa, exponent) = match text.find(['e', 'E']) {
+        Some(at) => (&text[..at], text[at + 1..].parse::<i32>().ok()?),
+        None => (text, 0),
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let (sign, whole) = match whole.strip_prefix('-') {
+        Some(rest) => (-1, rest),
+        None => (1, whole.strip_prefix('+').unwrap_or(whole)),
+    };
+    let digits = [whole, fraction].concat();
+    if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
+        return None;
+    }
+    let number: i128 = digits.parse().ok()?;
+    let shift = exponent.checked_sub(i32::try_from(fraction.len()).ok()?)?;
+    let power = 10i128.checked_pow(shift.unsigned_abs())?;
+    if shift < 0 {
+        Rational::new(sign * number, power)
+    } else {
+        Rational::new(sign * number.checked_mul(power)?, 1)
+    }
+}
+
+fn gcd(mut a: u128, mut b: u128) -> u128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a.max(1)
+}
+
+/// Correctly rounded numerator/denominator; denominator > 0.
+#[inline]
+fn quotient(numerator: i64, denominator: i64) -> f64 {
+    const EXACT: u64 = 1 << 53;
+    if numerator.unsigned_abs() <= EXACT && denominator.unsigned_abs() <= EXACT {
+        // Both are exact, and IEEE division rounds correctly.
+        return numerator as f64 / denominator as f64;
+    }
+    long_quotient(numerator, denominator)
+}
+
+/// The same where the numbers are too long for a double: division of integers with a sticky last bit.
+#[cold]
+fn long_quotient(numerator: i64, denominator: i64) -> f64 {
+    let (over, under) = (u128::from(numerator.unsigned_abs()), u128::from(denominator.unsigned_abs()));
+    if over == 0 {
+        return 0.0;
+    }
+    // Shifted to 127 bits, the quotient has at least 63 bits: ten more than a double, so that with the sticky bit
+    // the conversion below is the only rounding.
+    let shift = over.leading_zeros() - 1;
+    let shifted = over << shift;
+    let sticky = u128::from(!shifted.is_multiple_of(under));
+    let magnitude = ((shifted / under) | sticky) as f64 * 2f64.powi(-(shift as i32));
+    if numerator < 0 { -magnitude } else { magnitude }
+}
+
+/// The tick of a system and its origin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clock {
+    tick: Rational,
+}
+
+impl Clock {
+    /// The longest tick of which all given times are whole multiples; `None` where one wouldn't fit 64 bits.
+    pub fn of(times: impl IntoIterator<Item = Rational>) -> Option<Self> {
+        let mut tick = Rational::ZERO;
+        for time in times {
+            let (a, b) = (i128::from(tick.numerator), i128::from(tick.denominator));
+            let (c, d) = (i128::from(time.numerator), i128::from(time.denominator));
+            let over = gcd((a * d).unsigned_abs(), (c * b).unsigned_abs());
+            tick = if a == 0 && c == 0 {
+                Rational::ZERO
+            } else {
+                Rational::new(i128::try_from(over).ok()?, b * d)?
+            };
+        }
+        if tick == Rational::ZERO {
+            tick = Rational { numerator: 1, denominator: 1 };
+        }
+        Some(Self { tick })
+    }
+
+    /// A time as ticks; `None` where it is no whole multiple or doesn't fit.
+    pub fn ticks(&self, time: Rational) -> Option<i64> {
+        let over = i128::from(time.numerator) * i128::from(self.tick.denominator);
+        let under = i128::from(time.denominator) * i128::from(self.tick.numerator);
+        if over % under == 0 { i64::try_from(over / under).ok() } else { None }
+    }
+
+    /// The double nearest to the time of a tick. Ticks up to the one checked by [`Clock::holds`] don't overflow.
+    #[inline]
+    pub fn seconds(&self, ticks: i64) -> f64 {
+        quotient(ticks * self.tick.numerator, self.tick.denominator)
+    }
+
+    /// Whether the times up to a tick can be computed.
+    pub fn holds(&self, ticks: i64) -> bool {
+        ticks.checked_mul(self.tick.numerator).is_some()
+    }
+
+    /// Length of a tick.
+    pub fn tick(&self) -> Rational {
+        self.tick
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rational(text: &str) -> Rational {
+        Rational::parse(text).expect(text)
+    }
+
+    #[test]
+    fn value_numbers_are_read_exactly() {
+        for (text, exact) in [
+            ("1/30", "1/30"),
+            ("0.001", "1/1000"),
+            ("5e-3", "1/200"),
+            ("2.50", "5/2"),
+            ("-1.5E1", "-15"),
+            ("30", "30"),
+            ("1/0.5", "2"),
+        ] {
+            assert_eq!(rational(text).to_string(), exact, "{text}");
+        }
+        for wrong in ["", "x", "1/0", "1/", "1..2", "e3", "1e400", "1e-40", "1/2/3", "99999999999999999999"] {
+            assert_eq!(Rational::parse(wrong), None, "{wrong}");
+        }
+        assert_eq!(Rational::from_f64(0.1), Some(rational("1/10")));
+        assert_eq!(Rational::from_f64(f64::NAN), None);
+    }
+
+    #[test]
+    fn value_doubles_are_pythons() {
+        // float(Fraction(n, d)) of CPython 3.11.
+        assert_eq!(rational("1/600").to_f64().to_bits(), 0x3f5b_4e81_b4e8_1b4f);
+        assert_eq!(rational("9223372036854775807/3").to_f64(), 3.0744573456182584e18);
+        assert_eq!(rational("1/9223372036854775807").to_f64(), 1.0842021724855044e-19);
+        assert_eq!(rational("9007199254740993/9007199254740995").to_f64(), 0.9999999999999998);
+    }
+
+    #[test]
+    fn law_long_division_agrees_with_the_short_one() {
+        let mut state = 1u64;
+        for _ in 0..20_000 {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let (a, b) = ((state >> 33) as i64 - (1 << 30), (state >> 40) as i64 + 1);
+            assert_eq!(quotient(a, b).to_bits(), if a == 0 { 0 } else { long_quotient(a, b).to_bits() });
+        }
+    }
+
+    #[test]
+    fn law_ticks_are_common() {
+        let times = ["0.001", "0.005", "1/30", "30"].map(rational);
+        let clock = Clock::of(times).expect("fits");
+        assert_eq!(clock.tick(), rational("1/3000"));
+        assert_eq!(times.map(|time| clock.ticks(time)), [Some(3), Some(15), Some(100), Some(90_000)]);
+        assert_eq!(clock.ticks(rational("1/7")), None);
+        assert_eq!(clock.seconds(300), 0.1);
+        assert_eq!(Clock::of(["1/9223372036854775807", "1/9223372036854775806"].map(rational)), None);
+    }
+}

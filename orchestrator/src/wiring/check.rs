@@ -1,0 +1,173 @@
+//! Whether values and signals fit variables, and how one unit of measurement becomes another.
+
+use super::names::{Names, Variable, Wrong};
+use crate::fmu::{self, BaseUnit};
+use crate::scenario::{Shape, SignalEntry};
+use crate::source::Signal;
+use crate::system::Conversion;
+use crate::value::{Kind, Value};
+use std::path::Path;
+
+/// A TOML value as one of a type: an integer also serves as a Real.
+pub(super) fn from_toml(kind: Kind, value: &toml::Value) -> Option<Value> {
+    Some(match (kind, value) {
+        (Kind::Real, toml::Value::Float(value)) => Value::Real(*value),
+        (Kind::Real, toml::Value::Integer(value)) => Value::Real(*value as f64),
+        (Kind::Integer, toml::Value::Integer(value)) => Value::Integer(i32::try_from(*value).ok()?),
+        (Kind::Boolean, toml::Value::Boolean(value)) => Value::Boolean(*value),
+        (Kind::String, toml::Value::String(value)) => Value::String(value.clone()),
+        _ => return None,
+    })
+}
+
+/// Whether a start value lies where the description allows it; an error is what would be right.
+pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(), String> {
+    let Some(number) = value.as_f64() else { return Ok(()) };
+    let inside = variable.min.is_none_or(|min| number >= min) && variable.max.is_none_or(|max| number <= max);
+    if number.is_finite() && inside {
+        return Ok(());
+    }
+    let bound = |bound: Option<f64>| bound.map_or_else(|| "any".into(), |bound| bound.to_string());
+    let unit = variable.unit.as_deref().unwrap_or_default();
+    Err(format!("a number from {} to {} {unit}", bound(variable.min), bound(variable.max)).trim_end().into())
+}
+
+/// How the value of an output becomes that of an input.
+pub(super) fn conversion(
+    names: &Names,
+    from: Variable,
+    to: Variable,
+    notices: &mut Vec<String>,
+) -> Result<Conversion, Wrong> {
+    let (output, input) = (names.variable(from), names.variable(to));
+    match (output.kind, input.kind) {
+        (Kind::Real, Kind::Real) => {}
+        (a, b) if a == b => return Ok(Conversion::Same),
+        (Kind::Integer | Kind::Boolean, Kind::Real)
+        | (Kind::Boolean, Kind::Integer)
+        | (Kind::Integer, Kind::Boolean) => return Ok(Conversion::Type),
+        (a, b) => {
+            let what = format!("{} is of type {a}, {} of type {b}", names.full(from), names.full(to));
+            let expected = match (a, b) {
+                (Kind::String, _) | (_, Kind::String) => "a String goes only to a String",
+                _ => "a Real would lose digits; connect it to a Real",
+            };
+            return Err((what, expected.into()));
+        }
+    }
+    let (Some(unit_from), Some(unit_to)) = (&output.unit, &input.unit) else { return Ok(Conversion::Same) };
+    let base = |variable: Variable, unit: &str| names.units[variable.0].1.description().unit(unit)?.base;
+    let (base_from, base_to) = (base(from, unit_from), base(to, unit_to));
+    let (Some(base_from), Some(base_to)) = (base_from, base_to) else {
+        if unit_from != unit_to {
+            notices.push(format!(
+                "{} ({unit_from}) -> {} ({unit_to}): not both units have a BaseUnit, so values pass unchanged",
+                names.full(from),
+                names.full(to)
+            ));
+        }
+        return Ok(Conversion::Same);
+    };
+    if base_from.exponents != base_to.exponents {
+        let what = format!("{} is in {unit_from}, {} in {unit_to}", names.full(from), names.full(to));
+        let shown = (exponents(&base_from), exponents(&base_to));
+        return Err((
+            what,
+            format!("these units don't measure the same quantity ({} and {})", shown.0, shown.1),
+        ));
+    }
+    let difference = output.relative_quantity && input.relative_quantity;
+    let gain = base_from.factor / base_to.factor;
+    let bias = if difference { 0.0 } else { (base_from.offset - base_to.offset) / base_to.factor };
+    Ok(if gain == 1.0 && bias == 0.0 { Conversion::Same } else { Conversion::Affine { gain, bias } })
+}
+
+fn exponents(unit: &BaseUnit) -> String {
+    let names = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+    let powers: Vec<String> = (names.iter().zip(unit.exponents))
+        .filter(|(_, exponent)| *exponent != 0)
+        .map(|(name, exponent)| if exponent == 1 { (*name).to_owned() } else { format!("{name}^{exponent}") })
+        .collect();
+    if powers.is_empty() { "1".into() } else { powers.join(".") }
+}
+
+/// A signal for an input of a type.
+pub(super) fn signal(entry: &SignalEntry, kind: Kind, folder: &Path) -> Result<Signal, Wrong> {
+    let (shape, points) = match entry {
+        SignalEntry::Constant(value) => {
+            let number = match value {
+                toml::Value::Integer(value) => *value as f64,
+                toml::Value::Float(value) => *value,
+                toml::Value::Boolean(value) => f64::from(u8::from(*value)),
+                _ => f64::NAN,
+            };
+            (Shape::Hold, vec![(f64::NEG_INFINITY, number)])
+        }
+        SignalEntry::Table { shape, points } => (*shape, points.clone()),
+        SignalEntry::Csv { file, column, shape } => (*shape, read_csv(&folder.join(file), column)?),
+    };
+    let whole = |(_, value): &(f64, f64)| match kind {
+        Kind::Boolean => *value == 0.0 || *value == 1.0,
+        _ => value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX),
+    };
+    match kind {
+        Kind::Real => {}
+        Kind::String => {
+            return Err(("a table for a String input".into(), "only a constant can be a text".into()));
+        }
+        _ if shape != Shape::Hold => {
+            return Err((
+                format!("a continuous signal for an input of type {kind}"),
+                "kind = \"hold\"".into(),
+            ));
+        }
+        _ => {
+            if let Some((time, value)) = points.iter().find(|point| !whole(point)) {
+                return Err((
+                    format!("the value {value} at {time} s"),
+                    format!("the input is of type {kind}"),
+                ));
+            }
+        }
+    }
+    Ok(Signal::new(shape, points))
+}
+
+/// The first column and another one of a CSV file; rows with an empty cell are passed over.
+fn read_csv(path: &Path, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| (format!("file {shown}: {error}"), "a CSV file beside the scenario".to_owned()))?;
+    let mut lines = text.lines().enumerate();
+    let header: Vec<&str> =
+        lines.next().map_or(Vec::new(), |(_, line)| line.split(',').map(str::trim).collect());
+    let place = header.iter().position(|name| name.trim_matches('"') == column).filter(|place| *place > 0);
+    let place = place.ok_or_else(|| {
+        let known = crate::suggest::nearest(column, header.iter().skip(1).copied());
+        (format!("file {shown} has no column {column:?} after the time"), known)
+    })?;
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (number, line) in lines {
+        let mut cells = line.split(',').map(str::trim);
+        let time = cells.next().unwrap_or_default();
+        let value = cells.nth(place - 1).unwrap_or_default();
+        if time.is_empty() || value.is_empty() {
+            continue;
+        }
+        let wrong =
+            |cell: &str, expected: &str| (format!("{shown}:{}: {cell:?}", number + 1), expected.to_owned());
+        let read = |cell: &str| match cell.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(wrong(cell, "a finite number")),
+        };
+        let (at, value) = (read(time)?, read(value)?);
+        if points.last().is_some_and(|(before, _)| at < *before) {
+            return Err(wrong(time, "times in rising order"));
+        }
+        points.push((at, value));
+    }
+    if points.is_empty() {
+        return Err((format!("file {shown} holds no values of {column:?}"), "one row at least".into()));
+    }
+    Ok(points)
+}

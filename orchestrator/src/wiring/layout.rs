@@ -1,0 +1,145 @@
+//! Where each value lies: per unit and type one contiguous range for what is set and one for what is read, so that
+//! one call moves all of them.
+
+use super::names::{Names, Variable};
+use super::{Connection, Source};
+use crate::fmu::{Causality, Instance, Variability};
+use crate::recorder::Slot;
+use crate::system::{Block, Blocks, Unit, Values};
+use crate::value::Kind;
+use std::collections::{BTreeSet, HashMap};
+
+/// The layout of a system.
+pub(super) struct Layout {
+    pub(super) blocks: Vec<UnitBlocks>,
+    pub(super) slots: HashMap<Variable, Slot>,
+    pub(super) values: Values,
+}
+
+/// The blocks of one unit.
+pub(super) struct UnitBlocks {
+    name: String,
+    inputs: Blocks,
+    outputs: Blocks,
+    fixed: Blocks,
+    connected_reals: usize,
+}
+
+impl Layout {
+    pub(super) fn new(
+        names: &Names,
+        connections: &[Connection],
+        sources: &[Source],
+        recorded: &[Variable],
+    ) -> Self {
+        let mut layout = Self { blocks: Vec::new(), slots: HashMap::new(), values: Values::default() };
+        let driven: BTreeSet<Variable> =
+            connections.iter().map(|c| c.to).chain(sources.iter().map(|s| s.to)).collect();
+        let connected: BTreeSet<Variable> = connections.iter().map(|c| c.from).collect();
+        let recorded: BTreeSet<Variable> = recorded.iter().copied().collect();
+        for unit in 0..names.units.len() {
+            let of =
+                |set: &BTreeSet<Variable>| set.range((unit, 0)..(unit + 1, 0)).copied().collect::<Vec<_>>();
+            let changes = |variable: &Variable| {
+                let description = names.variable(*variable);
+                matches!(description.causality, Causality::Output | Causality::Local | Causality::Independent)
+                    && matches!(description.variability, Variability::Discrete | Variability::Continuous)
+            };
+            // Outputs that go to other units come first.
+            let mut outputs = of(&connected);
+            let (moving, fixed): (Vec<_>, Vec<_>) = (of(&recorded).into_iter())
+                .filter(|variable| !driven.contains(variable) && !connected.contains(variable))
+                .partition(changes);
+            outputs.extend(moving);
+            let connected_reals = of(&connected)
+                .iter()
+                .filter(|&&variable| names.variable(variable).kind == Kind::Real)
+                .count();
+            let blocks = UnitBlocks {
+                name: names.units[unit].0.clone(),
+                inputs: layout.blocks_of(names, &of(&driven)),
+                outputs: layout.blocks_of(names, &outputs),
+                fixed: layout.blocks_of(names, &fixed),
+                connected_reals,
+            };
+            layout.blocks.push(blocks);
+        }
+        layout
+    }
+
+    fn blocks_of(&mut self, names: &Names, variables: &[Variable]) -> Blocks {
+        let mut block = |kind: Kind| self.block(names, variables, kind);
+        let (reals, integers) = (block(Kind::Real), block(Kind::Integer));
+        let (booleans, strings) = (block(Kind::Boolean), block(Kind::String));
+        let mixed = [&integers, &booleans, &strings].iter().any(|block| !block.references.is_empty());
+        Blocks { reals, integers, booleans, strings, mixed }
+    }
+
+    fn block(&mut self, names: &Names, variables: &[Variable], kind: Kind) -> Block {
+        let values = &mut self.values;
+        let length = |values: &Values| match kind {
+            Kind::Real => values.reals.len(),
+            Kind::Integer | Kind::Boolean => values.integers.len(),
+            Kind::String => values.strings.len(),
+        };
+        let begin = length(values);
+        let mut references = Vec::new();
+        for &variable in variables {
+            let description = names.variable(variable);
+            if description.kind != kind {
+                continue;
+            }
+            let at = length(values) as u32; // a system of 2³² variables doesn't fit the memory
+            let slot = match kind {
+                Kind::Real => {
+                    values.reals.push(0.0);
+                    Slot::Real(at)
+                }
+                Kind::Integer => {
+                    values.integers.push(0);
+                    Slot::Integer(at)
+                }
+                Kind::Boolean => {
+                    values.integers.push(0);
+                    Slot::Boolean(at)
+                }
+                Kind::String => {
+                    values.strings.push(String::new());
+                    Slot::String(at)
+                }
+            };
+            if let Some(start) = &description.start
+                && start.kind() == kind
+            {
+                values.put(slot, start);
+            }
+            references.push(description.reference);
+            self.slots.insert(variable, slot);
+        }
+        Block { references, at: begin..length(values) }
+    }
+}
+
+impl UnitBlocks {
+    pub(super) fn unit(self, instance: Instance, interval: i64, size: f64) -> Unit {
+        let Self { name, inputs, outputs, fixed, connected_reals } = self;
+        Unit {
+            name,
+            instance,
+            interval,
+            size,
+            next: i64::MAX,
+            begin: 0.0,
+            copies: Vec::new(),
+            links: Vec::new(),
+            lines_in: Vec::new(),
+            feeds: Vec::new(),
+            lines_out: Vec::new(),
+            inputs,
+            outputs,
+            fixed,
+            connected_reals,
+            plain: false,
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! From a scenario and its units to a system that runs: names become places, everything is checked once.
+
+mod check;
+mod layout;
+mod names;
+mod record;
+
+pub(crate) use check::start_value;
+pub(crate) use names::{Names, Variable};
+
+use crate::error::{Error, Place};
+use crate::fmu::Fmu;
+use crate::graph;
+use crate::initialise::Plan;
+use crate::recorder::{Column, Slot};
+use crate::scenario::{Given, Scenario, SignalEntry};
+use crate::source::Signal;
+use crate::system::{Line, Link, Point, System};
+use crate::time::{Clock, Rational};
+use crate::unit_path::UnitPath;
+use crate::value::{Kind, Value};
+use layout::Layout;
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// Everything that a simulation needs.
+pub(crate) struct Wiring {
+    pub(crate) system: System,
+    pub(crate) clock: Clock,
+    pub(crate) start: Point,
+    pub(crate) stop: f64,
+    pub(crate) plan: Plan,
+    pub(crate) names: Names,
+    pub(crate) slots: HashMap<Variable, Slot>,
+    pub(crate) driven: HashMap<Variable, Place>,
+    /// Start values that differ from the description's, unit by unit.
+    pub(crate) sets: Vec<Vec<(usize, Value)>>,
+    pub(crate) columns: Vec<Column>,
+    pub(crate) recorded: Vec<Slot>,
+    pub(crate) notices: Vec<String>,
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// A connection with its ends found.
+pub(crate) struct Connection {
+    pub(crate) from: Variable,
+    pub(crate) to: Variable,
+    pub(crate) conversion: crate::system::Conversion,
+    pub(crate) delay: Rational,
+}
+
+/// A source with its end found.
+pub(crate) struct Source {
+    pub(crate) to: Variable,
+    pub(crate) signal: Signal,
+}
+
+pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error> {
+    let (fmus, files) = open(scenario, path)?;
+    let names = Names::new(scenario, &fmus);
+    let mut notices = Vec::new();
+    let mut driven: HashMap<Variable, Place> = HashMap::new();
+    let mut sets = start_values(scenario, &names)?;
+    let connections = connections(scenario, &names, &mut driven, &mut notices)?;
+    let sources = sources(scenario, &names, &mut driven, &mut sets)?;
+    let recorded = record::variables(scenario, &names)?;
+
+    let (clock, ticks) = clock(scenario)?;
+    let layout = Layout::new(&names, &connections, &sources, &recorded);
+    let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
+    let instances = instances.collect::<Result<Vec<_>, _>>()?;
+    let Layout { blocks, slots, values } = layout;
+    let mut system = System { units: Vec::new(), lines: Vec::new(), values, stop: ticks.stop };
+    for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
+        system.units.push(blocks.unit(
+            instance,
+            ticks.intervals[unit],
+            scenario.units[unit].interval.to_f64(),
+        ));
+    }
+    lay_connections(&mut system, &connections, &slots, &clock);
+    for Source { to, signal } in sources {
+        system.units[to.0].feeds.push(crate::system::Feed { signal, to: slots[&to] });
+    }
+    for unit in &mut system.units {
+        unit.plain = unit.links.is_empty()
+            && unit.lines_in.is_empty()
+            && unit.feeds.is_empty()
+            && unit.lines_out.is_empty();
+    }
+    notices.extend(loops_while_stepping(&names, &connections));
+    Ok(Wiring {
+        plan: Plan::new(&names, &connections, &slots),
+        start: Point { ticks: ticks.start, time: scenario.start.to_f64() },
+        stop: scenario.stop.to_f64(),
+        columns: recorded.iter().map(|&variable| names.column(variable)).collect(),
+        recorded: recorded.iter().map(|variable| slots[variable]).collect(),
+        system,
+        clock,
+        names,
+        slots,
+        driven,
+        sets,
+        notices,
+        files,
+    })
+}
+
+fn open(scenario: &Scenario, path: &UnitPath) -> Result<(Vec<Fmu>, Vec<PathBuf>), Error> {
+    let mut fmus: Vec<Fmu> = Vec::new();
+    let mut files: Vec<PathBuf> = Vec::new();
+    for unit in &scenario.units {
+        let file = path.find(&unit.fmu.value, scenario.folder(), &unit.fmu.place)?;
+        let mut fmu = path.open(&file)?;
+        // A unit that can live only once in a process gets a copy of its library for each instance.
+        if fmu.description().co_simulation.only_one_instance && files.contains(&file) {
+            fmu = Fmu::open(&file)?;
+        }
+        fmus.push(fmu);
+        files.push(file);
+    }
+    Ok((fmus, files))
+}
+
+struct Ticks {
+    start: i64,
+    stop: i64,
+    intervals: Vec<i64>,
+}
+
+fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
+    let times = || {
+        let units = scenario.units.iter().map(|unit| unit.interval);
+        let delays = scenario.connections.iter().map(|connection| connection.delay);
+        [scenario.start, scenario.stop].into_iter().chain(units).chain(delays)
+    };
+    let ticks = || {
+        let clock = Clock::of(times())?;
+        let intervals =
+            scenario.units.iter().map(|unit| clock.ticks(unit.interval)).collect::<Option<_>>()?;
+        let (start, stop) = (clock.ticks(scenario.start)?, clock.ticks(scenario.stop)?);
+        // Half of the range is left for the sums of a time and a delay or interval.
+        let fits = |ticks: i64| clock.holds(ticks) && ticks.unsigned_abs() < 1 << 62;
+        let delays_fit = scenario.connections.iter().all(|c| clock.ticks(c.delay).is_some_and(fits));
+        (fits(start) && fits(stop) && delays_fit).then_some((clock, Ticks { start, stop, intervals }))
+    };
+    ticks().ok_or_else(|| {
+        let mut all: Vec<String> = times().map(|time| time.to_string()).collect();
+        all.sort();
+        all.dedup();
+        Error::Tick { place: scenario.place.clone(), times: all.join(", ") }
+    })
+}
+
+fn start_values(scenario: &Scenario, names: &Names) -> Result<Vec<Vec<(usize, Value)>>, Error> {
+    let mut all = Vec::with_capacity(scenario.units.len());
+    for (unit, entry) in scenario.units.iter().enumerate() {
+        let mut sets: Vec<(usize, Value)> = Vec::new();
+        for (name, given) in &entry.set {
+            let wrong = |what: String, expected: String| Error::Scenario {
+                place: given.place.clone(),
+                what,
+                expected,
+            };
+            let place = names.settable(unit, name).map_err(|(what, expected)| wrong(what, expected))?;
+            let variable = names.variable((unit, place));
+            let (value, shown) = match &given.value {
+                Given::Toml(value) => (check::from_toml(variable.kind, value), value.to_string()),
+                Given::Text(text) => (Value::parse(variable.kind, text), text.clone()),
+            };
+            let named = || format!("{}.{name} = {shown}", entry.name);
+            let value = value.ok_or_else(|| wrong(named(), format!("it is of type {}", variable.kind)))?;
+            start_value(variable, &value).map_err(|expected| wrong(named(), expected))?;
+            sets.retain(|(known, _)| *known != place);
+            sets.push((place, value));
+        }
+        all.push(sets);
+    }
+    Ok(all)
+}
+
+fn drive(
+    driven: &mut HashMap<Variable, Place>,
+    names: &Names,
+    to: Variable,
+    place: &Place,
+) -> Result<(), Error> {
+    match driven.insert(to, place.clone()) {
+        None => Ok(()),
+        Some(first) => Err(Error::Scenario {
+            place: place.clone(),
+            what: format!("a second signal for the input {}", names.full(to)),
+            expected: format!("the first one is at {first}; keep one of them"),
+        }),
+    }
+}
+
+fn connections(
+    scenario: &Scenario,
+    names: &Names,
+    driven: &mut HashMap<Variable, Place>,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Connection>, Error> {
+    let mut all = Vec::with_capacity(scenario.connections.len());
+    for entry in &scenario.connections {
+        let wrong = |(what, expected)| Error::Scenario { place: entry.place.clone(), what, expected };
+        let from = names.output(&entry.from).map_err(wrong)?;
+        let to = names.input(&entry.to).map_err(wrong)?;
+        drive(driven, names, to, &entry.place)?;
+        let conversion = check::conversion(names, from, to, notices).map_err(wrong)?;
+        all.push(Connection { from, to, conversion, delay: entry.delay });
+    }
+    Ok(all)
+}
+
+fn sources(
+    scenario: &Scenario,
+    names: &Names,
+    driven: &mut HashMap<Variable, Place>,
+    sets: &mut [Vec<(usize, Value)>],
+) -> Result<Vec<Source>, Error> {
+    let mut all = Vec::new();
+    for entry in &scenario.sources {
+        let wrong = |(what, expected)| Error::Scenario { place: entry.place.clone(), what, expected };
+        let to = names.input(&entry.to).map_err(wrong)?;
+        drive(driven, names, to, &entry.place)?;
+        let kind = names.variable(to).kind;
+        if let SignalEntry::Constant(value) = &entry.signal {
+            let typed = check::from_toml(kind, value).ok_or_else(|| {
+                wrong((format!("value = {value}"), format!("{} is of type {kind}", entry.to)))
+            })?;
+            // The start value holds for ever, since nothing else drives the input.
+            sets[to.0].retain(|(known, _)| *known != to.1);
+            sets[to.0].push((to.1, typed));
+            if kind == Kind::String {
+                continue;
+            }
+        }
+        let signal = check::signal(&entry.signal, kind, scenario.folder()).map_err(wrong)?;
+        all.push(Source { to, signal });
+    }
+    Ok(all)
+}
+
+fn lay_connections(
+    system: &mut System,
+    connections: &[Connection],
+    slots: &HashMap<Variable, Slot>,
+    clock: &Clock,
+) {
+    for connection in connections {
+        let Connection { from, to, conversion, delay } = connection;
+        let link = Link { from: slots[from], to: slots[to], conversion: *conversion };
+        if delay.is_positive() {
+            let number = system.lines.len();
+            let delay = clock.ticks(*delay).unwrap_or(0); // a multiple: the clock was made from it
+            let intervals = (system.units[from.0].interval, system.units[to.0].interval);
+            let waiting = usize::try_from((delay + intervals.1) / intervals.0 + 3).unwrap_or(0).min(1 << 16);
+            let queue = std::collections::VecDeque::with_capacity(waiting);
+            system.lines.push(Line { link, delay, queue });
+            system.units[from.0].lines_out.push(number);
+            system.units[to.0].lines_in.push(number);
+            continue;
+        }
+        let target = &mut system.units[to.0];
+        match (link.conversion, link.from, link.to) {
+            (crate::system::Conversion::Same, Slot::Real(from), Slot::Real(to)) => {
+                target.copies.push((from, to))
+            }
+            _ => target.links.push(link),
+        }
+    }
+}
+
+/// Loops of direct feedthrough between communication points. The order of the units cuts them; a person should know.
+fn loops_while_stepping(names: &Names, connections: &[Connection]) -> Vec<String> {
+    let graph = names.dependencies(connections, |fmu, output| fmu.description().step_dependencies(output));
+    (graph::ordered(&graph.edges).iter())
+        .filter(|component| component.is_loop)
+        .map(|component| {
+            let path = names.path(&graph, component);
+            format!("algebraic loop {path}: while stepping it is cut where a value is still that of the point before")
+        })
+        .collect()
+}

@@ -1,0 +1,192 @@
+//! Every algorithm over the same units: values against closed forms, multi-rate, delays, sources.
+
+mod common;
+
+use common::Units;
+use orchestrator::{CsvRecorder, MemoryRecorder, Quiet, Scenario, Simulation};
+
+/// Runs a scenario with each algorithm.
+fn every_algorithm(units: &Units, scenario: &str, mut check: impl FnMut(&str, &MemoryRecorder)) {
+    for algorithm in orchestrator::algorithms() {
+        let mut scenario = Scenario::parse(scenario, "test.toml").expect("a scenario");
+        scenario.algorithm.value = algorithm.into();
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        let mut results = MemoryRecorder::new();
+        simulation.run(&mut results, &mut Quiet).expect("runs");
+        check(algorithm, &results);
+    }
+}
+
+fn series<'a>(results: &'a MemoryRecorder, name: &str) -> &'a [f64] {
+    results.series(name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn every_algorithm_integrates_a_constant_exactly() {
+    let scenario = r#"
+        format = 1
+        experiment = { stop = 1 }
+        [[units]]
+        name = "a"
+        fmu = "stateful.fmu"
+        interval = 0.125
+        set = { k = 2.0, x0 = 0.5 }
+        [[sources]]
+        to = "a.u1"
+        kind = "constant"
+        value = 3
+    "#;
+    every_algorithm(&Units::new(), scenario, |_, results| {
+        assert_eq!(results.times().len(), 9);
+        for (time, y) in results.times().iter().zip(series(results, "a.y1")) {
+            // All numbers are dyadic, so there is no rounding.
+            assert_eq!(*y, 0.5 + 6.0 * time);
+        }
+    });
+}
+
+#[test]
+fn every_algorithm_couples_as_it_says() {
+    // dx = v, dv = -x, x first: Gauss-Seidel is x += h v, v -= h x(new); Jacobi uses the old x.
+    let scenario = r#"
+        format = 1
+        experiment = { stop = 1 }
+        [[units]]
+        name = "x"
+        fmu = "stateful.fmu"
+        interval = 0.125
+        set = { x0 = 1 }
+        [[units]]
+        name = "v"
+        fmu = "stateful.fmu"
+        interval = "1/8"
+        set = { k = -1 }
+        [[connections]]
+        from = "v.y1"
+        to = "x.u1"
+        [[connections]]
+        from = "x.y1"
+        to = "v.u1"
+    "#;
+    every_algorithm(&Units::new(), scenario, |algorithm, results| {
+        let (mut x, mut v) = (1.0, 0.0);
+        for row in 0..9 {
+            assert_eq!(
+                (series(results, "x.y1")[row], series(results, "v.y1")[row]),
+                (x, v),
+                "{algorithm} {row}"
+            );
+            let old = x;
+            x += v * 0.125;
+            v += -1.0 * if algorithm == "jacobi" { old } else { x } * 0.125;
+        }
+    });
+}
+
+/// A clock at each of three rates, each feeding an echo at another rate.
+const RATES: &str = r#"
+    format = 1
+    experiment = { stop = "1/2" }
+    [[units]]
+    name = "fast"
+    fmu = "stateful.fmu"
+    interval = 0.001
+    set = { mode = 2 }
+    [[units]]
+    name = "middle"
+    fmu = "stateful.fmu"
+    interval = "5e-3"
+    set = { mode = 2 }
+    [[units]]
+    name = "slow"
+    fmu = "stateful.fmu"
+    interval = "1/30"
+    set = { mode = 2 }
+    [[connections]]
+    from = "slow.y1"
+    to = "fast.u1"
+    [[connections]]
+    from = "middle.y1"
+    to = "fast.u2"
+    [[connections]]
+    from = "fast.y1"
+    to = "slow.u1"
+    [[connections]]
+    from = "slow.y1"
+    to = "middle.u1"
+    [[connections]]
+    from = "fast.y1"
+    to = "middle.u2"
+    delay = "1/300"
+"#;
+
+/// Ticks of the three rates are 1/3000 s.
+const FAST: i64 = 3;
+const MIDDLE: i64 = 15;
+const SLOW: i64 = 100;
+
+/// The last point of a rate that is not later than a tick.
+fn last(ticks: i64, rate: i64) -> i64 {
+    ticks.div_euclid(rate) * rate
+}
+
+/// The time at which a value was made that a unit of one rate shows in a row; computed from the rule, not from steps.
+fn made(algorithm: &str, row: i64, own: i64, other: i64, other_is_later: bool, delay: i64) -> i64 {
+    let seen_at = match algorithm {
+        // The end of its last step; a unit that steps after it was then still at the point before.
+        "gauss-seidel" => last(row, own) - i64::from(other_is_later),
+        // The begin of the step that ends here or, between its points, that is under way.
+        _ if row % own == 0 => row - own,
+        _ => last(row, own),
+    };
+    last(seen_at - delay, other).max(0)
+}
+
+#[test]
+fn every_algorithm_is_exact_at_three_rates_and_causal() {
+    every_algorithm(&Units::new(), RATES, |algorithm, results| {
+        let times = results.times();
+        let rows: Vec<i64> =
+            (0..=1500).filter(|t| t % FAST == 0 || t % MIDDLE == 0 || t % SLOW == 0).collect();
+        let exact: Vec<f64> = rows.iter().map(|row| *row as f64 / 3000.0).collect();
+        assert_eq!(times, exact, "the doubles nearest to the exact times");
+        for (at, &row) in rows.iter().enumerate() {
+            let expected = [
+                ("fast.y1", last(row, FAST)),
+                ("middle.y1", last(row, MIDDLE)),
+                ("slow.y1", last(row, SLOW)),
+                ("fast.u1", made(algorithm, row, FAST, SLOW, true, 0)),
+                ("fast.u2", made(algorithm, row, FAST, MIDDLE, true, 0)),
+                ("slow.u1", made(algorithm, row, SLOW, FAST, false, 0)),
+                ("middle.u1", made(algorithm, row, MIDDLE, SLOW, true, 0)),
+                ("middle.u2", made(algorithm, row, MIDDLE, FAST, false, 10)),
+            ];
+            for (name, ticks) in expected {
+                let value = series(results, name)[at];
+                // The clock adds begin and size, each rounded once: two half ulps of a number below 1, and one more.
+                let error = (value - ticks as f64 / 3000.0).abs();
+                assert!(error <= 1.7e-16, "{algorithm}: {name} = {value} at {row}/3000 s, not {ticks}/3000");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_run_gives_the_same_bytes() {
+    let units = Units::new();
+    let scenario = Scenario::parse(RATES, "test.toml").expect("a scenario");
+    let bytes = |simulation: &mut Simulation| {
+        let mut csv = CsvRecorder::new(Vec::new());
+        simulation.run(&mut csv, &mut Quiet).expect("runs");
+        csv.into_inner()
+    };
+    let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+    let first = bytes(&mut simulation);
+    assert!(first.len() > 10_000);
+    assert!(bytes(&mut simulation) == first, "reset");
+    let mut other = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+    other.advance_to(0.1).expect("steps");
+    assert!(bytes(&mut other) == first, "built again and left half way");
+    let resolved = Scenario::parse(&simulation.resolved(), "resolved.toml").expect("loads");
+    assert!(bytes(&mut Simulation::new(&resolved, &units.unit_path()).expect("builds")) == first, "resolved");
+}

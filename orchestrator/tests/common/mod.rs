@@ -1,0 +1,146 @@
+//! Makes units for the tests: compiles `fixtures/unit.c` once per test program and packs it with a description.
+
+#![allow(dead_code)] // each test program uses its own share
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use tempfile::TempDir;
+
+/// How a fixture's description differs.
+#[derive(Clone, Copy)]
+pub struct Fixture {
+    pub name: &'static str,
+    /// Names of the inputs on which y1 depends directly, as indices of the description (u1 is 1, u2 is 2).
+    pub y1_dependencies: &'static str,
+    pub u1_unit: &'static str,
+    pub y1_unit: &'static str,
+    pub guid: &'static str,
+}
+
+/// y1 depends on nothing: integrator and clock.
+pub const STATEFUL: Fixture =
+    Fixture { name: "stateful.fmu", y1_dependencies: "", u1_unit: "", y1_unit: "", guid: "{fixture}" };
+/// y1 depends on u1: gain.
+pub const FEEDTHROUGH: Fixture = Fixture { name: "feedthrough.fmu", y1_dependencies: "1", ..STATEFUL };
+
+/// A folder with units.
+pub struct Units {
+    folder: TempDir,
+}
+
+impl Units {
+    /// Holds the stateful and the feedthrough unit.
+    pub fn new() -> Self {
+        let units = Self { folder: TempDir::new().expect("a temporary folder") };
+        units.add(STATEFUL);
+        units.add(FEEDTHROUGH);
+        units
+    }
+
+    pub fn add(&self, fixture: Fixture) -> PathBuf {
+        self.pack(fixture.name, &description(fixture), &library())
+    }
+
+    /// Packs any description with any library as the model `unit`.
+    pub fn pack(&self, name: &str, description: &str, library: &[u8]) -> PathBuf {
+        let path = self.folder.path().join(name);
+        let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).expect("writable"));
+        let options = zip::write::SimpleFileOptions::default();
+        for (name, bytes) in
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/unit.so", library)]
+        {
+            zip.start_file(name, options).expect("a new entry");
+            zip.write_all(bytes).expect("written");
+        }
+        zip.finish().expect("finished");
+        path
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The unit path.
+    pub fn unit_path(&self) -> orchestrator::UnitPath {
+        orchestrator::UnitPath::new().with(self.path())
+    }
+}
+
+/// Compiles a C file of `fixtures/` to a shared library.
+pub fn compile(source: &str) -> Vec<u8> {
+    let folder = TempDir::new().expect("a temporary folder");
+    let library = folder.path().join("unit.so");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(source);
+    let status = Command::new("cc")
+        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
+        .args([&library, &source])
+        .arg("-lm")
+        .status()
+        .expect("a C compiler");
+    assert!(status.success(), "{} compiles", source.display());
+    std::fs::read(&library).expect("compiled")
+}
+
+/// The compiled `unit.c`.
+pub fn library() -> Vec<u8> {
+    static LIBRARY: OnceLock<Vec<u8>> = OnceLock::new();
+    LIBRARY.get_or_init(|| compile("unit.c")).clone()
+}
+
+/// The description that goes with `unit.c`.
+pub fn description(fixture: Fixture) -> String {
+    let Fixture { y1_dependencies, u1_unit, y1_unit, guid, .. } = fixture;
+    let unit = |name: &str| if name.is_empty() { String::new() } else { format!(" unit=\"{name}\"") };
+    let (u1_unit, y1_unit) = (unit(u1_unit), unit(y1_unit));
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
+<!-- what the standard allows and importers stumble over: xsi, annotations, flags of the last maintenance release -->
+<fmiModelDescription xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="x.xsd"
+    fmiVersion="2.0" modelName="fixture" guid="{guid}" description="a &quot;fixture&quot; &amp; more">
+  <CoSimulation modelIdentifier="unit" canHandleVariableCommunicationStepSize="true"
+      canHandleMultipleSetPerTimeInstant="true"><SourceFiles><File name="unit.c"/></SourceFiles></CoSimulation>
+  <UnitDefinitions>
+    <Unit name="rad"><BaseUnit rad="1"/><DisplayUnit name="turn" factor="0.15915494309189535"/></Unit>
+    <Unit name="deg"><BaseUnit rad="1" factor="0.0174532925199432957"/></Unit>
+    <Unit name="K"><BaseUnit K="1"/></Unit>
+    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+    <Unit name="m"><BaseUnit m="1"/></Unit>
+    <Unit name="apples"/>
+  </UnitDefinitions>
+  <TypeDefinitions><SimpleType name="Positive"><Real min="0" unit="m"/></SimpleType></TypeDefinitions>
+  <LogCategories><Category name="logStatusError"/><Category name="logEvents"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.01"/>
+  <VendorAnnotations><Tool name="any"><anything at="all"/></Tool></VendorAnnotations>
+  <ModelVariables>
+    <ScalarVariable name="u1" valueReference="0" causality="input"><Real start="0"{u1_unit}/><Annotations><Tool name="t"/></Annotations></ScalarVariable>
+    <ScalarVariable name="u2" valueReference="1" causality="input"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="y1" valueReference="2" causality="output"><Real{y1_unit}/></ScalarVariable>
+    <ScalarVariable name="y2" valueReference="3" causality="output"><Real/></ScalarVariable>
+    <ScalarVariable name="k" valueReference="4" causality="parameter" variability="tunable"><Real start="1" max="1e6"/></ScalarVariable>
+    <ScalarVariable name="x0" valueReference="5" causality="parameter" variability="fixed"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="fault_time" valueReference="6" causality="parameter" variability="fixed"><Real start="1e300" declaredType="Positive"/></ScalarVariable>
+    <ScalarVariable name="i_in" valueReference="0" causality="input"><Integer start="0"/></ScalarVariable>
+    <ScalarVariable name="i_out" valueReference="1" causality="output"><Integer/></ScalarVariable>
+    <ScalarVariable name="fault" valueReference="2" causality="parameter" variability="fixed"><Integer start="0"/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="3" causality="parameter" variability="fixed"><Integer start="0" min="0" max="2"/></ScalarVariable>
+    <ScalarVariable name="b_in" valueReference="0" causality="input"><Boolean start="false"/></ScalarVariable>
+    <ScalarVariable name="b_out" valueReference="1" causality="output"><Boolean/></ScalarVariable>
+    <ScalarVariable name="s_in" valueReference="0" causality="input"><String start=""/></ScalarVariable>
+    <ScalarVariable name="s_out" valueReference="1" causality="output"><String/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs>
+      <Unknown index="3" dependencies="{y1_dependencies}"/><Unknown index="4" dependencies="2"/>
+      <Unknown index="9" dependencies="8"/><Unknown index="13" dependencies="12"/><Unknown index="15" dependencies="14"/>
+    </Outputs>
+    <InitialUnknowns>
+      <Unknown index="3" dependencies="{y1_dependencies} 6"/><Unknown index="4" dependencies="2"/>
+      <Unknown index="9" dependencies="8"/><Unknown index="13" dependencies="12"/><Unknown index="15" dependencies="14"/>
+    </InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"#
+    )
+}

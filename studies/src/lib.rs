@@ -1,0 +1,119 @@
+//! The paper's tables, figures and claims, reproduced from the units: one file a study, one line of registration.
+//!
+//! A study reaches the units only through FMI. It returns what the paper states, what we get, and whether it holds;
+//! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and `index.html`.
+
+pub mod bench;
+pub mod claim;
+mod pages;
+mod registry;
+
+pub use bench::Bench;
+pub use claim::{Claim, Figure, Outcome, Study};
+pub use registry::STUDIES;
+
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Why a study can't be run or written.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The orchestrator refused or failed.
+    #[error(transparent)]
+    Orchestrator(#[from] orchestrator::Error),
+    /// There is no such scenario.
+    #[error(transparent)]
+    Scenario(#[from] scenarios::Error),
+    /// A graph can't be drawn.
+    #[error(transparent)]
+    Report(#[from] report::Error),
+    /// The mechanics can't be evaluated for the given theta.
+    #[error("mechanics: {0}")]
+    Mechanics(String),
+    /// No study or claim of that name.
+    #[error("no study or claim `{name}`; there are {known}")]
+    Unknown {
+        /// As typed.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A file can't be written.
+    #[error("{}: {why}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+}
+
+impl Error {
+    /// The user's input is wrong.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Orchestrator(error) => error.is_input(),
+            Self::Unknown { .. } => true,
+            _ => false,
+        }
+    }
+}
+
+/// What came out of the chosen studies, in the order of the paper.
+pub struct Reproduction {
+    outcomes: Vec<(&'static Study, Outcome)>,
+}
+
+/// Runs the studies whose id, or one of whose claims, is named; all of them if none is named. `done` is called after
+/// each study, from any thread.
+pub fn reproduce(
+    ids: &[String],
+    bench: &Bench,
+    done: &(dyn Fn(&Study) + Sync),
+) -> Result<Reproduction, Error> {
+    let chosen = choose(ids)?;
+    let run = |study: &'static Study| {
+        let outcome = (study.run)(bench)?;
+        done(study);
+        Ok((study, outcome))
+    };
+    // Collected in order: the same bytes whatever the number of threads.
+    let outcomes = chosen.into_par_iter().map(run).collect::<Result<Vec<_>, Error>>()?;
+    Ok(Reproduction { outcomes })
+}
+
+/// The studies that [`reproduce`] would run.
+pub fn choose(ids: &[String]) -> Result<Vec<&'static Study>, Error> {
+    if ids.is_empty() {
+        return Ok(STUDIES.iter().collect());
+    }
+    for id in ids {
+        if !STUDIES.iter().any(|study| study.answers_to(id)) {
+            let known: Vec<&str> = STUDIES.iter().map(|study| study.id).collect();
+            return Err(Error::Unknown { name: id.clone(), known: known.join(", ") });
+        }
+    }
+    Ok(STUDIES.iter().filter(|study| ids.iter().any(|id| study.answers_to(id))).collect())
+}
+
+impl Reproduction {
+    /// All claims, in the order of the paper.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        self.outcomes.iter().flat_map(|(_, outcome)| &outcome.claims)
+    }
+
+    /// Writes `claims.json` and `index.html` into a folder.
+    pub fn write(&self, out: &Path) -> Result<(), Error> {
+        let failed = |path: &Path, why: &dyn std::fmt::Display| Error::File {
+            path: path.to_owned(),
+            why: why.to_string(),
+        };
+        std::fs::create_dir_all(out).map_err(|why| failed(out, &why))?;
+        let claims: Vec<&Claim> = self.claims().collect();
+        let path = out.join("claims.json");
+        let json = serde_json::to_string_pretty(&claims).map_err(|why| failed(&path, &why))?;
+        std::fs::write(&path, json + "\n").map_err(|why| failed(&path, &why))?;
+        let path = out.join("index.html");
+        std::fs::write(&path, pages::index(&self.outcomes)).map_err(|why| failed(&path, &why))
+    }
+}

@@ -41,6 +41,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let result = study(&mut cut, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
+    show(&result, &list, start);
+    let motions = cut.motion(&result.last.point, 1.0 / 120.0)?;
+    let mut image = diagnosis::residual::image::ImageCut::new(&data, &model, list.clone(), diagnosis::residual::image::Pose::Logged(motions, 1e-4), 720)?.ok_or("no camera")?;
+    let result = study(&mut image, &list, &result.last.point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
+    show(&result, &list, start);
+    Ok(())
+}
+
+fn show(result: &diagnosis::selection::Study, list: &[diagnosis::candidates::Candidate], start: std::time::Instant) {
     println!("{:?}; blocks {}", start.elapsed(), result.last.blocks.len());
     for step in &result.steps {
         println!("p {:.5} deviance {:.1?} held out {:.1?} rest {:.3?} dropped {:?}", step.p_value, step.deviance, step.held_out, step.rest, step.dropped);
@@ -59,5 +68,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let error = covariance.as_ref().map_or(f64::NAN, |c| c[(i, i)].sqrt());
         println!("{} = {:.6} ± {:.6}", list[*index].name, result.last.point[*index], error);
     }
-    Ok(())
 }

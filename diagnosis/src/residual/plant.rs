@@ -1,6 +1,6 @@
 //! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
 
-use super::trajectory::{Drive, Motion, PREROLL, Ports, Push, State, simulate};
+use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::{Bench, Setting};
 use crate::candidates::{Candidate, Side};
@@ -8,20 +8,26 @@ use crate::dataset::{DataSet, Run};
 use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::{Cell, nuisances};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-/// growth: e^(7 · 0.65) = 95 times the error of the start state.
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it where rows are plenty: an arm that swings
+/// with friction unknown leaves the data sooner.
 const WINDOW: f64 = 0.5;
+const SHORT_WINDOW: f64 = 0.25;
+const PLENTY: f64 = 36.0;
 /// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
 const ROWS: f64 = 12.0;
 const LONGEST: f64 = 1.0;
 /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
 const BINS: usize = 25;
-/// Parts of a window that each get a torque the model may lack.
-const PARTS: usize = 2;
+/// Parts of a window that each get a torque the model may lack: with few rows, with plenty.
+const PARTS: [usize; 2] = [2, 4];
+/// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
+/// everything is linearised about the motion that was measured and not about one that the lacking model invents.
+const LED: f64 = 4.0;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 1e-3;
@@ -39,7 +45,32 @@ struct Window {
     /// Rows of `plant.csv` that are scored.
     rows: Vec<usize>,
     start: State,
+    /// Edges of the parts, s.
+    edges: Vec<f64>,
+    /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
+    leads: Vec<f64>,
     settled: bool,
+}
+
+impl Window {
+    fn pushes(&self, leads: &[f64]) -> Vec<Push> {
+        (leads.iter().enumerate())
+            .filter(|(_, size)| **size != 0.0)
+            .map(|(place, size)| self.push(place, *size))
+            .collect()
+    }
+
+    fn push(&self, place: usize, size: f64) -> Push {
+        Push { joint: place % 2 == 1, from: self.edges[place / 2], to: self.edges[place / 2 + 1], size }
+    }
+}
+
+/// A window, simulated.
+struct Fit {
+    start: State,
+    leads: Vec<f64>,
+    base: Vec<[f64; 5]>,
+    cell: Cell,
 }
 
 /// Torque in, motion out.
@@ -101,8 +132,8 @@ impl PlantCut {
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
                 let times: Vec<f64> =
                     (0..=count).map(|k| from + (window.drive.end() - from) * k as f64 / count as f64).collect();
-                let drive = Drive::new(log, window.drive.start(), &times);
-                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, None)?;
+                let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
+                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &window.pushes(&window.leads))?;
                 let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
                 Ok::<_, Error>((window.run, times, states))
             })
@@ -113,40 +144,33 @@ impl PlantCut {
         Ok(motions)
     }
 
-    /// Gauss-Newton for the start state, a step only if it brings the rows closer. What is left then is so small
-    /// that the linear projection takes care of it.
-    fn settle(
-        &self,
-        window: &Window,
-        layout: &Layout,
-        run: &dyn Fn(&State) -> Result<Vec<[f64; 5]>, Error>,
-    ) -> Result<(State, Vec<[f64; 5]>, Cell), Error> {
-        let empty = || DMatrix::zeros(layout.len(), 0);
+    /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
+    /// closer. What is left then is so small that the linear projection takes care of it.
+    fn settle(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
         let square = |cell: &Cell| cell.residual.iter().zip(&cell.sigma).map(|(r, s)| (r / s).powi(2)).sum::<f64>();
-        let mut start = window.start;
-        let mut base = run(&start)?;
-        let mut cell = layout.cell(self, window, &base, empty());
+        let mut fit = from;
         for _ in 0..if window.settled { 2 } else { 8 } {
-            let mut hard = DMatrix::zeros(layout.len(), 4);
-            for place in 0..4 {
-                let mut moved = start;
-                moved[place] += NUDGE[place];
-                layout.column(&base, &run(&moved)?, NUDGE[place], &mut hard, place);
-            }
-            cell.hard = hard;
-            let shift = nuisances(&cell, 0.0);
-            let moved = (&cell.hard * &shift).iter().zip(&cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
+            self.nuisance_columns(window, layout, settings, led, &mut fit)?;
+            // the leads themselves are part of what is to be found: their prior is as good as none
+            let shift = nuisances(&fit.cell, if led { crate::selection::FREE } else { 0.0 });
+            let hard = fit.cell.hard.ncols();
+            let moved = &fit.cell.hard * shift.rows(0, hard)
+                + if led { &fit.cell.soft * shift.rows(hard, shift.len() - hard) } else { DVector::zeros(layout.len()) };
+            let moved = moved.iter().zip(&fit.cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
             // a tenth of a standard deviation per row
-            if moved < 0.01 * cell.residual.len() as f64 {
+            if moved < 0.01 * layout.len() as f64 {
                 break;
             }
             let mut length = 1.0;
             let better = loop {
-                let trial: State = std::array::from_fn(|place| start[place] + length * shift[place]);
-                if let Ok(rows) = run(&trial) {
-                    let there = layout.cell(self, window, &rows, empty());
-                    if square(&there) < square(&cell) {
-                        break Some((trial, rows, there));
+                let start: State = std::array::from_fn(|place| fit.start[place] + length * shift[place]);
+                let mut leads = fit.leads.clone();
+                if led {
+                    leads.iter_mut().enumerate().for_each(|(place, lead)| *lead += length * shift[hard + place]);
+                }
+                if let Ok(trial) = self.fit(window, layout, settings, start, leads) {
+                    if square(&trial.cell) < square(&fit.cell) {
+                        break Some(trial);
                     }
                 }
                 length *= 0.25;
@@ -154,37 +178,69 @@ impl PlantCut {
                     break None;
                 }
             };
-            let Some((trial, rows, there)) = better else { break };
-            let hard = std::mem::replace(&mut cell.hard, empty());
-            (start, base, cell) = (trial, rows, Cell { hard, ..there });
+            let Some(better) = better else { break };
+            let (hard, soft) = (fit.cell.hard, fit.cell.soft);
+            fit = better;
+            (fit.cell.hard, fit.cell.soft) = (hard, soft);
         }
-        Ok((start, base, cell))
+        Ok(fit)
     }
 
-    fn window(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<(State, Block), Error> {
-        let base_settings = self.settings(point, None)?;
-        let run = |settings: &[Setting], state: &State, push: Option<Push>| {
-            simulate(&self.bench, &self.ports, settings, &window.drive, state, push)
-        };
-        let layout = Layout::of(self, window);
-        let (start, base, mut cell) = self.settle(window, &layout, &|state: &State| run(&base_settings, state, None))?;
-        let (from, to) = (window.drive.start(), window.drive.end());
-        let edge = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
-        let mut soft = DMatrix::zeros(layout.len(), 2 * PARTS);
-        for part in 0..PARTS {
-            for (link, joint) in [(0, false), (1, true)] {
-                let push = Push { joint, from: edge(part), to: edge(part + 1), size: PUSH };
-                let rows = run(&base_settings, &start, Some(push))?;
-                layout.column(&base, &rows, PUSH, &mut soft, 2 * part + link);
-            }
+    fn fit(&self, window: &Window, layout: &Layout, settings: &[Setting], start: State, leads: Vec<f64>) -> Result<Fit, Error> {
+        let base = simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+        let cell = layout.cell(self, window, &base);
+        Ok(Fit { start, leads, base, cell })
+    }
+
+    fn nuisance_columns(&self, window: &Window, layout: &Layout, settings: &[Setting], soft: bool, fit: &mut Fit) -> Result<(), Error> {
+        let pushes = window.pushes(&fit.leads);
+        let mut hard = DMatrix::zeros(layout.len(), 4);
+        for place in 0..4 {
+            let mut moved = fit.start;
+            moved[place] += NUDGE[place];
+            let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
+            layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
         }
-        cell.soft = soft;
-        cell.discrepancy = 0;
+        fit.cell.hard = hard;
+        if soft {
+            let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
+            for place in 0..fit.leads.len() {
+                let mut more = pushes.clone();
+                more.push(window.push(place, PUSH));
+                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &fit.start, &more)?;
+                layout.column(&fit.base, &rows, PUSH, &mut columns, place);
+            }
+            fit.cell.soft = columns;
+        }
+        Ok(())
+    }
+
+    fn window(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<(State, Vec<f64>, Block), Error> {
+        let settings = self.settings(point, None)?;
+        let layout = Layout::of(self, window);
+        let square = |cell: &Cell| cell.residual.iter().zip(&cell.sigma).map(|(r, s)| (r / s).powi(2)).sum::<f64>();
+        let begin = self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
+        let mut fit = self.settle(window, &layout, &settings, false, begin)?;
+        let led = square(&fit.cell) > LED * LED * layout.len() as f64;
+        if led {
+            let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+            fit = self.settle(window, &layout, &settings, true, begin)?;
+        }
+        self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
+        let Fit { start, leads, base, mut cell } = fit;
+        // the model itself has no leads: what they did is part of the rest
+        let missing = &cell.soft * DVector::from_column_slice(&leads);
+        cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, lead)| *rest += lead);
+        let pushes = window.pushes(&leads);
+        let (from, to) = (window.drive.start(), window.drive.end());
         let mut columns = DMatrix::zeros(layout.len(), probes.len());
         for (place, probe) in probes.iter().enumerate() {
             if self.sees(&self.candidates[probe.candidate]) {
-                let rows = run(&self.settings(point, Some(*probe))?, &start, None)?;
-                layout.column(&base, &rows, probe.by, &mut columns, place);
+                let moved = self.settings(point, Some(*probe))?;
+                // a value that the plant can't follow has no column
+                if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
+                    layout.column(&base, &rows, probe.by, &mut columns, place);
+                }
             }
         }
         cell.columns = columns;
@@ -195,7 +251,7 @@ impl PlantCut {
             }
         }
         let block = Block { run: window.run, from: cell.time.first().copied().unwrap_or(from), to, cells: vec![cell], state };
-        Ok((start, block))
+        Ok((start, leads, block))
     }
 }
 
@@ -222,8 +278,9 @@ impl Cut for PlantCut {
         let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
-            let (start, block) = result?;
+            let (start, leads, block) = result?;
             window.start = start;
+            window.leads = leads;
             window.settled = true;
             blocks.push(block);
         }
@@ -296,14 +353,14 @@ impl Layout {
         }
     }
 
-    fn cell(&self, cut: &PlantCut, window: &Window, base: &[[f64; 5]], hard: DMatrix<f64>) -> Cell {
+    fn cell(&self, cut: &PlantCut, window: &Window, base: &[[f64; 5]]) -> Cell {
         let empty = || DMatrix::zeros(self.len(), 0);
         let mut cell = Cell {
             residual: Vec::new(),
             sigma: Vec::new(),
             signal: Vec::new(),
             time: Vec::new(),
-            hard,
+            hard: empty(),
             soft: empty(),
             discrepancy: 0,
             columns: empty(),
@@ -335,7 +392,9 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
     let mut gaps: Vec<f64> = usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let length = WINDOW.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let short = if PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
+    let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let usable = thinned(&plant.time, usable);
     let mut from = 0;
     while from < usable.len() {
         let begin = plant.time[usable[from]];
@@ -351,18 +410,32 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
             let earliest = plant.time[usable[0]];
             let start = (begin - PREROLL).max(earliest);
-            let mut wanted = times.clone();
-            wanted.dedup();
+            let end = times[times.len() - 1];
+            let parts = PARTS[usize::from(rows.len() as f64 >= PLENTY)];
+            let edges: Vec<f64> = (0..=parts).map(|k| start + (end - start) * k as f64 / parts as f64).collect();
             into.push(Window {
                 run: index,
-                drive: Drive::new(run, start, &wanted),
+                drive: Drive::new(run, start, &times, &edges),
                 rows,
                 start: guess(&plant.time, q1, q2, start),
+                edges,
+                leads: vec![0.0; 2 * parts],
                 settled: false,
             });
         }
         from = to.max(from + 1);
     }
+}
+
+/// Rows at least `DENSE` apart.
+fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
+    for row in rows {
+        if kept.last().is_none_or(|last| time[row] - time[*last] > DENSE) {
+            kept.push(row);
+        }
+    }
+    kept
 }
 
 /// A state to begin with: straight lines through the rows around.

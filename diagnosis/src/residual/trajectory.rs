@@ -9,7 +9,10 @@ use crate::dataset::Run;
 use crate::error::Error;
 
 /// Time before the scored rows of a window, s: longest delay that can be told.
-pub const PREROLL: f64 = 0.15;
+pub const PREROLL: f64 = 0.1;
+
+/// A torque that is logged more often than this (s) is averaged.
+pub const DENSE: f64 = 0.0045;
 
 /// q1, q2, dq1, dq2.
 pub type State = [f64; 4];
@@ -35,15 +38,22 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// From `start`, with the run's logged torque, to the last of `wanted` (increasing, not before `start`).
-    pub fn new(run: &Run, start: f64, wanted: &[f64]) -> Self {
+    /// From `start`, with the run's logged torque, to the last of `wanted` (increasing, not before `start`). Something
+    /// may change at each of `edges`. A torque logged faster than 1/`DENSE` is averaged between wanted times, which
+    /// keeps its impulse.
+    pub fn new(run: &Run, start: f64, wanted: &[f64], edges: &[f64]) -> Self {
         let end = wanted.last().copied().unwrap_or(start);
         let mut times: Vec<(f64, bool)> = vec![(start, wanted.first() == Some(&start))];
         times.extend(wanted.iter().filter(|time| **time > start).map(|time| (*time, true)));
+        times.extend(edges.iter().filter(|time| **time > start && **time < end).map(|time| (*time, false)));
+        let mut dense = false;
         if let Some(controller) = &run.controller {
             let from = controller.time.partition_point(|time| *time <= start);
             let to = controller.time.partition_point(|time| *time < end);
-            times.extend(controller.time[from..to.max(from)].iter().map(|time| (*time, false)));
+            dense = to > from + 4 && (end - start) / ((to - from) as f64) < DENSE;
+            if !dense {
+                times.extend(controller.time[from..to.max(from)].iter().map(|time| (*time, false)));
+            }
         }
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut events: Vec<Event> = Vec::with_capacity(times.len());
@@ -55,6 +65,13 @@ impl Drive {
                     let held = |name| run.controller.as_ref().map_or(0.0, |log| log.held(name, time + 1e-9, 0.0));
                     events.push(Event { time, tau: held("tau"), tau_1: held("tau_1"), wanted });
                 }
+            }
+        }
+        if dense && let Some(controller) = &run.controller {
+            for place in 0..events.len() - 1 {
+                let (from, to) = (events[place].time, events[place + 1].time);
+                events[place].tau = average(controller, "tau", from, to);
+                events[place].tau_1 = average(controller, "tau_1", from, to);
             }
         }
         Self { events }
@@ -69,6 +86,19 @@ impl Drive {
     pub fn end(&self) -> f64 {
         self.events[self.events.len() - 1].time
     }
+}
+
+/// Mean of a held column over a stretch of time.
+fn average(log: &crate::dataset::Table, name: &str, from: f64, to: f64) -> f64 {
+    let (first, last) = (log.time.partition_point(|t| *t <= from), log.time.partition_point(|t| *t < to));
+    let mut sum = 0.0;
+    let mut at = from;
+    for row in first..last {
+        sum += log.held(name, at + 1e-9, 0.0) * (log.time[row] - at);
+        at = log.time[row];
+    }
+    sum += log.held(name, at + 1e-9, 0.0) * (to - at);
+    sum / (to - from)
 }
 
 /// An extra torque over part of a window: what the model may lack.
@@ -119,12 +149,15 @@ pub fn simulate(
     settings: &[Setting],
     drive: &Drive,
     state: &State,
-    push: Option<Push>,
+    pushes: &[Push],
 ) -> Result<Vec<[f64; 5]>, Error> {
     let real = |reference: u32, value: f64| (reference, orchestrator::Value::Real(value));
     let torque = |event: &Event| {
         let (mut tau, mut tau_1) = (event.tau, event.tau_1);
-        if let Some(push) = push.filter(|push| event.time >= push.from - 1e-9 && event.time < push.to - 1e-9) {
+        for push in pushes {
+            if event.time < push.from - 1e-9 || event.time >= push.to - 1e-9 {
+                continue;
+            }
             if push.joint {
                 tau += push.size;
             } else {

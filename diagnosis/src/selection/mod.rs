@@ -20,8 +20,8 @@ pub const ALPHA: f64 = 0.005;
 /// More effects than this are not a diagnosis any more.
 const MOST: usize = 6;
 /// How many of the screen's best are refitted, and how good they must be against the best.
-const SHORTLIST: usize = 6;
-const WORTH: f64 = 0.35;
+const SHORTLIST: usize = 4;
+const WORTH: f64 = 0.5;
 /// An active effect below this many standard errors is dropped again.
 const KEEP: f64 = 2.6;
 /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something

@@ -27,19 +27,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         use diagnosis::residual::{Cut, Probe};
         let point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
         let now = std::time::Instant::now();
-        cut.linearise(&point, &[])?;
+        cut.linearise(&point, &[], false)?;
         println!("first {:?}", now.elapsed());
         let now = std::time::Instant::now();
-        cut.linearise(&point, &[])?;
+        cut.linearise(&point, &[], false)?;
         println!("again {:?}", now.elapsed());
         for (index, candidate) in list.iter().enumerate() {
             let now = std::time::Instant::now();
-            cut.linearise(&point, &[Probe { candidate: index, by: candidate.steps[0] }; 5])?;
+            cut.linearise(&point, &[Probe { candidate: index, by: candidate.steps[0] }; 5], true)?;
             println!("{} {:?}", candidate.name, now.elapsed());
         }
         return Ok(());
     }
     let point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
+    {
+        use diagnosis::residual::Cut;
+        cut.linearise(&point, &[], false)?;
+        println!("led {}", cut.led());
+        if cut.led() > 0.5 {
+            let mut weak = diagnosis::residual::weak::Weak::new(cut);
+            let result = study(&mut weak, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
+            show(&result, &list, start);
+            return Ok(());
+        }
+    }
     let result = study(&mut cut, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
     show(&result, &list, start);
     let motions = cut.motion(&result.last.point, 1.0 / 120.0)?;

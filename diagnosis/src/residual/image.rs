@@ -141,7 +141,7 @@ impl ImageCut {
     fn base(&mut self, point: &[f64]) -> Result<Vec<Option<Seen>>, Error> {
         let settings = self.settings(point, None)?;
         let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
-        let base = self.studio.take(&settings, &shots)?;
+        let base = self.studio.average(&settings, &shots)?;
         if self.turns.is_none() {
             let mut turns = Vec::new();
             for angle in 0..2 {
@@ -163,14 +163,15 @@ impl ImageCut {
         Ok(base)
     }
 
-    fn column(&mut self, point: &[f64], probe: Probe, base: &[Option<Seen>]) -> Result<Vec<Option<Seen>>, Error> {
+    fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
         let key = (probe.candidate, probe.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
             return Ok(kept.clone());
         }
         let settings = self.settings(point, Some(probe))?;
         let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
-        let column = slopes(&self.studio.take(&settings, &shots)?, base, probe.by);
+        let still = self.settings(point, None)?;
+        let column = slopes(&self.studio.take(&settings, &shots)?, &self.studio.take(&still, &shots)?, probe.by);
         self.kept.insert(key, column.clone());
         Ok(column)
     }
@@ -188,18 +189,12 @@ impl Cut for ImageCut {
         &self.signals
     }
 
-    fn set_sigmas(&mut self, sigmas: &[f64]) {
-        for (signal, sigma) in self.signals.iter_mut().zip(sigmas) {
-            signal.sigma = *sigma;
-        }
-    }
-
     fn sees(&self, candidate: &Candidate) -> bool {
         let free = matches!(self.pose, Pose::Free);
         candidate.side == Side::Camera && !(free && candidate.name == "camera.T_delay")
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
         self.place(point);
         let base = self.base(point)?;
         let mut columns = Vec::with_capacity(probes.len());
@@ -208,7 +203,7 @@ impl Cut for ImageCut {
             columns.push(if !seen || Some(probe.candidate) == self.delay {
                 None
             } else {
-                Some(self.column(point, *probe, &base)?)
+                Some(self.column(point, *probe)?)
             });
         }
         let (delay, free) = (self.delay, matches!(self.pose, Pose::Free));
@@ -243,6 +238,7 @@ impl Cut for ImageCut {
                 soft: if free { none } else { pose * uncertain },
                 discrepancy: if free { 0 } else { 2 },
                 columns: matrix,
+                floor: Vec::new(),
                 signal: rows,
             };
             match blocks.last_mut() {

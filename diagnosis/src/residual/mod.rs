@@ -4,6 +4,7 @@
 //! nuisances and of the candidates, all by moving things in the units themselves.
 //!
 //! - [`plant`]: commanded torque in, motion out, in short windows with free start states (multiple shooting).
+//! - [`weak`]: the same as torques, for logs that the model misses by far more than their noise.
 //! - [`image`]: motion in, picture out, frame by frame.
 //! - [`chain`]: commanded torque in, picture out, where no encoder was logged.
 
@@ -13,6 +14,7 @@ pub mod picture;
 pub mod plant;
 pub mod torque;
 pub mod trajectory;
+pub mod weak;
 
 use crate::candidates::Candidate;
 use crate::error::Error;
@@ -61,15 +63,18 @@ pub trait Cut: Send + Sync {
     fn name(&self) -> &'static str;
     /// The signals, in the order of `Cell::signal`.
     fn signals(&self) -> &[Signal];
-    /// Sets the standard deviations in use.
-    fn set_sigmas(&mut self, sigmas: &[f64]);
     /// Whether moving a candidate can change anything here.
     fn sees(&self, candidate: &Candidate) -> bool;
-    /// Residuals at a point and the columns of the probes there.
+    /// Residuals at a point and the columns of the probes there. `quick` leaves the nuisances where an earlier call
+    /// found them, with their columns: enough while a fit goes on, since the projection takes care of the rest.
     ///
     /// # Errors
     /// A unit failed.
-    fn linearise(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error>;
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error>;
+    /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.
+    fn outweighed(&self) -> bool {
+        false
+    }
     /// What a size of 1 of the model discrepancy means, for people.
     fn discrepancy_unit(&self) -> &'static str;
 }

@@ -20,6 +20,9 @@ const JUMP: f64 = 1e-3;
 /// Frames that one instance makes in a row.
 const CHUNK: usize = 48;
 
+/// Pictures of a frame that are averaged where the sensor is noisy.
+const AVERAGED: i32 = 4;
+
 /// A frame to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {
@@ -38,10 +41,13 @@ pub struct Studio {
     valid: u32,
     rate: f64,
     fixed: Vec<Setting>,
+    noiseless: Setting,
+    /// One setting of the seed for each picture that is averaged.
+    seeds: Vec<Setting>,
 }
 
 impl Studio {
-    /// Sets it up: results at once, nothing lost, and no noise (the mean picture is compared).
+    /// Sets it up: results at once, nothing lost.
     ///
     /// # Errors
     /// The camera unit lacks a variable.
@@ -54,13 +60,17 @@ impl Studio {
         let inputs = [bench.reference("q1")?, bench.reference("q2")?, bench.reference("dq1")?, bench.reference("dq2")?];
         let fixed = vec![
             bench.setting("T_delay", 0.0)?,
-            bench.setting("sigma", 0.0)?,
             bench.setting("drop_rate", 0.0)?,
         ];
         let interlaced = model.number("camera.interlaced").unwrap_or(0.0) > 0.5;
         let rate = model.number("camera.omega_cam").unwrap_or(30.0) * if interlaced { 2.0 } else { 1.0 };
         let valid = bench.reference("valid")?;
-        Ok(Self { bench, inputs, outputs, valid, rate, fixed })
+        let noisy = model.number("camera.sigma").unwrap_or(0.0) > 0.0;
+        let seeds = (0..if noisy { AVERAGED } else { 1 })
+            .map(|k| bench.setting("seed", f64::from(7919 * (k + 1))))
+            .collect::<Result<_, _>>()?;
+        let noiseless = bench.setting("sigma", 0.0)?;
+        Ok(Self { bench, inputs, outputs, valid, rate, fixed, noiseless, seeds })
     }
 
     /// Frame interval, s.
@@ -73,11 +83,39 @@ impl Studio {
         &self.bench
     }
 
-    /// Makes frames; `None` where the camera doesn't find its three circles.
+    /// Makes frames with the sensor's nominal noise and averages a few of each: noise moves the mean of what a
+    /// threshold sees. `None` where the circles are not found in one of them.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn average(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
+        let mut sum: Vec<Option<Seen>> = vec![Some([0.0; 9]); shots.len()];
+        for seed in &self.seeds {
+            let mut all = settings.to_vec();
+            all.push(seed.clone());
+            for (sum, seen) in sum.iter_mut().zip(self.shoot(&all, shots)?) {
+                *sum = match (*sum, seen) {
+                    (Some(sum), Some(seen)) => {
+                        Some(std::array::from_fn(|s| sum[s] + seen[s] / self.seeds.len() as f64))
+                    }
+                    _ => None,
+                };
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Makes frames without noise; `None` where the camera doesn't find its three circles.
     ///
     /// # Errors
     /// The unit failed.
     pub fn take(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
+        let mut all = settings.to_vec();
+        all.push(self.noiseless.clone());
+        self.shoot(&all, shots)
+    }
+
+    fn shoot(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
         let chunks: Vec<_> =
             shots.par_chunks(CHUNK).map(|chunk| self.chunk(settings, chunk)).collect::<Result<_, _>>()?;
         Ok(chunks.concat())

@@ -23,8 +23,8 @@ const ROWS: f64 = 12.0;
 const LONGEST: f64 = 1.0;
 /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
 const BINS: usize = 25;
-/// Parts of a window that each get a torque the model may lack: with few rows, with plenty.
-const PARTS: [usize; 2] = [2, 4];
+/// Parts of a window that each get a torque the model may lack.
+const PARTS: usize = 2;
 /// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
 /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
 const LED: f64 = 4.0;
@@ -49,7 +49,8 @@ struct Window {
     edges: Vec<f64>,
     /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
     leads: Vec<f64>,
-    settled: bool,
+    /// Columns of the nuisances, from the last full look.
+    kept: Option<(DMatrix<f64>, DMatrix<f64>)>,
 }
 
 impl Window {
@@ -66,6 +67,7 @@ impl Window {
 }
 
 /// A window, simulated.
+#[derive(Clone)]
 struct Fit {
     start: State,
     leads: Vec<f64>,
@@ -113,6 +115,12 @@ impl PlantCut {
         settings(&self.bench, &self.candidates, Side::Plant, point, moved)
     }
 
+    /// Share of windows in which the plant must be led to stay with the log.
+    pub fn led(&self) -> f64 {
+        let led = self.windows.iter().filter(|window| window.leads.iter().any(|lead| *lead != 0.0)).count();
+        led as f64 / self.windows.len().max(1) as f64
+    }
+
     /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
     /// next). Call after `linearise` at the same point.
     ///
@@ -147,27 +155,15 @@ impl PlantCut {
     /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
     fn settle(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
-        let square = |cell: &Cell| cell.residual.iter().zip(&cell.sigma).map(|(r, s)| (r / s).powi(2)).sum::<f64>();
         let mut fit = from;
-        for _ in 0..if window.settled { 2 } else { 8 } {
+        for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
             self.nuisance_columns(window, layout, settings, led, &mut fit)?;
-            // the leads themselves are part of what is to be found: their prior is as good as none
-            let shift = nuisances(&fit.cell, if led { crate::selection::FREE } else { 0.0 });
-            let hard = fit.cell.hard.ncols();
-            let moved = &fit.cell.hard * shift.rows(0, hard)
-                + if led { &fit.cell.soft * shift.rows(hard, shift.len() - hard) } else { DVector::zeros(layout.len()) };
-            let moved = moved.iter().zip(&fit.cell.sigma).map(|(m, s)| (m / s).powi(2)).sum::<f64>();
-            // a tenth of a standard deviation per row
-            if moved < 0.01 * layout.len() as f64 {
-                break;
-            }
+            let Some((whole, leads)) = next(&fit, led) else { break };
             let mut length = 1.0;
             let better = loop {
-                let start: State = std::array::from_fn(|place| fit.start[place] + length * shift[place]);
-                let mut leads = fit.leads.clone();
-                if led {
-                    leads.iter_mut().enumerate().for_each(|(place, lead)| *lead += length * shift[hard + place]);
-                }
+                let part = |from: f64, to: f64| from + length * (to - from);
+                let start: State = std::array::from_fn(|place| part(fit.start[place], whole[place]));
+                let leads = fit.leads.iter().zip(&leads).map(|(from, to)| part(*from, *to)).collect();
                 if let Ok(trial) = self.fit(window, layout, settings, start, leads) {
                     if square(&trial.cell) < square(&fit.cell) {
                         break Some(trial);
@@ -181,6 +177,22 @@ impl PlantCut {
             let Some(better) = better else { break };
             let (hard, soft) = (fit.cell.hard, fit.cell.soft);
             fit = better;
+            (fit.cell.hard, fit.cell.soft) = (hard, soft);
+        }
+        Ok(fit)
+    }
+
+    /// As `settle`, with the columns that are there: one simulation a step.
+    fn chord(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+        let mut fit = from;
+        for _ in 0..4 {
+            let Some((start, leads)) = next(&fit, led) else { break };
+            let Ok(trial) = self.fit(window, layout, settings, start, leads) else { break };
+            if square(&trial.cell) >= square(&fit.cell) {
+                break;
+            }
+            let (hard, soft) = (fit.cell.hard, fit.cell.soft);
+            fit = trial;
             (fit.cell.hard, fit.cell.soft) = (hard, soft);
         }
         Ok(fit)
@@ -215,18 +227,28 @@ impl PlantCut {
         Ok(())
     }
 
-    fn window(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<(State, Vec<f64>, Block), Error> {
+    fn window(&self, window: &Window, point: &[f64], probes: &[Probe], quick: bool) -> Result<(State, Vec<f64>, Block), Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let square = |cell: &Cell| cell.residual.iter().zip(&cell.sigma).map(|(r, s)| (r / s).powi(2)).sum::<f64>();
-        let begin = self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
-        let mut fit = self.settle(window, &layout, &settings, false, begin)?;
-        let led = square(&fit.cell) > LED * LED * layout.len() as f64;
-        if led {
-            let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
-            fit = self.settle(window, &layout, &settings, true, begin)?;
+        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let mut fit;
+        if let Some((hard, soft)) = window.kept.as_ref().filter(|_| quick) {
+            fit = begin;
+            (fit.cell.hard, fit.cell.soft) = (hard.clone(), soft.clone());
+            let led = window.leads.iter().any(|lead| *lead != 0.0);
+            fit = self.chord(window, &layout, &settings, led, fit)?;
+        } else {
+            fit = if window.leads.iter().any(|lead| *lead != 0.0) {
+                let free = self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
+                self.settle(window, &layout, &settings, false, free)?
+            } else {
+                self.settle(window, &layout, &settings, false, begin.clone())?
+            };
+            if square(&fit.cell) > LED * LED * layout.len() as f64 {
+                fit = self.settle(window, &layout, &settings, true, begin)?;
+            }
+            self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         }
-        self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         let Fit { start, leads, base, mut cell } = fit;
         // the model itself has no leads: what they did is part of the rest
         let missing = &cell.soft * DVector::from_column_slice(&leads);
@@ -264,24 +286,20 @@ impl Cut for PlantCut {
         &self.signals
     }
 
-    fn set_sigmas(&mut self, sigmas: &[f64]) {
-        for (signal, sigma) in self.signals.iter_mut().zip(sigmas) {
-            signal.sigma = *sigma;
-        }
-    }
-
     fn sees(&self, candidate: &Candidate) -> bool {
         candidate.side == Side::Plant
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
-        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes)).collect();
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let (start, leads, block) = result?;
             window.start = start;
             window.leads = leads;
-            window.settled = true;
+            if !quick {
+                window.kept = block.cells.first().map(|cell| (cell.hard.clone(), cell.soft.clone()));
+            }
             blocks.push(block);
         }
         Ok(blocks)
@@ -316,6 +334,32 @@ pub fn settings(
         }
     }
     Ok(all)
+}
+
+fn square(cell: &Cell) -> f64 {
+    cell.residual.iter().zip(&cell.sigma).map(|(rest, sigma)| (rest / sigma).powi(2)).sum()
+}
+
+/// Start state and leads after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
+/// deviation. Leads are free while they are looked for.
+fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
+    let mut cell = fit.cell.clone();
+    if !led {
+        cell.soft = DMatrix::zeros(cell.residual.len(), 0);
+    }
+    let shift = nuisances(&cell, if led { crate::selection::FREE } else { 0.0 });
+    let hard = cell.hard.ncols();
+    let moved = &cell.hard * shift.rows(0, hard) + &cell.soft * shift.rows(hard, shift.len() - hard);
+    let size = moved.iter().zip(&cell.sigma).map(|(moved, sigma)| (moved / sigma).powi(2)).sum::<f64>();
+    if size < 0.01 * cell.residual.len() as f64 {
+        return None;
+    }
+    let start = std::array::from_fn(|place| fit.start[place] + shift[place]);
+    let mut leads = fit.leads.clone();
+    if led {
+        leads.iter_mut().enumerate().for_each(|(place, lead)| *lead += shift[hard + place]);
+    }
+    Some((start, leads))
 }
 
 /// Which simulated row goes into which bin.
@@ -364,6 +408,7 @@ impl Layout {
             soft: empty(),
             discrepancy: 0,
             columns: empty(),
+            floor: Vec::new(),
         };
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return cell };
         for (signal, rows) in &self.bins {
@@ -411,16 +456,15 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
             let earliest = plant.time[usable[0]];
             let start = (begin - PREROLL).max(earliest);
             let end = times[times.len() - 1];
-            let parts = PARTS[usize::from(rows.len() as f64 >= PLENTY)];
-            let edges: Vec<f64> = (0..=parts).map(|k| start + (end - start) * k as f64 / parts as f64).collect();
+            let edges: Vec<f64> = (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
             into.push(Window {
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),
                 rows,
                 start: guess(&plant.time, q1, q2, start),
                 edges,
-                leads: vec![0.0; 2 * parts],
-                settled: false,
+                leads: vec![0.0; 2 * PARTS],
+                kept: None,
             });
         }
         from = to.max(from + 1);

@@ -24,7 +24,6 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
     let mut all = Vec::new();
     for (index, block) in blocks.iter().enumerate() {
         for cell in &block.cells {
-            let parts = cell.soft.ncols() / 2;
             let mut moved = cell.clone();
             if let Some(shift) = shifts.get(folds[index]) {
                 for (place, by) in places.iter().zip(shift.iter()) {
@@ -33,13 +32,13 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
                     }
                 }
             }
-            let solved = nuisances(&moved, crate::selection::FREE);
-            let floor = deviations(cell);
-            if solved.len() < 4 + 2 * parts || floor.len() < 4 + 2 * parts {
-                continue;
-            }
-            for part in 0..parts {
-                let at = 4 + 2 * part;
+            let (at, solved, floor) = if cell.floor.is_empty() {
+                (cell.hard.ncols(), nuisances(&moved, crate::selection::FREE).as_slice().to_vec(), deviations(cell))
+            } else {
+                (0, moved.residual, cell.floor.clone())
+            };
+            for part in 0..(solved.len() - at) / 2 {
+                let at = at + 2 * part;
                 all.push(Torque {
                     block: index,
                     part,
@@ -53,7 +52,7 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
 }
 
 /// Standard deviations of the nuisances that the rows' noise gives.
-fn deviations(cell: &Cell) -> Vec<f64> {
+pub fn deviations(cell: &Cell) -> Vec<f64> {
     let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + cell.soft.ncols());
     let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
         let value = if column < hard { cell.hard[(row, column)] } else { cell.soft[(row, column - hard)] };

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::residual::{Block, Cut, Probe, Signal};
 use crate::statistics::linear::{Cell, Reduced, projected, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Prior size that leaves a discrepancy torque as good as free, in its own unit.
 pub const FREE: f64 = 1e3;
@@ -63,8 +64,8 @@ impl Evaluation {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe]) -> Result<Self, Error> {
-        let blocks = cut.linearise(point, probes)?;
+    pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe], quick: bool) -> Result<Self, Error> {
+        let blocks = cut.linearise(point, probes, quick)?;
         Ok(Self::of(blocks, point, probes, cut.signals()))
     }
 
@@ -116,7 +117,7 @@ impl Evaluation {
         let p = self.probes.len();
         self.reduced = self
             .blocks
-            .iter()
+            .par_iter()
             .map(|block| {
                 let mut sum = Reduced::zero(p);
                 block.cells.iter().for_each(|cell| sum.add(&reduce(cell, softness)));
@@ -208,9 +209,16 @@ impl Evaluation {
 fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; sigmas.len()];
     let mut freedom = vec![0.0; sigmas.len()];
-    for cell in blocks.iter().flat_map(|block| &block.cells) {
-        let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-        let (rest, _, free, _) = projected(&bare, FREE);
+    let rests: Vec<_> = blocks
+        .par_iter()
+        .flat_map_iter(|block| &block.cells)
+        .map(|cell| {
+            let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
+            let (rest, _, free, _) = projected(&bare, FREE);
+            (cell, rest, free)
+        })
+        .collect();
+    for (cell, rest, free) in rests {
         let soft = cell.soft.ncols() - cell.discrepancy.min(cell.soft.ncols());
         let share = ((free - soft as f64) / cell.residual.len() as f64).max(0.0);
         for (row, signal) in cell.signal.iter().enumerate() {
@@ -241,23 +249,33 @@ fn likely_size(blocks: &[Block]) -> f64 {
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
+    // collected before it is summed: the same bits whatever the number of threads
     let deviance = |size: f64| -> f64 {
-        cells
-            .iter()
+        let each: Vec<f64> = cells
+            .par_iter()
             .map(|cell| {
                 let reduced = reduce(cell, size);
                 reduced.square + reduced.log_det
             })
-            .sum()
+            .collect();
+        each.iter().sum()
     };
     let mut best = (deviance(0.0), 0.0);
-    let mut size = SMALLEST;
-    for _ in 0..SIZES {
+    // every fourth power of two first, then the neighbours of the best
+    for power in (0..SIZES).step_by(2) {
+        let size = SMALLEST * f64::from(1_u32 << power);
         let here = deviance(size);
         if here < best.0 {
             best = (here, size);
         }
-        size *= 2.0;
+    }
+    if best.1 > 0.0 {
+        for size in [0.5 * best.1, 2.0 * best.1] {
+            let here = deviance(size);
+            if here < best.0 {
+                best = (here, size);
+            }
+        }
     }
     best.1
 }

@@ -6,7 +6,7 @@ mod evaluation;
 mod refit;
 mod screen;
 
-pub use classes::{Alternative, alternatives};
+pub use classes::{Alternative, CLASS, alternatives};
 pub use evaluation::{Evaluation, FREE, Folds, all_probes};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
@@ -83,7 +83,7 @@ pub fn study(
             let cut: &dyn Cut = cut;
             all_probes(candidates, point, &|candidate| cut.sees(candidate), active)
         };
-        Evaluation::at(cut, point, &probes)
+        Evaluation::at(cut, point, &probes, false)
     };
     let mut active: Vec<usize> = Vec::new();
     let mut last = look(cut, start, &active)?;
@@ -103,7 +103,7 @@ pub fn study(
             held_out: (f64::NAN, f64::NAN),
         };
         let threshold = found.null.threshold(ALPHA);
-        let shortlist = shortlist(&found, &refused, threshold);
+        let shortlist = shortlist(&found, &refused, threshold, cut.outweighed());
         if shortlist.is_empty() {
             steps.push(step);
             break;
@@ -116,19 +116,21 @@ pub fn study(
                 let mut with = active.clone();
                 with.push(hit.candidate);
                 if let Ok(trial) = refit(cut, candidates, &point, &with) {
-                    trials.push((hit.candidate, trial));
+                    // a composite likelihood's gain counts as much as its blocks agree
+                    let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+                    trials.push((hit.candidate, (last.deviance() - trial.deviance()) * temper, trial));
                 }
             }
         }
-        trials.sort_by(|a, b| a.1.deviance().total_cmp(&b.1.deviance()));
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for hit in &found.hits {
             tell(&format!("  {} gain {:.1} t {:.2} by {:.5}", candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement));
         }
-        for (c, trial) in &trials {
+        for (c, _, trial) in &trials {
             tell(&format!("  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}", candidates[*c].name, trial.point[*c], last.deviance(), trial.deviance(), trial.softness, trial.sigmas, trial.total.square));
         }
         let mut accepted = None;
-        for (candidate, trial) in trials {
+        for (candidate, _, trial) in trials {
             let before = last.under(&trial);
             let held_out = (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
             let share = 1.0 - trial.total.square / before.total.square;
@@ -149,6 +151,8 @@ pub fn study(
         active.push(candidate);
         step.accepted = Some(candidate);
         let mut point = trial.point.clone();
+        // settle the nuisances there before fitting on
+        Evaluation::at(cut, &point, &[], false)?;
         step.dropped = prune(cut, candidates, &mut active, &mut point)?;
         refused.extend(&step.dropped);
         last = look(cut, &point, &active)?;
@@ -174,15 +178,17 @@ fn rest(evaluation: &Evaluation) -> f64 {
     evaluation.total.square / evaluation.total.freedom.max(1.0)
 }
 
-fn shortlist(found: &Screen, refused: &[usize], threshold: f64) -> Vec<Hit> {
+fn shortlist(found: &Screen, refused: &[usize], threshold: f64, outweighed: bool) -> Vec<Hit> {
     let mut hits: Vec<Hit> = found
         .hits
         .iter()
         .filter(|hit| !refused.contains(&hit.candidate) && hit.statistic > threshold)
         .cloned()
         .collect();
-    let best = hits.iter().map(|hit| hit.gain).fold(0.0, f64::max);
-    hits.retain(|hit| hit.gain >= WORTH * best);
+    let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
+    hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let best = hits.first().map_or(0.0, worth);
+    hits.retain(|hit| worth(hit) >= WORTH * best);
     hits.truncate(SHORTLIST);
     hits
 }

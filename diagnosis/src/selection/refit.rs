@@ -50,7 +50,7 @@ fn judge(cut: &mut dyn Cut, candidates: &[Candidate], point: &[f64], free: &[usi
         .iter()
         .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
         .collect();
-    Evaluation::at(cut, point, &probes)
+    Evaluation::at(cut, point, &probes, true)
 }
 
 /// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the

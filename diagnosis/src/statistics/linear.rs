@@ -31,6 +31,8 @@ pub struct Cell {
     pub discrepancy: usize,
     /// Change of the simulated rows per unit of each candidate.
     pub columns: DMatrix<f64>,
+    /// What noise alone gives each row, where that is less than `sigma`; else empty.
+    pub floor: Vec<f64>,
 }
 
 /// What is left of a block.

@@ -35,6 +35,9 @@ pub struct Run {
     /// Simulated time at which to stop, in s (a number or a fraction such as 1/3); the scenario's own if not given.
     #[arg(long, value_name = "T")]
     pub stop: Option<String>,
+    /// Also say which start values gave way to connected outputs.
+    #[arg(long, short)]
+    pub verbose: bool,
     /// Folder for the results, made if it is missing [default: out/SCENARIO].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -13,11 +13,13 @@
 pub mod manifold;
 pub mod motion;
 pub mod place;
+pub mod sampled;
 pub mod theta;
 
 pub use manifold::Linearisation;
 pub use motion::{Equation, Incline};
 pub use place::Place;
+pub use sampled::{Rates, Sampling};
 pub use theta::{Links, Theta};
 
 /// Why an equation has no answer for these parameters.

@@ -13,6 +13,8 @@ pub struct HeatMap {
     pub x: Axis,
     /// Vertical axis; needs a range.
     pub y: Axis,
+    /// Everything along x is given as its decimal logarithm; the ticks show the value itself.
+    pub log_x: bool,
     /// Edges of the cells along x, one more than columns.
     pub x_edges: Vec<f64>,
     /// Edges of the cells along y, one more than rows.
@@ -62,7 +64,10 @@ impl HeatMap {
             .x_desc(&self.x.label)
             .y_desc(&self.y.label)
             .label_style((FONT, 13))
-            .x_label_formatter(&|value| tick(*value, x))
+            .x_label_formatter(&|value| match self.log_x {
+                true => format!("{:.3}", 10f64.powf(*value)).trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => tick(*value, x),
+            })
             .y_label_formatter(&|value| tick(*value, y))
             .draw()?;
         for (index, contour) in self.contours.iter().enumerate() {

@@ -16,5 +16,12 @@ pub const STUDIES: &[Study] = &[
     crate::table3::STUDY,
     crate::composite::STUDY,
     crate::loop_values::STUDY,
+    crate::tracking::STUDY,
+    crate::delay::STUDY,
+    crate::lens_loop::STUDY,
+    crate::torque_rate::STUDY,
     crate::compensation::STUDY,
+    crate::compensated_loop::STUDY,
+    crate::tuning::STUDY,
+    crate::stability_map::STUDY,
 ];

@@ -1,5 +1,6 @@
 //! Section 4.1.1: what the estimates say while the robot moves along the manifold, and when the circles are lost.
 
+use crate::closed_loop::{Case, DAMPED};
 use crate::lens;
 use crate::unit::{Signal, Unit};
 use crate::walk::{self, larger, worse};
@@ -12,7 +13,7 @@ use report::{Axis, Cell, Graph, Line, Table};
 pub const STUDY: Study = Study {
     id: "section-4.1.1-blur",
     title: "Section 4.1.1: motion blur with the shutter open all the time",
-    claims: &["C18", "C19", "C20"],
+    claims: &["C18", "C19", "C19.loop", "C20"],
     run,
 };
 
@@ -142,6 +143,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     outcome.claims.push(mid_exposure(usual));
     outcome.claims.push(speed_of_loss(usual, &in_unit));
+    outcome.claims.push(lost_in_the_loop(bench)?);
     outcome.claims.push(below_threshold(&scans));
     if let Some(ride) = usual.iter().find(|ride| ride.speed >= PAPER_SPEED) {
         outcome.figure(
@@ -212,6 +214,46 @@ fn speed_of_loss(rides: &[Ride], in_unit: &[Ride; 2]) -> Claim {
         "for a stated choice only: N_min = 64, since the paper gives neither N_min nor the threshold. With the shipped \
          N_min = 40 the loss comes later, see the table",
     )
+}
+
+/// The same in the closed loop: ramps from z = 0 to 0.5, each speed several times, from slightly different begins.
+fn lost_in_the_loop(bench: &Bench) -> Result<Claim, Error> {
+    /// Largest over mean speed of the reference's ramps, s′(1/2) of their polynomial.
+    const PEAK: f64 = 315.0 / 128.0;
+    const BEGIN: f64 = 4.0;
+    const RUNS: u16 = 6;
+    let speeds: Vec<u16> = (9..=23).step_by(2).collect();
+    let falls = |(hundredths, run): (u16, u16)| -> Result<usize, Error> {
+        let duration = FAR_Z * PEAK / (f64::from(hundredths) / 100.0);
+        // Another place within a frame and another pixel for the same speed.
+        let begin = BEGIN + 0.0177 * f64::from(run);
+        let points = vec![(0.0, 0.0), (begin, 0.0), (begin + duration, FAR_Z)];
+        let case = Case::visual(DAMPED).with("camera.E_t", 1).with("camera.N_min", N_MIN as i32);
+        let seconds = (BEGIN + duration + 2.0) as u16;
+        Ok(usize::from(!case.along(points, seconds).run(bench)?.is_stable()))
+    };
+    let runs: Vec<_> = speeds.iter().flat_map(|speed| (0..RUNS).map(|run| (*speed, run))).collect();
+    let fallen = runs.into_par_iter().map(falls).collect::<Result<Vec<_>, Error>>()?;
+    let counts = fallen.chunks_exact(usize::from(RUNS)).map(|runs| runs.iter().sum::<usize>());
+    let counts: Vec<(f64, usize)> =
+        speeds.iter().map(|speed| f64::from(*speed) / 100.0).zip(counts).collect();
+    let half =
+        counts.iter().find(|(_, fallen)| 2 * fallen >= usize::from(RUNS)).map_or(f64::INFINITY, |at| at.0);
+    let texts = counts.iter().map(|(speed, fallen)| format!("{fallen} at {speed:.2}"));
+    Ok(Claim::new(
+        [
+            "C19.loop",
+            "the same in the closed loop: speed of the reference from which on the robot falls",
+            "0.15 unit/s",
+        ],
+        format!(
+            "{half:.2} at the ramp's fastest point; of {RUNS} runs fall {}",
+            texts.collect::<Vec<_>>().join(", ")
+        ),
+        "± 0.03, as C19: the speed at which half of the runs fall, since a single frame decides",
+        (half - PAPER_SPEED).abs() <= 0.03 + 1e-9,
+        "N_min = 64, pole set \"damped\", E_t = 1, 30 Hz",
+    ))
 }
 
 fn below_threshold(scans: &[Vec<Ride>]) -> Claim {

@@ -222,7 +222,8 @@ mod tests {
     #[test]
     fn value_exponential_of_a_rotation_and_of_a_nilpotent_matrix() {
         let turned = exponential(square(&[&[0.0, 3.0], &[-3.0, 0.0]]));
-        for (entry, expected) in turned.entries.iter().zip([3f64.cos(), 3f64.sin(), -3f64.sin(), 3f64.cos()]) {
+        for (entry, expected) in turned.entries.iter().zip([3f64.cos(), 3f64.sin(), -3f64.sin(), 3f64.cos()])
+        {
             assert!((entry - expected).abs() < 1e-14, "{entry} {expected}"); // some squarings' rounding
         }
         let sheared = exponential(square(&[&[0.0, 5.0], &[0.0, 0.0]]));
@@ -258,7 +259,8 @@ mod tests {
         let at = Theta::TABLE_2.linearisation(0.5).expect("Table 2 has a manifold");
         for periods in [1.0, 2.0] {
             let radius = |periods: f64| {
-                let sampling = Sampling { period: 1.0 / 30.0, delay: periods / 30.0, rates: Rates::FirstDifference };
+                let sampling =
+                    Sampling { period: 1.0 / 30.0, delay: periods / 30.0, rates: Rates::FirstDifference };
                 at.spectral_radius(a, &sampling).expect("controllable")
             };
             // Slope of ρ over the delay is of the order 1 a period.

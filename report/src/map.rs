@@ -65,7 +65,10 @@ impl HeatMap {
             .y_desc(&self.y.label)
             .label_style((FONT, 13))
             .x_label_formatter(&|value| match self.log_x {
-                true => format!("{:.3}", 10f64.powf(*value)).trim_end_matches('0').trim_end_matches('.').to_owned(),
+                true => format!("{:.3}", 10f64.powf(*value))
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned(),
                 false => tick(*value, x),
             })
             .y_label_formatter(&|value| tick(*value, y))

@@ -134,7 +134,11 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         .map(|((name, _), [without, with])| format!("{name}: {} → {}", without.fate(), with.fate()))
         .collect();
     outcome.claims.push(claim(
-        ["S5.compensation.loop", "a known distortion corrected through the estimation-error curves", "possible"],
+        [
+            "S5.compensation.loop",
+            "a known distortion corrected through the estimation-error curves",
+            "possible",
+        ],
         format!("z_d − z at z_d = 0.5: {}", texts.join("; ")),
         "the corrected loop stands, its error below 0.01: three times the offset of the undistorted loop",
         measured.iter().all(|[_, with]| with.steady().abs() < 0.01),

@@ -222,9 +222,17 @@ impl Trace {
         rows.map(|row| self.z_desired[row] - self.z[row]).sum::<f64>() / count
     }
 
+    /// z_desired − z over time, thirty times a second: with full state feedback the reference is read that often, and
+    /// between two readings the old one would be compared with the new place.
+    pub fn tracking_error(&self) -> Vec<(f64, f64)> {
+        let is_read = |time: f64| (30.0 * time - (30.0 * time).round()).abs() < 1e-6;
+        let rows = self.times.iter().zip(self.z_desired.iter().zip(&self.z));
+        rows.filter(|(time, _)| is_read(**time)).map(|(time, (desired, z))| (*time, desired - z)).collect()
+    }
+
     /// Root mean square of z_desired − z.
     pub fn rms_error(&self) -> f64 {
-        rms(self.z_desired.iter().zip(&self.z).map(|(desired, z)| desired - z))
+        rms(self.tracking_error().into_iter().map(|(_, error)| error))
     }
 
     /// The torque at frame times k·`period` over a span of time.

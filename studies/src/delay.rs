@@ -118,7 +118,7 @@ fn fates(bench: &Bench, poles: Poles) -> Result<Fates, Error> {
     let mut lowest = || {
         let stable: Vec<bool> = rest.by_ref().take(RATES.count()).collect();
         let from_above = stable.iter().rev().take_while(|stable| **stable).count();
-        RATES.rev().take(from_above).last()
+        RATES.rev().take(from_above).next_back()
     };
     let lowest = [lowest(), lowest()];
     let falls_at = PLACES.into_iter().zip(rest).filter(|(_, stable)| !stable).map(|(z, _)| z).collect();

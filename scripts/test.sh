@@ -30,5 +30,9 @@ cargo test --quiet --release --workspace --doc
 step "Foreign programs drive the units (FMPy, libcosim, scipy, OpenCV, PythonFMU)"
 .venv/bin/python -m pytest tests/fmpy
 
+step "Random calls, legal and not (a slice; scripts/test-long.sh has the rest)"
+cargo xtask fuzz --sequences 300 target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu \
+    target/fmus/acrobot_controller.fmu
+
 step "Documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps --workspace

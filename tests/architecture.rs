@@ -11,7 +11,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("fmi2-export", &[]),
     ("orchestrator", &[]),
     ("report", &[]),
-    ("xtask", &[]),
+    ("xtask", &["fmi2-export"]),
     ("plant", &["mechanics", "fmi2-export"]),
     ("controller", &["mechanics", "fmi2-export"]),
     ("camera", &["fmi2-export"]),

@@ -20,6 +20,8 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario: writes results.csv, resolved.toml and report.html.
     Run(Run),
+    /// Reproduce the paper's tables, figures and claims: writes claims.json and index.html.
+    Reproduce(Reproduce),
 }
 
 /// `acroscope run`
@@ -33,7 +35,21 @@ pub struct Run {
     /// Simulated time at which to stop, in s (a number or a fraction such as 1/3); the scenario's own if not given.
     #[arg(long, value_name = "T")]
     pub stop: Option<String>,
+    /// Also say which start values gave way to connected outputs.
+    #[arg(long, short)]
+    pub verbose: bool,
     /// Folder for the results, made if it is missing [default: out/SCENARIO].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `acroscope reproduce`
+#[derive(Debug, Args)]
+pub struct Reproduce {
+    /// Studies, or claims that they decide: table-3, C25, ...; all if none is given.
+    #[arg(value_name = "ID")]
+    pub ids: Vec<String>,
+    /// Folder for the results, made if it is missing [default: out/reproduce].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -15,6 +15,9 @@ pub enum Error {
     /// There is no such scenario, or it can't be read.
     #[error(transparent)]
     Scenario(#[from] scenarios::Error),
+    /// A study can't be run.
+    #[error(transparent)]
+    Study(#[from] studies::Error),
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -44,6 +47,8 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Orchestrator(error) if !error.is_input() => 1,
+            Self::Study(error) if !error.is_input() => 1,
+            Self::Study(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Report(_) | Self::File { .. } => 1,
         }

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::logger::{self, Logger};
 use crate::model::{Description, Experiment, Model, Step};
 use crate::state_machine::{Call, Mode, legal};
-use crate::table::{Causality, Slot, Table, Variable};
+use crate::table::{Causality, Kind, Slot, Table, Variable};
 use serde::{Deserialize, Serialize};
 use std::ffi::CString;
 
@@ -50,6 +50,8 @@ impl<M: Model> State<M> {
 /// An instance.
 pub struct Instance<M: Model> {
     pub(crate) declared: Vec<Variable>,
+    /// Places of the Reals that the unit computes.
+    computed: Vec<usize>,
     pub(crate) description: Description,
     pub(crate) guid: String,
     pub(crate) log: Logger,
@@ -65,8 +67,15 @@ pub struct Instance<M: Model> {
 impl<M: Model> Instance<M> {
     /// A new instance with start values. `guid` is the unit's own.
     pub fn new(log: Logger, guid: String) -> Self {
+        let declared = M::Variables::variables();
+        let is_computed = |variable: &Variable| {
+            let by_unit = matches!(variable.causality, Causality::Output | Causality::Local);
+            by_unit && matches!(variable.kind, Kind::Real(_))
+        };
+        let computed = (0..declared.len()).filter(|&at| is_computed(&declared[at])).collect();
         Self {
-            declared: M::Variables::variables(),
+            declared,
+            computed,
             description: M::description(),
             guid,
             log,
@@ -202,12 +211,11 @@ impl<M: Model> Instance<M> {
 
     /// No output that isn't a number may leave the unit.
     fn check_outputs(&self) -> Result<(), Error> {
-        for (index, variable) in self.declared.iter().enumerate() {
-            if matches!(variable.causality, Causality::Output | Causality::Local)
-                && let Some(Slot::Real(value)) = self.state.values.get(index)
+        for &at in &self.computed {
+            if let Some(Slot::Real(value)) = self.state.values.get(at)
                 && !value.is_finite()
             {
-                return Err(Error::NotFinite { name: variable.name, value: *value });
+                return Err(Error::NotFinite { name: self.declared[at].name, value: *value });
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! The one declaration of a unit's variables, and what is read off it.
 //!
-//! [`variables!`] declares a struct whose fields are FMI variables; [`table!`] puts several such structs
+//! [`variables!`](crate::variables) declares a struct whose fields are FMI variables; [`table!`](crate::table!) puts several such structs
 //! together, so that an effect can bring its own parameters in its own file. The place of a variable in the
 //! whole table is its value reference.
 
@@ -165,7 +165,13 @@ value!(String, String);
 ///
 /// The first word is `input`, `output`, `local`, `parameter` (tunable), `fixed` (a parameter that is fixed after
 /// initialisation), `effect` (a tunable parameter whose start value is its off value) or `fixed_effect`. After
-/// the sentence may follow `min = …`, `max = …` and `derivative_of = "…"`.
+/// the sentence may follow `min = …`, `max = …` and `derivative_of = "…"`. Any other first word does not compile:
+///
+/// ```compile_fail
+/// fmi2_export::variables! {
+///     pub struct Knobs { knob one: f64 = 0.0, "a", "a", fmi2_export::unit::ONE, "A knob."; }
+/// }
+/// ```
 #[macro_export]
 macro_rules! variables {
     ($(#[$meta:meta])* $vis:vis struct $Name:ident {

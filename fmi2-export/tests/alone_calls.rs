@@ -1,6 +1,8 @@
 //! Each C function of the toy unit: what it answers, what it refuses, what it leaves unchanged.
 mod common;
 use common::{Instance, fmi2, vr};
+use fmi2_export::abi::types;
+use std::ffi::c_void;
 use std::ptr;
 
 #[test]
@@ -262,4 +264,45 @@ fn alone_the_log_is_filtered_and_escaped() {
     assert_eq!(select(0, &[]), 0);
     assert_eq!(toy.step(0.0, 0.1), 3);
     assert!(toy.lines().is_empty());
+}
+
+/// Calls back into the instance that is logging, and keeps the answer.
+unsafe extern "C" fn call_back(
+    environment: *mut c_void,
+    _: types::Text,
+    _: types::Status,
+    _: types::Text,
+    _: types::Text,
+) {
+    // SAFETY: the test below passes its own pair.
+    unsafe {
+        let (c, answer) = &mut *environment.cast::<(types::Component, Option<i32>)>();
+        if !c.is_null() {
+            *answer = Some(fmi2::fmi2Reset(*c));
+            fmi2::fmi2FreeInstance(*c);
+        }
+    }
+}
+
+#[test]
+fn alone_a_call_from_within_the_log_is_refused() {
+    let mut environment: (types::Component, Option<i32>) = (ptr::null_mut(), None);
+    // SAFETY: as in `common`.
+    let logger: types::LoggerCallback = unsafe { std::mem::transmute(call_back as *const ()) };
+    let callbacks = types::Callbacks {
+        logger: Some(logger),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        environment: (&raw mut environment).cast(),
+    };
+    let guid = Instance::guid();
+    unsafe {
+        let c = fmi2::fmi2Instantiate(c"one".as_ptr(), 1, guid.as_ptr(), ptr::null(), &callbacks, 0, 1);
+        (*callbacks.environment.cast::<(types::Component, Option<i32>)>()).0 = c;
+        assert_eq!(fmi2::fmi2DoStep(c, 0.0, 1.0, 0), 3, "logs, and the log calls back");
+        assert_eq!((*callbacks.environment.cast::<(types::Component, Option<i32>)>()).1, Some(3));
+        assert_eq!(fmi2::fmi2Reset(c), 0, "the instance lives on");
+        fmi2::fmi2FreeInstance(c);
+    }
 }

@@ -28,7 +28,9 @@ fn run(arguments: impl Iterator<Item = String>) -> Result<(), Error> {
         let (name, value) = set.split_once('=').unwrap_or((set, ""));
         scenario.set(name, value)?;
     }
+    let began = std::time::Instant::now();
     let mut simulation = Simulation::new(&scenario, &path)?;
+    println!("{} units opened in {:.1} ms", scenario.units.len(), began.elapsed().as_secs_f64() * 1e3);
     let began = std::time::Instant::now();
     let ended = simulation.run(&mut CsvRecorder::create(out)?, &mut Quiet)?;
     println!("{ended:?} at t = {} s after {:.3} s", simulation.time(), began.elapsed().as_secs_f64());

@@ -202,7 +202,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// The user's input is wrong, rather than a unit or the machine: exit status 2 of the command line.
+    /// The user's input is wrong, rather than a unit or the machine: exit status 2 of the command line. A unit that
+    /// refuses a call before the first step refuses the values that it was given.
     pub fn is_input(&self) -> bool {
         matches!(
             self,
@@ -215,6 +216,7 @@ impl Error {
                 | Self::Library { .. }
                 | Self::Tick { .. }
                 | Self::Loop { .. }
+                | Self::Call { time: None, .. }
         )
     }
 

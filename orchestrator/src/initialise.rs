@@ -65,7 +65,8 @@ impl Plan {
     }
 }
 
-/// Initialises all units; the system is then at its start with all values read. Adds what a person should know.
+/// Initialises all units; the system is then at its start with all values read. Adds what a person should know, and
+/// which inputs' start values gave way to a connected output.
 pub(crate) fn initialise(
     system: &mut System,
     plan: &Plan,
@@ -73,6 +74,7 @@ pub(crate) fn initialise(
     start: Point,
     stop: f64,
     notices: &mut Vec<String>,
+    replaced: &mut Vec<String>,
 ) -> Result<(), Error> {
     for (unit, sets) in system.units.iter_mut().zip(sets) {
         let instance = &mut unit.instance;
@@ -95,8 +97,10 @@ pub(crate) fn initialise(
     }
     for group in &plan.groups {
         match &group.path {
-            None => group.nodes.iter().try_for_each(|node| pass(system, node, start, notices).map(|_| ()))?,
-            Some(path) => solve(system, group, path, start, notices)?,
+            None => {
+                group.nodes.iter().try_for_each(|node| pass(system, node, start, replaced).map(|_| ()))?
+            }
+            Some(path) => notices.extend(solve(system, group, path, start, replaced)?),
         }
     }
     for unit in &mut system.units {
@@ -127,7 +131,7 @@ fn reference_of(inputs: &crate::system::Blocks, slot: Slot) -> u32 {
 }
 
 /// Reads an output or sets an input; returns how much the value changed, relative to the larger of it and one.
-fn pass(system: &mut System, node: &Node, start: Point, notices: &mut Vec<String>) -> Result<f64, Error> {
+fn pass(system: &mut System, node: &Node, start: Point, replaced: &mut Vec<String>) -> Result<f64, Error> {
     let before = system.values.get(node.slot);
     let instance = &mut system.units[node.unit].instance;
     let now = match &node.link {
@@ -150,42 +154,37 @@ fn pass(system: &mut System, node: &Node, start: Point, notices: &mut Vec<String
         _ => f64::INFINITY,
     };
     if node.link.is_some() && change > 0.0 {
-        notices.push(format!(
-            "{} starts at {before}, but is connected to an output that is {now} at the start",
-            node.name
-        ));
+        replaced.push(format!("{} = {before} (now {now})", node.name));
     }
     Ok(change)
 }
 
+/// Solves a loop; says so if that took more than looking.
 fn solve(
     system: &mut System,
     group: &Group,
     path: &str,
     start: Point,
-    notices: &mut Vec<String>,
-) -> Result<(), Error> {
+    replaced: &mut Vec<String>,
+) -> Result<Option<String>, Error> {
     let mut worst = (f64::INFINITY, "");
     for iteration in 1..=ITERATIONS {
         worst = (0.0, "");
+        // Only the first round replaces start values; later changes are the iteration's own.
+        let mut changed = Vec::new();
         for node in &group.nodes {
-            // Only the first round tells of start values; later changes are the iteration's own.
-            let mut changed = Vec::new();
             let change = pass(system, node, start, &mut changed)?;
-            if iteration == 1 {
-                notices.append(&mut changed);
-            }
             if change > worst.0 || change.is_nan() {
                 worst = (change, &node.name);
             }
         }
+        if iteration == 1 {
+            replaced.append(&mut changed);
+        }
         if worst.0 <= SETTLED {
-            if iteration > 2 {
-                notices.push(format!(
-                    "algebraic loop {path} at initialisation: solved in {iteration} fixed-point iterations"
-                ));
-            }
-            return Ok(());
+            let solved =
+                || format!("algebraic loop {path} at initialisation: solved in {iteration} iterations");
+            return Ok((iteration > 2).then(solved));
         }
     }
     let (change, variable) = (worst.0, worst.1.to_owned());

@@ -7,12 +7,12 @@ use crate::initialise::initialise;
 use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
 use crate::run::Stop;
-use crate::scenario::{Scenario, write::ResolvedUnit};
+use crate::scenario::{Scenario, UnitEntry, write::ResolvedUnit};
 use crate::system::Point;
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Variable, Wiring, start_value};
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Where a simulation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +34,7 @@ pub struct Simulation {
     pub(crate) now: Point,
     pub(crate) stops: Vec<Stop>,
     notices: Vec<String>,
+    replaced_starts: Vec<String>,
     from_unit_path: Vec<bool>,
 }
 
@@ -51,9 +52,11 @@ impl Simulation {
             expected,
         })?;
         let wiring = wiring::wire(scenario, path)?;
-        let in_folders = |file: &Path| path.folders().iter().any(|folder| file.starts_with(folder));
+        let in_folders = |(file, unit): (&PathBuf, &UnitEntry)| {
+            path.folders().iter().any(|folder| *file == folder.join(&unit.fmu.value))
+        };
         Ok(Self {
-            from_unit_path: wiring.files.iter().map(|file| in_folders(file)).collect(),
+            from_unit_path: wiring.files.iter().zip(&scenario.units).map(in_folders).collect(),
             scenario: scenario.clone(),
             now: wiring.start,
             wiring,
@@ -61,6 +64,7 @@ impl Simulation {
             phase: Phase::Ready,
             stops: Vec::new(),
             notices: Vec::new(),
+            replaced_starts: Vec::new(),
         })
     }
 
@@ -100,8 +104,9 @@ impl Simulation {
             })
             .collect();
         self.notices.clear();
+        self.replaced_starts.clear();
         self.phase = Phase::Over;
-        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices)?;
+        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices, &mut self.replaced_starts)?;
         self.now = *start;
         self.phase = Phase::Running;
         self.algorithm.after(&mut self.wiring.system, self.now);
@@ -250,8 +255,14 @@ impl Simulation {
         }
     }
 
-    /// What a person should know but what stops nothing: loops, conversions that could not be made, start values
-    /// that differ along a connection, warnings of units.
+    /// Inputs whose start value gave way to the output that they are connected to, each as `unit.variable = value (now
+    /// value)`: ordinary, but worth a look when a start value was meant to count.
+    pub fn replaced_starts(&self) -> &[String] {
+        &self.replaced_starts
+    }
+
+    /// What a person should know but what stops nothing: loops, conversions that could not be made, warnings of
+    /// units.
     pub fn notices(&self) -> Vec<String> {
         let warnings =
             self.wiring.system.units.iter().filter(|unit| unit.instance.warnings() > 0).map(|unit| {

@@ -4,14 +4,19 @@
 pub(crate) fn nearest<'a>(wrong: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<&str> = known.collect();
     let limit = (wrong.chars().count() / 3).max(2);
-    let mut ranked: Vec<(usize, &str)> = known
+    // Of names equally near, those that begin alike come first.
+    let alike = |name: &str| wrong.chars().zip(name.chars()).take_while(|(a, b)| a == b).count();
+    let mut ranked: Vec<(usize, std::cmp::Reverse<usize>, &str)> = known
         .iter()
-        .map(|name| (distance(&wrong.to_lowercase(), &name.to_lowercase()), *name))
-        .filter(|(distance, _)| *distance <= limit)
+        .map(|name| {
+            let distance = distance(&wrong.to_lowercase(), &name.to_lowercase());
+            (distance, std::cmp::Reverse(alike(name)), *name)
+        })
+        .filter(|(distance, ..)| *distance <= limit)
         .collect();
     ranked.sort();
-    if let Some(((_, first), others)) = ranked.split_first() {
-        let others: Vec<&str> = others.iter().take(2).map(|(_, name)| *name).collect();
+    if let Some(((.., first), others)) = ranked.split_first() {
+        let others: Vec<&str> = others.iter().take(2).map(|(.., name)| *name).collect();
         return match others.is_empty() {
             true => format!("did you mean {first}?"),
             false => format!("did you mean {first} (or {})?", others.join(", ")),

@@ -1,5 +1,5 @@
 //! The running system: instances, their values in flat buffers, and the copies between them. Everything is laid out
-//! beforehand (`wiring.rs`), so that a step neither allocates nor looks anything up.
+//! beforehand (`wiring.rs`), so that a step neither allocates (texts excepted) nor looks anything up.
 
 use crate::error::Error;
 use crate::fmu::{Instance, Status};
@@ -82,6 +82,8 @@ impl Link {
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) link: Link,
+    /// The unit that gets the values.
+    pub(crate) to: usize,
     pub(crate) delay: i64,
     pub(crate) queue: VecDeque<(i64, Value)>,
 }
@@ -267,6 +269,10 @@ impl System {
 
     fn push(&mut self, line: usize, ticks: i64) {
         let line = &mut self.lines[line];
+        if self.units[line.to].next == i64::MAX {
+            // It steps no more; the queue would only grow.
+            return;
+        }
         let value = line.link.convert(self.values.get(line.link.from));
         line.queue.push_back((ticks, value));
     }

@@ -3,7 +3,8 @@
 mod common;
 
 use common::Units;
-use orchestrator::{CsvRecorder, MemoryRecorder, Quiet, Scenario, Simulation};
+use orchestrator::{CsvRecorder, Ended, MemoryRecorder, Progress, Quiet, Scenario, Simulation};
+use std::ops::ControlFlow;
 
 /// Runs a scenario with each algorithm.
 fn every_algorithm(units: &Units, scenario: &str, mut check: impl FnMut(&str, &MemoryRecorder)) {
@@ -78,7 +79,7 @@ fn every_algorithm_couples_as_it_says() {
             );
             let old = x;
             x += v * 0.125;
-            v += -1.0 * if algorithm == "jacobi" { old } else { x } * 0.125;
+            v -= if algorithm == "jacobi" { old } else { x } * 0.125;
         }
     });
 }
@@ -189,4 +190,64 @@ fn every_run_gives_the_same_bytes() {
     assert!(bytes(&mut other) == first, "built again and left half way");
     let resolved = Scenario::parse(&simulation.resolved(), "resolved.toml").expect("loads");
     assert!(bytes(&mut Simulation::new(&resolved, &units.unit_path()).expect("builds")) == first, "resolved");
+}
+
+#[test]
+fn every_algorithm_reads_sources_at_its_time_and_ends_before_the_stop() {
+    // 0.4 s divides neither the run nor the points of the table; the last step ends at 0.8 s.
+    let scenario = r#"
+        format = 1
+        experiment = { stop = 1 }
+        [[units]]
+        name = "a"
+        fmu = "feedthrough.fmu"
+        interval = 0.4
+        set = { mode = 1 }
+        [[sources]]
+        to = "a.u1"
+        kind = "linear"
+        points = [[0, 1], [0.5, 2], [1, 2]]
+        [[sources]]
+        to = "a.i_in"
+        kind = "hold"
+        points = [[0, 0], [0.4, 3]]
+    "#;
+    every_algorithm(&Units::new(), scenario, |algorithm, results| {
+        let jacobi = algorithm == "jacobi";
+        assert_eq!(results.times(), [0.0, 0.4, 0.8]);
+        // 1 + 0.4 / 0.5 is exactly representable up to one rounding of the quotient.
+        assert_eq!(series(results, "a.y1"), if jacobi { [1.0, 1.0, 1.8] } else { [1.0, 1.8, 2.0] });
+        assert_eq!(series(results, "a.i_out"), if jacobi { [1.0, 1.0, 4.0] } else { [1.0, 4.0, 4.0] });
+    });
+}
+
+#[test]
+fn law_progress_is_told_and_may_end_the_run() {
+    struct Watch(Vec<f64>);
+    impl Progress for Watch {
+        fn begin(&mut self, start: f64, stop: f64) {
+            self.0.extend([start, stop]);
+        }
+        fn at(&mut self, time: f64, factor: f64) -> ControlFlow<()> {
+            assert!(factor > 0.0);
+            self.0.push(time);
+            if self.0.len() < 5 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        }
+        fn end(&mut self, time: f64, _: f64) {
+            self.0.push(time);
+        }
+    }
+    let units = Units::new();
+    let mut scenario = Scenario::parse(RATES, "test.toml").expect("a scenario");
+    assert!(scenario.set_stop("soon").is_err() && scenario.set_stop("-1").is_err());
+    scenario.set_stop("20/2").expect("a time");
+    let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+    let (mut watch, mut results) = (Watch(Vec::new()), MemoryRecorder::new());
+    let ended = simulation.run(&mut results, &mut watch).expect("runs");
+    let last = *results.times().last().expect("rows");
+    assert_eq!(ended, Ended::Interrupted { time: last });
+    assert_eq!(watch.0[..2], [0.0, 10.0]);
+    assert_eq!(watch.0[4..], [last, last]);
+    assert_eq!(simulation.run(&mut results, &mut Quiet).expect("runs again"), Ended::AtStop);
+    assert_eq!(results.times().last(), Some(&10.0));
 }

@@ -1,6 +1,6 @@
 //! What studies measure with: the closed loop in memory, and single units at rest or in motion, all through FMI.
 
-use crate::Error;
+use crate::{Error, Unit};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
 
 /// Where the units are, and how to run them.
@@ -22,6 +22,19 @@ impl Bench {
             scenario.set(variable, value)?;
         }
         Ok(scenario)
+    }
+
+    /// A fresh instance of a unit by itself, e.g. of `acrobot_camera`.
+    ///
+    /// # Errors
+    /// No folder holds it, or it can't be loaded.
+    pub fn unit(&self, model: &str) -> Result<Unit, Error> {
+        let file = format!("{model}.fmu");
+        let folders = self.units.folders();
+        let path = folders.iter().map(|folder| folder.join(&file)).find(|path| path.is_file());
+        let looked = || folders.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ");
+        let path = path.ok_or_else(|| Error::NoUnit { file: file.clone(), looked: looked() })?;
+        Unit::new(&self.units.open(&path)?)
     }
 
     /// A simulation that is ready to run.

@@ -24,6 +24,27 @@ pub struct Claim {
     pub note: String,
 }
 
+impl Claim {
+    /// A claim from its `[id, quantity, paper]` and what became of it.
+    pub fn new(
+        [id, quantity, paper]: [&str; 3],
+        ours: impl Into<String>,
+        tolerance: impl Into<String>,
+        holds: bool,
+        note: impl Into<String>,
+    ) -> Self {
+        Self {
+            id: id.to_owned(),
+            quantity: quantity.to_owned(),
+            paper: paper.to_owned(),
+            ours: ours.into(),
+            tolerance: tolerance.into(),
+            holds,
+            note: note.into(),
+        }
+    }
+}
+
 /// A drawn figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {

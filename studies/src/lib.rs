@@ -4,23 +4,40 @@
 //! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and `index.html`.
 
 pub mod bench;
+mod blur;
 pub mod claim;
 pub mod closed_loop;
+mod compensated_loop;
 mod compensation;
+mod composite;
+mod defocus_mask;
 mod delay;
+mod dynamics;
+mod fields;
 mod four_graphs;
+pub mod lens;
+mod lens_errors;
 mod lens_loop;
+mod loop_values;
+mod manifold;
 mod pages;
+mod photometry;
+mod quantisation;
 mod registry;
+mod setup;
 mod stability_map;
 mod still_poses;
+mod table3;
 mod torque_rate;
 mod tracking;
 mod tuning;
+pub mod unit;
+pub mod walk;
 
 pub use bench::Bench;
 pub use claim::{Claim, Figure, Outcome, Study};
 pub use registry::STUDIES;
+pub use unit::{Signal, Unit};
 
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -40,6 +57,36 @@ pub enum Error {
     /// The mechanics can't be evaluated for the given theta.
     #[error("mechanics: {0}")]
     Mechanics(String),
+    /// None of the folders with units holds this one.
+    #[error("{file} was not found; looked in {looked}. `cargo xtask pack` builds it")]
+    NoUnit {
+        /// Name of the file.
+        file: String,
+        /// The folders.
+        looked: String,
+    },
+    /// A unit has no such variable.
+    #[error("{unit} has no variable `{name}`")]
+    Variable {
+        /// The unit.
+        unit: String,
+        /// What was asked for.
+        name: String,
+    },
+    /// A unit did not take a step.
+    #[error("{unit}: fmi2DoStep from {time} s by {size} s answered {status} {}", log.join("; "))]
+    Step {
+        /// The unit.
+        unit: String,
+        /// Begin of the step, s.
+        time: f64,
+        /// Its size, s.
+        size: f64,
+        /// The answer.
+        status: String,
+        /// What the unit logged.
+        log: Vec<String>,
+    },
     /// No study or claim of that name.
     #[error("no study or claim `{name}`; there are {known}")]
     Unknown {

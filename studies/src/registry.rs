@@ -4,11 +4,24 @@ use crate::Study;
 
 /// Every study; a new one is a file and a line here.
 pub const STUDIES: &[Study] = &[
+    crate::fields::STUDY,
+    crate::defocus_mask::STUDY,
+    crate::dynamics::STUDY,
+    crate::manifold::STUDY,
+    crate::setup::STUDY,
+    crate::quantisation::STUDY,
+    crate::blur::STUDY,
+    crate::photometry::STUDY,
+    crate::lens_errors::STUDY,
+    crate::table3::STUDY,
+    crate::composite::STUDY,
+    crate::loop_values::STUDY,
     crate::tracking::STUDY,
     crate::delay::STUDY,
     crate::lens_loop::STUDY,
     crate::torque_rate::STUDY,
     crate::compensation::STUDY,
+    crate::compensated_loop::STUDY,
     crate::tuning::STUDY,
     crate::stability_map::STUDY,
 ];

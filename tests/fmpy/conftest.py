@@ -1,5 +1,6 @@
 """The packed units, and a thin way to step one, for all tests driven by foreign programs."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -78,8 +79,9 @@ def acroscope():
     """Runs the command line and returns the finished process."""
     program = ROOT / "target" / "release" / "acroscope"
 
-    def run(*arguments, status=0):
-        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=ROOT)
+    def run(*arguments, status=0, **environment):
+        environment = os.environ | environment
+        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=ROOT, env=environment)
         assert done.returncode == status, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
         return done
 

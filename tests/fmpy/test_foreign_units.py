@@ -3,6 +3,8 @@
 import csv
 import subprocess
 import sys
+import sysconfig
+from pathlib import Path
 
 import numpy as np
 
@@ -69,7 +71,11 @@ def test_pythonfmu_units(acroscope, tmp_path):
         command = [sys.executable, "-m", "pythonfmu", "build", "-f", f"{name}.py"]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     (tmp_path / "loop.toml").write_text(SCENARIO)
-    acroscope("run", tmp_path / "loop.toml", "--out", tmp_path / "out")
+    # A PythonFMU unit expects Python in the process that loads it; ours has none of its own.
+    library = Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("LDLIBRARY")
+    assert library.suffix == ".so", "this Python was built without its shared library"
+    python = {"LD_PRELOAD": str(library), "PYTHONPATH": sysconfig.get_path("purelib")}
+    acroscope("run", tmp_path / "loop.toml", "--out", tmp_path / "out", **python)
     with (tmp_path / "out" / "results.csv").open() as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 

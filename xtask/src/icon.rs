@@ -6,6 +6,9 @@ use crate::Result;
 const SIDE: usize = 128;
 const MARGIN: usize = 20;
 const CORNER: f64 = 14.0;
+/// Where the stubs of outputs begin and end.
+const RIGHT_EDGE: usize = SIDE - MARGIN;
+const RIGHT_END: usize = SIDE - 4;
 
 /// The picture as PNG. The colour comes from the identifier, so that units can be told apart at a glance.
 pub fn icon(identifier: &str, inputs: usize, outputs: usize) -> Result<Vec<u8>> {
@@ -49,7 +52,7 @@ fn in_block(x: usize, y: usize, corner: f64, margin: usize) -> bool {
 fn in_stub(x: usize, y: usize, inputs: usize, outputs: usize) -> bool {
     let count = match x {
         4..MARGIN => inputs,
-        x if x >= SIDE - MARGIN && x < SIDE - 4 => outputs,
+        RIGHT_EDGE..RIGHT_END => outputs,
         _ => return false,
     };
     let count = count.min(14); // more can't be told apart

@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod reproduce;
 mod run;
 
 use crate::cli::{Arguments, Command};
@@ -8,6 +9,7 @@ use crate::error::Error;
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
+        Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
     }
 }

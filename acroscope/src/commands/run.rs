@@ -29,6 +29,9 @@ pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
         for notice in simulation.notices() {
             eprintln!("note: {notice}");
         }
+        for start in simulation.replaced_starts().iter().filter(|_| arguments.verbose) {
+            eprintln!("note: start value gave way to a connected output: {start}");
+        }
     }
     ended?;
 

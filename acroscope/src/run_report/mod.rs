@@ -29,10 +29,10 @@ pub fn page(scenario: &Scenario, layout: &Layout, out: &Path) -> Result<String, 
     let graphs = layout.graphs.iter().map(|entry| Ok((graph(entry, &series).to_svg()?, String::new())));
     page.figures(&graphs.collect::<Result<Vec<_>, Error>>()?);
     if let Some(entry) = &layout.picture {
-        // The newest picture that has been delivered with its marks.
-        if let Some((path, number)) =
-            shots.iter().rev().find(|(_, number)| series.at_index.contains_key(number))
-        {
+        // The middle of the pictures that were delivered with their marks: the arm is at its farthest there.
+        let delivered: Vec<_> =
+            shots.iter().filter(|(_, number)| series.at_index.contains_key(number)).collect();
+        if let Some((path, number)) = delivered.get(delivered.len() / 2) {
             let svg = picture(entry, path, &series.at_index[number])?.to_svg();
             page.figure(&svg, &format!("{}: frame {number}", entry.caption));
         }

@@ -6,10 +6,13 @@ use report::thin::Thinner;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// A line: a signal, and what is taken off it.
+pub type Key = (String, Option<String>);
+
 /// Lines over time, by name, and the rows at which an index changed.
 pub struct Series {
     /// Thinned points of each signal or difference.
-    pub lines: BTreeMap<(String, Option<String>), Vec<(f64, f64)>>,
+    pub lines: BTreeMap<Key, Vec<(f64, f64)>>,
     /// For each wanted index: the values of the watched signals in the first row that has it.
     pub at_index: BTreeMap<u64, Vec<f64>>,
 }
@@ -17,7 +20,7 @@ pub struct Series {
 /// What to read.
 pub struct Wanted {
     /// Signals, or differences of two.
-    pub lines: Vec<(String, Option<String>)>,
+    pub lines: Vec<Key>,
     /// The index column, the wanted indices, and the signals to keep at those.
     pub watch: Option<(String, Vec<u64>, Vec<String>)>,
 }

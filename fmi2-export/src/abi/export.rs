@@ -3,7 +3,7 @@
 /// Makes a library that exports `$Model` (a [`Model`](crate::Model)) with all functions of FMI 2.0 for
 /// co-simulation. The shell crate is a `cdylib` with this one line:
 ///
-/// ```ignore
+/// ```text
 /// fmi2_export::export!(plant::Plant);
 /// ```
 ///

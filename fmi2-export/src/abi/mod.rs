@@ -1,7 +1,7 @@
 //! The C functions of FMI 2.0: the only place where pointers are followed.
 //!
 //! Each function here is generic over the model; [`export!`](crate::export) gives it its C name. All follow one
-//! pattern: [`call`] finds the instance, checks the calling sequence, turns arguments into slices, and turns
+//! pattern: `call` finds the instance, checks the calling sequence, turns arguments into slices, and turns
 //! errors and panics into a status and a log line.
 
 pub mod export;

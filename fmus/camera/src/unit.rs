@@ -8,7 +8,7 @@ use crate::scene::Pose;
 use crate::shutter::history::Motion;
 use crate::shutter::{FrameClock, History, Queue, Segment, clock, exposure};
 use crate::variables::{Inputs, Outputs, Scene, Sensor, Variables};
-use crate::vision::{Component, Estimate, Feature, Labeller, Tracker, select};
+use crate::vision::{Component, Estimate, Estimators, Feature, Labeller, Tracker, View, select};
 use fmi2_export::{
     Dependencies, Description, Experiment, Log, LogCategory, Model, ModelError, Slot, Step, Table,
 };
@@ -38,6 +38,7 @@ struct Workshop(Arc<Mutex<Bench>>);
 struct Bench {
     maker: Option<FrameMaker>,
     labeller: Labeller,
+    estimators: Estimators,
     components: Vec<Component>,
     features: Vec<Feature>,
     centres_world: Vec<[(f64, f64); 3]>,
@@ -86,12 +87,23 @@ fn check(variables: &Variables) -> Result<(), ModelError> {
         };
         return Err(ModelError::Value { name: declared.name, value: value.to_string(), expected });
     }
-    let sensor = &variables.sensor;
+    check_tunable(&variables.sensor)
+}
+
+/// Refuses what may change at any time without the picture being prepared anew.
+fn check_tunable(sensor: &Sensor) -> Result<(), ModelError> {
     if sensor.smallest_area > sensor.largest_area {
         return Err(ModelError::Value {
             name: "N_min",
             value: sensor.smallest_area.to_string(),
             expected: format!("at most N_max = {}", sensor.largest_area),
+        });
+    }
+    if !(sensor.delay >= 0.0 && sensor.delay.is_finite()) {
+        return Err(ModelError::Value {
+            name: "T_delay",
+            value: sensor.delay.to_string(),
+            expected: "a finite time of at least 0".to_owned(),
         });
     }
     Ok(())
@@ -175,10 +187,10 @@ impl Camera {
         let scale = pixels_per_world(scene, sensor, &variables.effects);
         exposure::sub_frames(&self.history, scene, scale, end - clock.exposure(), end, &mut centres);
         let whole = recording::wants(sensor, k);
-        bench.maker(variables)?.render(Shot { k, centres_world: &centres, whole });
+        bench.maker(variables)?.render(Shot { k, seed: sensor.seed, centres_world: &centres, whole });
         bench.centres_world = centres;
 
-        let Bench { maker: Some(maker), labeller, components, features, .. } = &mut *bench else {
+        let Bench { maker: Some(maker), labeller, estimators, components, features, .. } = &mut *bench else {
             return Err(ModelError::Failed("no frame was made".to_owned()));
         };
         if whole {
@@ -188,8 +200,12 @@ impl Camera {
         labeller.label(maker.mask(), maker.windows(), row_step, components);
         features.clear();
         let circles = components.iter().filter(|component| select::may_be_circle(component, sensor));
-        features.extend(circles.map(|component| Feature::binary(component, sensor)));
-        Ok(Estimate { number: k, ..self.tracker.follow(features, clock.mid_exposure(k), scene, sensor) })
+        let (picture, mask, windows) = (maker.picture(), maker.mask(), maker.windows());
+        let view = View { picture, mask, windows, row_step };
+        let feature = |component| estimators.feature(component, &view, scene, sensor, &variables.effects);
+        features.extend(circles.map(feature));
+        let estimate = self.tracker.follow(features, clock.mid_exposure(k), scene, sensor);
+        Ok(Estimate { number: k, ..estimate })
     }
 
     /// Writes the newest result that has arrived by `now`.
@@ -269,6 +285,7 @@ impl Model for Camera {
         log: &mut dyn Log,
     ) -> Result<(), ModelError> {
         check_inputs(variables)?;
+        check_tunable(&variables.sensor)?;
         let rates = (step.input_rate("q1"), step.input_rate("q2"));
         let segment = if rates == (None, None) {
             // The inputs hold at the end of the step.

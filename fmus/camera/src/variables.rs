@@ -102,7 +102,8 @@ variables! {
         fixed frames_every: i32 = 1, "frames_every", "frames_every", unit::ONE,
             "Only every n-th frame is written.", min = 1;
         fixed estimator: i32 = 0, "estimator", "estimator", unit::ONE,
-            "How a circle's centre is found: 0 = centroid of the binary image (the paper's).", min = 0, max = 0;
+            "How a circle's centre is found: 0 = centroid of the binary image (the paper's), 1 = centroid of the grey \
+             levels around it, 2 = maximum likelihood.", min = 0, max = 2;
     }
 }
 

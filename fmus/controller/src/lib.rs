@@ -70,6 +70,12 @@ impl Controller {
                 [at_end("dq1", inputs.link1_rate), at_end("dq2", inputs.link2_rate)],
                 at_end("z_desired", inputs.desired_place),
             );
+            if !(answer.torque.is_finite() && answer.place.is_finite()) {
+                let (torque, place) = (answer.torque, answer.place);
+                return Err(ModelError::Failed(format!(
+                    "tau = {torque} N.m, z_hat = {place} are not finite: the law overflows for {inputs:?}"
+                )));
+            }
             variables.outputs = Outputs { torque: answer.torque, estimated_place: answer.place };
         }
         Ok(())
@@ -152,6 +158,10 @@ impl Model for Controller {
         step: &Step<'_>,
         _: &mut dyn Log,
     ) -> Result<(), ModelError> {
+        if let Some((name, rate)) = step.input_rates.iter().find(|(_, rate)| !rate.is_finite()) {
+            let expected = "must be finite, being the rate of this input".into();
+            return Err(ModelError::Value { name, value: rate.to_string(), expected });
+        }
         self.answer(variables, Some(step))
     }
 }

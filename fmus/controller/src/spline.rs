@@ -5,7 +5,7 @@
 //! fifth derivative is continuous at the two knots next to each end ("not a knot"), since the slopes at the ends are
 //! not known and natural ends would spoil the order of the error, h⁶, there.
 //!
-//! Source: de Boor, *A Practical Guide to Splines*, 2001, chapters IX and XIII.
+//! Source: de Boor, *A Practical Guide to Splines*, 2001.
 
 /// Values of the basis spline at knots, times 120.
 const AT_KNOTS: [f64; 5] = [1.0, 26.0, 66.0, 26.0, 1.0];

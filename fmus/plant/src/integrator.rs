@@ -19,8 +19,28 @@ pub const TOLERANCE: f64 = 1e-9;
 pub const LONGEST_STEP: f64 = 0.05;
 /// Steps below this are a sign that the equations can't be integrated, s.
 const SHORTEST_STEP: f64 = 1e-13;
+/// Steps that a stretch may take, beside [`MOST_STEPS_PER_SECOND`]: far above what any body needs, so that absurd
+/// torques end with an error rather than never.
+const MOST_STEPS: f64 = 2e4;
+/// Steps that a second may take; Coulomb friction of 50 N·m needs fewer.
+const MOST_STEPS_PER_SECOND: f64 = 1e6;
 /// Halvings of a step in search of an instant: from [`LONGEST_STEP`] to below 1e-15 s.
 const HALVINGS: u32 = 46;
+
+/// Where within the step the stages after the first lie.
+const NODES: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
+/// What each of them takes of the stages before it; the last row is the fifth-order result.
+const WEIGHTS: [[f64; 6]; 6] = [
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// The fifth-order result less the fourth-order one, over the step.
+const DIFFERENCE: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// q₁, q₂, q̇₁, q̇₂.
 pub type State = [f64; 4];
@@ -61,13 +81,15 @@ impl Stretch<'_> {
     pub fn integrate(&self, state: &mut State, next_step: &mut f64) -> Result<End, ModelError> {
         let mut at = 0.0;
         let mut slope = self.derivative(at, state);
+        let mut steps_left = MOST_STEPS + MOST_STEPS_PER_SECOND * self.span;
         while at < self.span {
+            steps_left -= 1.0;
             let left = self.span - at;
             // Equal steps to the end rather than a long one and a crumb.
             let step = left / (left / next_step.max(SHORTEST_STEP)).ceil().max(1.0);
             let trial = self.trial(at, state, &slope, step);
-            // A comparison with NaN is false: NaN counts as too large.
-            if trial.error <= 1.0 {
+            let is_exact = trial.error <= 1.0; // not for NaN
+            if is_exact {
                 if let Some(instant) = self.contact(at, state, &slope, step, &trial) {
                     *state = self.trial(at, state, &slope, instant).state;
                     return Ok(End::Contact(at + instant));
@@ -75,65 +97,37 @@ impl Stretch<'_> {
                 at = if step == left { self.span } else { at + step };
                 *state = trial.state;
                 slope = trial.slope;
-            } else if step < SHORTEST_STEP {
-                return Err(self.stuck(at, state));
+            }
+            if (!is_exact && step < SHORTEST_STEP) || steps_left < 0.0 {
+                return Err(self.stuck(at, state, step));
             }
             *next_step = next(trial.error, step, *next_step);
         }
         Ok(End::Reached([slope[2], slope[3]]))
     }
 
-    /// One step of the pair.
-    fn trial(&self, at: f64, state: &State, k1: &State, step: f64) -> Trial {
-        let stage = |time: f64, weights: &[(f64, &State)]| {
-            let moved = advance(state, step, weights);
-            self.derivative(at + time * step, &moved)
-        };
-        let k2 = stage(1.0 / 5.0, &[(1.0 / 5.0, k1)]);
-        let k3 = stage(3.0 / 10.0, &[(3.0 / 40.0, k1), (9.0 / 40.0, &k2)]);
-        let k4 = stage(4.0 / 5.0, &[(44.0 / 45.0, k1), (-56.0 / 15.0, &k2), (32.0 / 9.0, &k3)]);
-        let k5 = stage(
-            8.0 / 9.0,
-            &[
-                (19372.0 / 6561.0, k1),
-                (-25360.0 / 2187.0, &k2),
-                (64448.0 / 6561.0, &k3),
-                (-212.0 / 729.0, &k4),
-            ],
-        );
-        let k6 = stage(
-            1.0,
-            &[
-                (9017.0 / 3168.0, k1),
-                (-355.0 / 33.0, &k2),
-                (46732.0 / 5247.0, &k3),
-                (49.0 / 176.0, &k4),
-                (-5103.0 / 18656.0, &k5),
-            ],
-        );
-        let next = advance(
-            state,
-            step,
-            &[
-                (35.0 / 384.0, k1),
-                (500.0 / 1113.0, &k3),
-                (125.0 / 192.0, &k4),
-                (-2187.0 / 6784.0, &k5),
-                (11.0 / 84.0, &k6),
-            ],
-        );
-        let k7 = self.derivative(at + step, &next);
-        let error = (0..4)
-            .map(|i| {
-                let estimate = 71.0 / 57600.0 * k1[i] - 71.0 / 16695.0 * k3[i] + 71.0 / 1920.0 * k4[i]
-                    - 17253.0 / 339200.0 * k5[i]
-                    + 22.0 / 525.0 * k6[i]
-                    - 1.0 / 40.0 * k7[i];
-                estimate.abs() / (TOLERANCE * state[i].abs().max(1.0))
-            })
+    /// One step of the pair. The last stage lies at the fifth-order result and begins the next step.
+    fn trial(&self, at: f64, state: &State, first: &State, step: f64) -> Trial {
+        let mut k = [*first; 7];
+        let mut moved = *state;
+        for stage in 0..6 {
+            for i in 0..4 {
+                let slope =
+                    (0..=stage).fold(0.0, |sum, earlier| sum + WEIGHTS[stage][earlier] * k[earlier][i]);
+                moved[i] = state[i] + step * slope;
+            }
+            k[stage + 1] = self.derivative(at + NODES[stage] * step, &moved);
+        }
+        let mut error: f64 = 0.0;
+        for i in 0..4 {
+            let estimate = (0..7).fold(0.0, |sum, stage| sum + DIFFERENCE[stage] * k[stage][i]).abs();
+            let share = estimate / (TOLERANCE * state[i].abs().max(1.0));
             // f64::max would lose a NaN.
-            .fold(0.0, |largest: f64, error| if error > largest || error.is_nan() { error } else { largest });
-        Trial { state: next, slope: k7, error }
+            if share > error || share.is_nan() {
+                error = share;
+            }
+        }
+        Trial { state: moved, slope: k[6], error }
     }
 
     /// When the links touch within a step, s after its beginning: the root of abs(q₂) − q₂max on the integrator's
@@ -175,14 +169,16 @@ impl Stretch<'_> {
     }
 
     /// Why no step succeeds.
-    fn stuck(&self, at: f64, state: &State) -> ModelError {
+    fn stuck(&self, at: f64, state: &State, step: f64) -> ModelError {
         let [q1, q2, dq1, dq2] = *state;
         let motion = Motion { q: [q1, q2], dq: [dq1, dq2] };
         let equation = self.dynamics.equation(&motion, self.torque.at(at), self.offset + at);
         ModelError::Failed(format!(
             "the state can't be integrated further than q1 = {q1} rad, q2 = {q2} rad, dq1 = {dq1} rad/s, dq2 = {dq2} \
-             rad/s: no step of {SHORTEST_STEP} s is exact enough. M11 = {} kg.m2 and det M = {} kg2.m4 there; if they \
-             are not well above 0, theta_1, theta_2, theta_5, theta_7, theta_8 belong to no body",
+             rad/s under tau_applied = {} N.m: too many steps, or too short ones, the last of {step} s. M11 = {} kg.m2 \
+             and det M = {} kg2.m4 there; if they are not well above 0, theta_1, theta_2, theta_5, theta_7, theta_8 \
+             belong to no body",
+            self.torque.at(at),
             equation.m11,
             equation.determinant()
         ))
@@ -206,14 +202,4 @@ fn next(error: f64, step: f64, last_wanted: f64) -> f64 {
     // A step that was cut to fit says nothing against a longer one.
     let wanted = if factor < 1.0 { factor * step } else { (factor * step).max(last_wanted) };
     wanted.min(LONGEST_STEP)
-}
-
-#[inline]
-fn advance(state: &State, step: f64, weights: &[(f64, &State)]) -> State {
-    let mut moved = *state;
-    for (i, value) in moved.iter_mut().enumerate() {
-        let slope: f64 = weights.iter().fold(0.0, |sum, (weight, k)| sum + weight * k[i]);
-        *value += step * slope;
-    }
-    moved
 }

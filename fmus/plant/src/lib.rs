@@ -103,7 +103,12 @@ impl Plant {
         }
     }
 
-    fn write_outputs(&mut self, variables: &mut Variables, finish: Finish, log: &mut dyn Log) {
+    fn write_outputs(
+        &mut self,
+        variables: &mut Variables,
+        finish: Finish,
+        log: &mut dyn Log,
+    ) -> Result<(), ModelError> {
         let [q1, q2, dq1, dq2] = self.state;
         let place = self.place(&variables.parameters.theta(), log).map_or(0.0, |place| place.z(q2));
         let energy = Dynamics::new(variables, 0.0).energy(&self.motion());
@@ -118,6 +123,14 @@ impl Plant {
         };
         let [link1_acceleration, link2_acceleration] = finish.accelerations;
         variables.locals = Locals { link1_acceleration, link2_acceleration, energy };
+        let shown = [q1, q2, dq1, dq2, finish.torque, link1_acceleration, link2_acceleration, energy];
+        if shown.iter().all(|value| value.is_finite()) {
+            return Ok(());
+        }
+        Err(ModelError::Failed(format!(
+            "numbers overflow: {:?}, {:?} for {:?}",
+            variables.outputs, variables.locals, variables.inputs
+        )))
     }
 
     /// z(q2) for these parameters; `None`, and a warning once, where they have no z.
@@ -226,8 +239,7 @@ impl Model for Plant {
             self.hold(variables, experiment.start, log);
             accelerations = [0.0; 2];
         }
-        self.write_outputs(variables, Finish { torque, accelerations }, log);
-        Ok(())
+        self.write_outputs(variables, Finish { torque, accelerations }, log)
     }
 
     fn step(
@@ -237,9 +249,12 @@ impl Model for Plant {
         log: &mut dyn Log,
     ) -> Result<(), ModelError> {
         check(variables)?;
+        if let Some((name, rate)) = step.input_rates.iter().find(|(_, rate)| !rate.is_finite()) {
+            let expected = "must be finite, being the rate of this input".into();
+            return Err(ModelError::Value { name, value: rate.to_string(), expected });
+        }
         let finish = self.advance(variables, step, log)?;
-        self.write_outputs(variables, finish, log);
-        Ok(())
+        self.write_outputs(variables, finish, log)
     }
 
     fn derivative(&self, variables: &Variables, unknown: &str, known: &str) -> Option<f64> {

@@ -220,6 +220,14 @@ fn every_bad_value_is_refused_by_name() {
 }
 
 #[test]
+fn every_rate_that_is_not_finite_is_refused() {
+    let mut rig = Rig::new(|_| {});
+    let step = Step { from: 0.0, to: 0.01, input_rates: &[("tau", f64::NAN)] };
+    let error = rig.plant.step(&mut rig.variables, &step, &mut Silence).unwrap_err().to_string();
+    assert!(error.starts_with("variable tau = NaN: "), "{error}");
+}
+
+#[test]
 fn every_singular_inertia_ends_with_the_numbers() {
     let error = Rig::try_new(|v| v.parameters.theta_5 = 0.01).map(|rig| rig.state()).unwrap_err();
     assert!(error.to_string().contains("det M = -"), "{error}");
@@ -228,6 +236,28 @@ fn every_singular_inertia_ends_with_the_numbers() {
     let step = Step { from: 0.0, to: 2.0, input_rates: &[] };
     let error = rig.plant.step(&mut rig.variables, &step, &mut Silence).unwrap_err().to_string();
     assert!(error.contains("further than q1 = ") && error.contains("det M = "), "{error}");
+}
+
+#[test]
+fn every_absurd_torque_ends_with_an_error() {
+    for torque in [1e12, -1e200, f64::MAX] {
+        let mut rig = Rig::at([0.0; 4], |_| {});
+        rig.variables.inputs.torque = torque;
+        let step = Step { from: 0.0, to: 0.01, input_rates: &[] };
+        let error = rig.plant.step(&mut rig.variables, &step, &mut Silence).unwrap_err().to_string();
+        assert!(error.contains(&format!("tau_applied = {torque} N.m")), "{error}");
+    }
+}
+
+#[test]
+fn every_overflow_is_an_error() {
+    let start = |v: &mut Variables| {
+        v.inputs.torque = 1e300;
+        v.effects.gain.factor = 1e300;
+        v.parameters.link2_start = 2.5; // touching, so nothing is integrated
+    };
+    let error = Rig::try_new(start).map(|rig| rig.state()).unwrap_err().to_string();
+    assert!(error.contains("applied_torque: inf"), "{error}");
 }
 
 #[test]

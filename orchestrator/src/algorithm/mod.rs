@@ -8,8 +8,10 @@ use crate::error::Error;
 use crate::suggest::nearest;
 use crate::system::{Point, System};
 
+type Make = fn() -> Box<dyn Algorithm>;
+
 /// Every algorithm by the name that a scenario uses.
-const ALGORITHMS: &[(&str, fn() -> Box<dyn Algorithm>)] =
+const ALGORITHMS: &[(&str, Make)] =
     &[("gauss-seidel", || Box::new(gauss_seidel::GaussSeidel)), ("jacobi", || Box::new(jacobi::Jacobi))];
 
 /// What is done at a communication point: a time at which the step of at least one unit ends.

@@ -215,6 +215,8 @@ impl Instance {
         if self.phase == Phase::Instantiated {
             return Ok(());
         }
+        self.warnings = 0;
+        self.sink.take();
         if self.phase != Phase::Dead
             && let Some(reset) = self.functions.reset
         {

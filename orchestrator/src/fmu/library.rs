@@ -105,7 +105,15 @@ impl Library {
         // SAFETY: loading runs the library's initialisers; running the unit is what the user asked for.
         let library = unsafe { libloading::Library::new(path) }.map_err(|error| {
             // The bare text of the loader says which symbol or library is missing.
-            failed(std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string))
+            let mut reason = std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string);
+            if reason.contains("undefined symbol: _Py") || reason.contains("undefined symbol: Py") {
+                // Units that bring Python code expect the master to be Python.
+                reason.push_str(
+                    " (the unit needs a Python interpreter in this process: start with \
+                     LD_PRELOAD=…/libpython3.so and PYTHONHOME or PYTHONPATH set to an installation that has its packages)",
+                );
+            }
+            failed(reason)
         })?;
         // SAFETY: the functions are kept beside the library.
         let functions = unsafe { Functions::find(&library) }

@@ -9,6 +9,7 @@ mod description;
 mod instance;
 mod library;
 mod logger;
+mod read;
 mod state;
 mod xml;
 

@@ -86,7 +86,7 @@ pub struct UnitEntry {
     pub fmu: Placed<String>,
     /// Communication interval in s.
     pub interval: Rational,
-    /// Start values and parameters: name and value; a later one replaces an earlier one.
+    /// Start values and parameters: name and value, each name once.
     pub set: Vec<(String, Placed<Given>)>,
     /// Where the entry begins.
     pub place: Place,
@@ -192,6 +192,7 @@ impl Scenario {
         };
         match self.units.iter_mut().find(|entry| entry.name == unit) {
             Some(entry) => {
+                entry.set.retain(|(known, _)| known != variable);
                 entry.set.push((variable.into(), Placed { value: Given::Text(value.into()), place }));
                 Ok(())
             }

@@ -97,7 +97,17 @@ fn line(out: &mut String, key: &str, text: &str) {
     put(out, key, &Toml::String(text.to_owned()));
 }
 
+/// The shortest digits that read back to the same bits; TOML's own writer spells 1e300 out.
+fn text_of(value: &Toml) -> String {
+    match value {
+        Toml::Float(number) if number.is_finite() => zmij::Buffer::new().format(*number).to_owned(),
+        Toml::Array(values) => format!("[{}]", values.iter().map(text_of).collect::<Vec<_>>().join(", ")),
+        other => other.to_string(),
+    }
+}
+
 fn put(out: &mut String, key: &str, value: &Toml) {
+    let value = text_of(value);
     let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     // Writing to a String can't fail.
     let _ = match bare {

@@ -257,7 +257,7 @@ fn lay_connections(
             let intervals = (system.units[from.0].interval, system.units[to.0].interval);
             let waiting = usize::try_from((delay + intervals.1) / intervals.0 + 3).unwrap_or(0).min(1 << 16);
             let queue = std::collections::VecDeque::with_capacity(waiting);
-            system.lines.push(Line { link, delay, queue });
+            system.lines.push(Line { link, to: to.0, delay, queue });
             system.units[from.0].lines_out.push(number);
             system.units[to.0].lines_in.push(number);
             continue;

@@ -12,10 +12,12 @@ use fmi2_export::ModelError;
 
 /// Radius in image units within which a lens must not fold.
 pub const INTEREST: f64 = 1.0;
-/// Radius in image units up to which a fold is looked for; beyond it nothing is imaged by a lens that distorts.
+const RAYS: usize = 64;
+/// Radii of the search: fine where pictures are, coarse up to [`FARTHEST`].
+const FINE: (f64, usize) = (1.0 / 32.0, 64);
+const COARSE: (f64, usize) = (0.25, 24);
+/// Radius in image units up to which a fold is looked for; beyond it a lens that distorts images nothing.
 const FARTHEST: f64 = 8.0;
-const RAYS: usize = 128;
-const STEP: f64 = 1.0 / 64.0;
 
 /// Radius of the fold in each direction.
 #[derive(Debug, Clone)]
@@ -70,9 +72,18 @@ fn jacobian(effects: &Effects, (u, v): (f64, f64)) -> f64 {
 
 fn fold_radius(effects: &Effects, (u, v): (f64, f64)) -> f64 {
     let folded = |r: f64| jacobian(effects, (r * u, r * v)) <= 0.0;
-    let steps = (FARTHEST / STEP) as usize;
-    let Some(first) = (0..=steps).find(|step| folded(*step as f64 * STEP)) else { return FARTHEST };
-    let (mut inside, mut outside) = ((first as f64 - 1.0).max(0.0) * STEP, first as f64 * STEP);
+    let fine = (0..=FINE.1).map(|step| step as f64 * FINE.0);
+    let coarse = (1..=COARSE.1).map(|step| FINE.1 as f64 * FINE.0 + step as f64 * COARSE.0);
+    let mut inside = 0.0;
+    let Some(mut outside) = fine.chain(coarse).find(|r| {
+        let found = folded(*r);
+        if !found {
+            inside = *r;
+        }
+        found
+    }) else {
+        return FARTHEST;
+    };
     for _ in 0..40 {
         let middle = 0.5 * (inside + outside);
         if folded(middle) { outside = middle } else { inside = middle }

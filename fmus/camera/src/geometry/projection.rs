@@ -4,7 +4,8 @@
 //! half the field of view is one image unit.
 
 use super::fold::FoldMap;
-use crate::effects::{Effects, mounting::Rotation};
+use crate::effects::Effects;
+use crate::effects::mounting::{Mounting, Rotation};
 use crate::variables::{Scene, Sensor};
 use fmi2_export::ModelError;
 
@@ -16,6 +17,7 @@ pub struct Projection {
     distance: f64,
     effects: Effects,
     fold: FoldMap,
+    plain: bool,
     half_width_px: f64,
     half_height_px: f64,
 }
@@ -32,6 +34,8 @@ impl Projection {
             distance: sensor.focal_length * scene.field_of_view / 2.0,
             effects: effects.clone(),
             fold: FoldMap::checked(effects)?,
+            plain: effects.lens_parameters().iter().all(|(_, value)| *value == 0.0)
+                && effects.mounting == Mounting::default(),
             half_width_px: f64::from(sensor.width) / 2.0,
             half_height_px: f64::from(sensor.height) / 2.0,
         })
@@ -58,19 +62,52 @@ impl Projection {
         (self.half_width_px * u, self.half_height_px * v)
     }
 
-    /// Pixel coordinates of a world point; `None` behind the camera.
-    pub fn pixel_from_world(&self, world: (f64, f64)) -> Option<(f64, f64)> {
-        self.ideal_from_world(world).map(|ideal| self.pixel_from_ideal(ideal))
+    /// Raster coordinates (x right from the left border, y down from the upper border) of an ideal image point.
+    #[inline]
+    pub fn raster_from_ideal(&self, ideal: (f64, f64)) -> (f64, f64) {
+        let (u, v) = self.pixel_from_ideal(ideal);
+        (self.half_width_px + u, self.half_height_px - v)
+    }
+
+    /// Raster coordinates of a world point; `None` behind the camera.
+    #[inline]
+    pub fn raster_from_world(&self, world: (f64, f64)) -> Option<(f64, f64)> {
+        self.ideal_from_world(world).map(|ideal| self.raster_from_ideal(ideal))
+    }
+
+    /// Pixels a world unit, horizontally and vertically, if the picture is nothing but a scaled one: the lens
+    /// does not distort and the mounting is square.
+    pub fn plain_scale(&self) -> Option<(f64, f64)> {
+        self.plain.then(|| {
+            let scale = self.effects.placement.scale * self.image_per_world();
+            (self.half_width_px * scale, self.half_height_px * scale)
+        })
+    }
+
+    /// Image units a world unit on the axis, before the lens.
+    pub fn image_per_world(&self) -> f64 {
+        self.focal_length / self.distance
+    }
+
+    /// How much larger than at the axis of an ideal lens a small length can look within the region of interest.
+    pub fn largest_magnification(&self) -> f64 {
+        let (h, steps) = (1e-3, 16);
+        let mut largest: f64 = 1.0;
+        for i in -steps..=steps {
+            for j in -steps..=steps {
+                let (u, v) = (f64::from(i) / f64::from(steps), f64::from(j) / f64::from(steps));
+                let at = |u, v| self.effects.distorted(u, v);
+                let ((a, b), (c, d), (e, f)) = (at(u, v), at(u + h, v), at(u, v + h));
+                let square = |x: f64, y: f64| (x * x + y * y) / (h * h);
+                largest = largest.max(square(c - a, d - b).max(square(e - a, f - b)).sqrt());
+            }
+        }
+        largest.min(4.0) * self.effects.placement.scale
     }
 
     /// Whether the lens images an ideal point: it lies inside the fold.
     pub fn images(&self, ideal: (f64, f64)) -> bool {
         self.fold.contains(ideal)
-    }
-
-    /// Half the size of the picture in pixels.
-    pub fn half_size_px(&self) -> (f64, f64) {
-        (self.half_width_px, self.half_height_px)
     }
 }
 

@@ -22,15 +22,21 @@ fn pass(from: &[f32], width: usize, to: &mut [f32], [f0, f1, f2]: [f32; 3]) {
     for (y, out) in to.chunks_exact_mut(width).enumerate() {
         let (above, middle, below) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(height - 1)));
         // The same order of additions at every pixel, so that a patch gives the same bits as a whole frame.
-        let at = |left: usize, x: usize, right: usize| {
-            f0 * middle[x]
-                + f1 * ((above[x] + below[x]) + (middle[left] + middle[right]))
-                + f2 * ((above[left] + above[right]) + (below[left] + below[right]))
+        let blend = |[a, b, c]: [f32; 3], [d, e, f]: [f32; 3], [g, h, i]: [f32; 3]| {
+            f0 * e + f1 * ((b + h) + (d + f)) + f2 * ((a + c) + (g + i))
         };
-        out[0] = at(0, 0, 1.min(width - 1));
-        for x in 1..width.saturating_sub(1) {
-            out[x] = at(x - 1, x, x + 1);
+        let at = |left: usize, x: usize, right: usize| {
+            let three = |row: &[f32]| [row[left], row[x], row[right]];
+            blend(three(above), three(middle), three(below))
+        };
+        let last = width - 1;
+        out[0] = at(0, 0, 1.min(last));
+        let inner = out.iter_mut().skip(1).zip(above.array_windows::<3>());
+        for ((out, above), (middle, below)) in
+            inner.zip(middle.array_windows::<3>().zip(below.array_windows::<3>()))
+        {
+            *out = blend(*above, *middle, *below);
         }
-        out[width - 1] = at(width.saturating_sub(2), width - 1, width - 1);
+        out[last] = at(last.saturating_sub(1), last, last);
     }
 }

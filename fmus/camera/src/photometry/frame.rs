@@ -9,6 +9,7 @@ use super::quantise::{self, FrameNoise};
 use crate::effects::Effects;
 use crate::geometry::{Outline, Projection, UnitCircle};
 use crate::variables::{Scene, Sensor};
+use crate::vision::estimator;
 use fmi2_export::ModelError;
 
 /// What one frame sees.
@@ -16,6 +17,8 @@ use fmi2_export::ModelError;
 pub struct Shot<'a> {
     /// Number of the frame: chooses the noise, and the field if interlaced.
     pub k: i64,
+    /// Chooses the noise as well.
+    pub seed: i32,
     /// Centres of the three circles in world units, one entry a sub-frame; all of equal weight.
     pub centres_world: &'a [[(f64, f64); 3]],
     /// Make every pixel of the picture, not only those that the vision system needs.
@@ -65,15 +68,15 @@ impl FrameMaker {
         let projection = Projection::new(scene, sensor, effects)?;
         let (width, height) = (sensor.width as usize, sensor.height as usize);
         let larger = f64::from(sensor.width.max(sensor.height));
-        let radius_px = effects.placement.scale * scene.circle_radius / scene.field_of_view * larger;
+        let radius_px =
+            projection.largest_magnification() * scene.circle_radius / scene.field_of_view * larger;
         let sensitivity = sensitivity(sensor, effects);
         let mut maker = Self {
             settings: Settings { scene: scene.clone(), sensor: sensor.clone(), effects: effects.clone() },
             projection,
-            // A distorting lens magnifies up to about twice within the picture.
-            circle: UnitCircle::for_radius_px(1.5 * radius_px),
+            circle: UnitCircle::for_radius_px(radius_px),
             sensitivity,
-            background: Plane::filled(width, height, 0, i16::MIN),
+            background: Plane { values: Vec::new(), stride: 0, width, height },
             brightest_background: 0,
             base: Plane::default(),
             picture: Plane::filled(width, height, 0, 0),
@@ -92,8 +95,13 @@ impl FrameMaker {
 
     /// Whether this maker was made for these parameters.
     pub fn is_for(&self, scene: &Scene, sensor: &Sensor, effects: &Effects) -> bool {
+        // Of the sensor only what forms the picture counts: the rest may differ from run to run.
+        let picture =
+            |s: &Sensor| (s.width, s.height, s.focal_length, s.interlaced, s.threshold, s.estimator);
         let settings = &self.settings;
-        settings.scene == *scene && settings.sensor == *sensor && settings.effects == *effects
+        picture(&settings.sensor) == picture(sensor)
+            && settings.scene == *scene
+            && settings.effects == *effects
     }
 
     /// Renders a frame.
@@ -110,7 +118,7 @@ impl FrameMaker {
         let effects = &self.settings.effects;
         let noise: FrameNoise = match gain(effects.noise.deviation) {
             0 => None,
-            gain => Some((Keys::new(self.settings.sensor.seed, shot.k), gain)),
+            gain => Some((Keys::new(shot.seed, shot.k), gain)),
         };
         self.expose(shot, &boxes, &restored, noise);
         self.dirty = boxes;
@@ -190,7 +198,8 @@ impl FrameMaker {
     /// Boxes around the outlines with room for the defocus; boxes that touch are one.
     fn boxes(&self) -> Vec<Area> {
         let (width, height) = (self.base.width, self.base.height);
-        let margin = self.settings.effects.defocus.passes as usize;
+        let sensor = &self.settings.sensor;
+        let margin = self.settings.effects.defocus.passes as usize + estimator::margin(sensor);
         let mut boxes: Vec<Area> = Vec::with_capacity(3);
         for outline in &self.outlines {
             let Some([left, top, right, bottom]) = outline.bounds else { continue };
@@ -223,9 +232,17 @@ impl FrameMaker {
         let passes = settings.effects.defocus.passes as usize;
         let outer = area.grown(passes, base.width, base.height);
         coverage.begin(outer.width(), outer.height());
+        let origin = (outer.x0 as f32, outer.y0 as f32);
+        let (right, bottom) = (outer.x1 as f32, outer.y1 as f32);
         for outline in outlines.iter() {
-            for polygon in outline.vertices.chunks_exact(self.circle.len()) {
-                coverage.add(polygon, (outer.x0 as f32, outer.y0 as f32));
+            let Some([x0, y0, x1, y1]) = outline.bounds else { continue };
+            if x1 <= origin.0 || y1 <= origin.1 || x0 >= right || y0 >= bottom {
+                continue;
+            }
+            let inside = x0 >= origin.0 && y0 >= origin.1 && x1 < right && y1 < bottom;
+            let n = self.circle.len();
+            for (xs, ys) in outline.xs.chunks_exact(n).zip(outline.ys.chunks_exact(n)) {
+                coverage.add(xs, ys, origin, inside && outline.longest_edge < 1.0);
             }
         }
         coverage.finish(1.0 / sub_frames as f32);
@@ -256,12 +273,21 @@ impl FrameMaker {
     fn prepare_background(&mut self) {
         let (width, height) = (self.background.width, self.background.height);
         let (dark, _) = levels(&self.settings.scene);
-        self.patch = vec![dark; width * height];
-        self.patch.iter_mut().zip(&self.sensitivity).for_each(|(grey, light)| *grey *= light);
-        blur(&mut self.patch, width, &mut self.scratch, &self.settings.effects.defocus);
-        for y in 0..height {
-            for (to, grey) in self.background.row_mut(y).iter_mut().zip(&self.patch[y * width..]) {
-                *to = parts(*grey);
+        let defocus = &self.settings.effects.defocus;
+        if self.sensitivity.is_empty() {
+            // The same everywhere; a pixel of a small patch goes through the same operations as one of the frame.
+            self.patch = vec![dark; 9];
+            blur(&mut self.patch, 3, &mut self.scratch, defocus);
+            self.background = Plane::filled(width, height, parts(self.patch[4]), i16::MIN);
+        } else {
+            self.patch.clear();
+            self.patch.extend(self.sensitivity.iter().map(|light| dark * light));
+            blur(&mut self.patch, width, &mut self.scratch, defocus);
+            self.background = Plane::filled(width, height, 0, i16::MIN);
+            for (y, row) in self.patch.chunks_exact(width).enumerate() {
+                for (to, grey) in self.background.row_mut(y).iter_mut().zip(row) {
+                    *to = parts(*grey);
+                }
             }
         }
         self.brightest_background = self.background.values.iter().copied().max().unwrap_or(0);
@@ -279,18 +305,31 @@ fn sensitivity(sensor: &Sensor, effects: &Effects) -> Vec<f32> {
     if effects.sensitivity.exponent == 0.0 {
         return Vec::new();
     }
-    let (width, height) = (sensor.width as usize, sensor.height as usize);
     let half = (f64::from(sensor.width) / 2.0, f64::from(sensor.height) / 2.0);
-    let mut light = Vec::with_capacity(width * height);
-    for row in 0..height {
-        for column in 0..width {
-            let u = (column as f64 + 0.5) / half.0 - 1.0 - effects.placement.centre_u;
-            let v = 1.0 - (row as f64 + 0.5) / half.1 - effects.placement.centre_v;
-            light.push(effects.sensitivity.gain(u * u + v * v, sensor.focal_length) as f32);
-        }
+    let placement = &effects.placement;
+    let columns: Vec<f64> =
+        (0..sensor.width).map(|x| (f64::from(x) + 0.5) / half.0 - 1.0 - placement.centre_u).collect();
+    let rows: Vec<f64> =
+        (0..sensor.height).map(|y| 1.0 - (f64::from(y) + 0.5) / half.1 - placement.centre_v).collect();
+    // (11) is smooth in r²: a table with straight lines between is good to 1e-6 for any β that leaves light.
+    let square = |places: &[f64]| places.iter().fold(0.0, |largest: f64, place| largest.max(place * place));
+    let per_entry = SENSITIVITY_ENTRIES as f64 / (square(&columns) + square(&rows));
+    let table: Vec<f64> = (0..=SENSITIVITY_ENTRIES + 1)
+        .map(|entry| effects.sensitivity.gain(entry as f64 / per_entry, sensor.focal_length))
+        .collect();
+    let mut light = Vec::with_capacity(columns.len() * rows.len());
+    for v in &rows {
+        light.extend(columns.iter().map(|u| {
+            let place = (u * u + v * v) * per_entry;
+            let entry = (place as usize).min(SENSITIVITY_ENTRIES);
+            (table[entry] + (place - entry as f64) * (table[entry + 1] - table[entry])) as f32
+        }));
     }
     light
 }
+
+/// Entries of the table of (11) over r².
+const SENSITIVITY_ENTRIES: usize = 4096;
 
 fn copy(from: &Plane<i16>, to: &mut Plane<i16>, area: Area) {
     for y in area.y0..area.y1 {

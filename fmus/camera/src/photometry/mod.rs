@@ -11,7 +11,7 @@ pub mod frame;
 pub mod noise;
 pub mod plane;
 pub mod quantise;
-mod simd;
+pub mod simd;
 
 pub use coverage::{Area, Coverage};
 pub use frame::{FrameMaker, Shot};

@@ -34,6 +34,14 @@ pub fn quantise(
 ) {
     let (from, to) = (area.x0 / BLOCK, area.x1.div_ceil(BLOCK));
     let path = simd::best();
+    if row_step == 1 && (to - from) * BLOCK == base.stride {
+        // Whole rows lie one after the other: one span.
+        let pixels = area.y0 * base.stride..area.y1 * base.stride;
+        let words = area.y0 * mask.stride..area.y1 * mask.stride;
+        let first_word = (pixels.start / 2) as u32;
+        let span = Span { base: &base.values[pixels.clone()], first_word, noise, level };
+        return path(span, &mut picture.values[pixels], &mut mask.words[words]);
+    }
     for y in (area.y0..area.y1).step_by(row_step) {
         let start = y * base.stride + from * BLOCK;
         let pixels = start..y * base.stride + to * BLOCK;

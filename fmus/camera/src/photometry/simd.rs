@@ -1,15 +1,36 @@
-//! The AVX2 path of [`super::quantise`], chosen at run time. All `unsafe` of the camera is in this file.
+//! The AVX2 and AVX-512 paths of [`super::quantise`], chosen at run time. All `unsafe` of the camera is in this file.
 
 use super::quantise::{Span, portable};
 
 /// A way to quantise a span.
 pub type Path = fn(Span<'_>, &mut [u8], &mut [u32]);
 
+/// The paths that this machine has, the fastest first.
+pub fn available() -> Vec<(&'static str, Path)> {
+    let mut paths: Vec<(&'static str, Path)> = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        if x86::has_avx512() {
+            paths.push(("AVX-512", x86::avx512));
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            paths.push(("AVX2", x86::avx2));
+        }
+    }
+    paths.push(("portable", portable));
+    paths
+}
+
 /// The fastest path that this machine has.
 pub fn best() -> Path {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        return x86::avx2;
+    {
+        if x86::has_avx512() {
+            return x86::avx512;
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            return x86::avx2;
+        }
     }
     portable
 }
@@ -30,6 +51,73 @@ mod x86 {
             match span.noise {
                 Some((keys, gain)) => noisy(span, keys, gain, picture, mask, blocks),
                 None => clean(span, picture, mask, blocks),
+            }
+        }
+    }
+
+    /// Whether the machine has what [`avx512`] uses.
+    pub fn has_avx512() -> bool {
+        std::arch::is_x86_feature_detected!("avx512bw") && std::arch::is_x86_feature_detected!("avx512vl")
+    }
+
+    /// Same bits as [`super::portable`]. Only handed out by [`super::best`] where [`has_avx512`].
+    pub fn avx512(span: Span<'_>, picture: &mut [u8], mask: &mut [u32]) {
+        let Some((keys, gain)) = span.noise else { return avx2(span, picture, mask) };
+        let blocks = span.base.len() / BLOCK;
+        assert!(picture.len() >= blocks * BLOCK && mask.len() >= blocks, "a span's slices have one length");
+        // SAFETY: the machine has AVX-512 BW and VL; the lengths that the pointers rely on are asserted.
+        unsafe { noisy512(span, keys, gain, picture, mask, blocks) }
+    }
+
+    /// As `noisy`, a block at a time.
+    ///
+    /// # Safety
+    /// `span.base` and `picture` hold `blocks` blocks, `mask` that many words.
+    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
+    unsafe fn noisy512(
+        span: Span<'_>,
+        keys: Keys,
+        gain: i16,
+        picture: &mut [u8],
+        mask: &mut [u32],
+        blocks: usize,
+    ) {
+        let narrow = tables(gain);
+        let wide = |half: __m256i| _mm512_broadcast_i64x4(half);
+        let (a, b, low) = (wide(narrow.a), wide(narrow.b), wide(narrow.low));
+        let (weights, rounds) = (
+            (wide(narrow.weights.0), wide(narrow.weights.1)),
+            (wide(narrow.rounds.0), wide(narrow.rounds.1)),
+        );
+        let (gain, half) = (wide(narrow.gain), _mm512_set1_epi16(32));
+        let second = _mm512_set1_epi32(keys.1 as i32);
+        let level = _mm256_set1_epi8(span.level as i8);
+        let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+        let mut word =
+            _mm512_add_epi32(_mm512_set1_epi32(span.first_word.wrapping_add(keys.0) as i32), lanes);
+        for (block, bits) in mask.iter_mut().enumerate().take(blocks) {
+            let mut h = _mm512_xor_si512(word, _mm512_srli_epi32::<16>(word));
+            h = _mm512_mullo_epi32(h, rounds.0);
+            h = _mm512_xor_si512(h, second);
+            h = _mm512_xor_si512(h, _mm512_srli_epi32::<15>(h));
+            h = _mm512_mullo_epi32(h, rounds.1);
+            h = _mm512_xor_si512(h, _mm512_srli_epi32::<16>(h));
+            let even = _mm512_and_si512(h, low);
+            let odd = _mm512_and_si512(_mm512_srli_epi16::<4>(h), low);
+            let deviate = _mm512_add_epi16(
+                _mm512_maddubs_epi16(weights.0, _mm512_shuffle_epi8(a, even)),
+                _mm512_maddubs_epi16(weights.1, _mm512_shuffle_epi8(b, odd)),
+            );
+            let noise = _mm512_mulhrs_epi16(deviate, gain);
+            word = _mm512_add_epi32(word, _mm512_set1_epi32(16));
+            // SAFETY: block < blocks, as the caller promised; the loads and stores are unaligned ones.
+            unsafe {
+                let base = _mm512_loadu_si512(span.base.as_ptr().add(block * BLOCK).cast());
+                let sum = _mm512_adds_epi16(_mm512_adds_epi16(base, noise), half);
+                let grey = _mm512_max_epi16(_mm512_srai_epi16::<6>(sum), _mm512_setzero_si512());
+                let pixels = _mm512_cvtusepi16_epi8(grey);
+                _mm256_storeu_si256(picture.as_mut_ptr().add(block * BLOCK).cast(), pixels);
+                *bits = _mm256_cmpge_epu8_mask(pixels, level);
             }
         }
     }

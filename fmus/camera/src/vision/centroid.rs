@@ -19,8 +19,13 @@ impl Feature {
         let area = f64::from(component.area);
         let (x, y) = (component.sum_x as f64 / area, component.sum_y as f64 / area);
         Self {
-            centre_px: (x + 0.5 - f64::from(sensor.width) / 2.0, f64::from(sensor.height) / 2.0 - 0.5 - y),
+            centre_px: pixel_from_raster((x + 0.5, y + 0.5), sensor),
             area_px: f64::from(select::area_px(component, sensor)),
         }
     }
+}
+
+/// Pixel coordinates (origin at the image centre, v up) of a place in raster coordinates.
+pub fn pixel_from_raster((x, y): (f64, f64), sensor: &Sensor) -> (f64, f64) {
+    (x - f64::from(sensor.width) / 2.0, f64::from(sensor.height) / 2.0 - y)
 }

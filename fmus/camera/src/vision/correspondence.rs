@@ -2,9 +2,12 @@
 //!
 //! From frame to frame by the nearest neighbour, as long as every circle has moved less than half the smallest
 //! separation of any two. At the first frame, and after a loss, by the known geometry: the ordered triple of regions
-//! whose first lies at the height of the drum's centre and whose distances are the links' lengths. It has to be
-//! clearly better than any other triple; otherwise nothing is identified. *Deviations*: the paper assumes "an
-//! initial knowledge of the correspondence" and says nothing of what follows a loss.
+//! whose first lies where a drum that rolls is (at the height of its centre, R q₁ from the middle), and whose
+//! distances are the links' lengths. The rolling matters: near q₂ = 1.79 on the manifold the tip is as far from the
+//! drum as the joint is. Nothing is below the ground, unless there is no drum (R = 0: the robot is pinned). The triple
+//! has to be clearly better than any other; otherwise nothing is identified.
+//! *Deviations*: the paper assumes "an initial knowledge of the correspondence" and says nothing of what follows a
+//! loss.
 
 use super::Feature;
 use crate::variables::{Scene, Sensor};
@@ -17,8 +20,13 @@ pub type Triple = [Feature; 3];
 const LENGTH_TOLERANCE: f64 = 0.4;
 /// Largest height of the drum's centre above or below its own place, in image units.
 const HEIGHT_TOLERANCE: f64 = 0.3;
-/// How much better the best triple has to be than the next one (sums of squares).
-const CLEARLY: f64 = 2.0;
+/// How far below the ground line a circle may look to be, in image units.
+const GROUND_TOLERANCE: f64 = 0.15;
+/// Weight of the drum's horizontal place. It is what tells q₂ = 1.79 from its mirror image, 0.12 image units apart.
+const ROLLING: f64 = 4.0;
+/// How much better the best triple has to be than the next one (sums of squares): by a factor, and by what the
+/// grid of pixels can do to the lengths.
+const CLEARLY: (f64, f64) = (1.5, 1e-4);
 /// With more regions than this the geometry is not tried: chance would find triples.
 const MOST_CANDIDATES: usize = 16;
 
@@ -56,6 +64,11 @@ pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Op
     let misfit = |a: (f64, f64), b: (f64, f64), length: f64| {
         squared_distance(a, b).sqrt() / (length * world_unit) - 1.0
     };
+    let lowest = if scene.drum_radius > 0.0 {
+        scene.ground_height * world_unit - GROUND_TOLERANCE
+    } else {
+        f64::NEG_INFINITY
+    };
     let (mut best, mut best_cost, mut next_cost) = (None, f64::INFINITY, f64::INFINITY);
     for drum in candidates {
         let too_high = image(drum).1 - height;
@@ -64,15 +77,17 @@ pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Op
         }
         for joint in candidates.iter().filter(|joint| *joint != drum) {
             let first = misfit(image(drum), image(joint), scene.link1_length);
-            if first.abs() > LENGTH_TOLERANCE {
+            if first.abs() > LENGTH_TOLERANCE || image(joint).1 < lowest {
                 continue;
             }
             for tip in candidates.iter().filter(|tip| *tip != drum && *tip != joint) {
                 let second = misfit(image(joint), image(tip), scene.link2_length);
-                if second.abs() > LENGTH_TOLERANCE {
+                if second.abs() > LENGTH_TOLERANCE || image(tip).1 < lowest {
                     continue;
                 }
-                let cost = too_high * too_high + first * first + second * second;
+                let ((a, b), (c, d)) = (image(drum), image(joint));
+                let astray = a - scene.drum_radius * world_unit * libm::atan2(c - a, d - b);
+                let cost = too_high * too_high + ROLLING * astray * astray + first * first + second * second;
                 if cost < best_cost {
                     next_cost = best_cost;
                     best_cost = cost;
@@ -83,5 +98,5 @@ pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Op
             }
         }
     }
-    best.filter(|_| next_cost > CLEARLY * best_cost)
+    best.filter(|_| next_cost > CLEARLY.0 * best_cost + CLEARLY.1)
 }

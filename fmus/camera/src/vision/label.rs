@@ -128,12 +128,10 @@ fn absorb(into: &mut Component, other: &Component) {
 
 /// Runs of set bits of a row within a window.
 fn collect(words: &[u32], window: &Area, runs: &mut Vec<Run>) {
-    for index in window.x0 / BLOCK..window.x1.div_ceil(BLOCK) {
-        let base = index * BLOCK;
-        let mut bits = words[index];
-        if bits == 0 {
-            continue;
-        }
+    let (first, end) = (window.x0 / BLOCK, window.x1.div_ceil(BLOCK));
+    for (index, word) in words[first..end].iter().enumerate().filter(|(_, word)| **word != 0) {
+        let base = (first + index) * BLOCK;
+        let mut bits = *word;
         if base < window.x0 {
             bits &= u32::MAX << (window.x0 - base);
         }

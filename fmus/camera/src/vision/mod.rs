@@ -1,11 +1,16 @@
-//! From a frame to the state (Section 3.2): threshold, label, select by area, centroid, correspondence, state.
+//! From a frame to the state (Section 3.2): label the thresholded frame, select regions by area, find their centres
+//! (the binary centroid, or one of the other estimators), say which is which circle, and read the state off them.
 
 pub mod centroid;
 pub mod correspondence;
+pub mod estimator;
+pub mod grey;
 pub mod label;
+pub mod likelihood;
 pub mod select;
 pub mod state;
 
 pub use centroid::Feature;
+pub use estimator::{Estimators, View};
 pub use label::{Component, Labeller};
 pub use state::{Estimate, Tracker};

@@ -11,6 +11,9 @@ impl Log for Silent {
 
 pub const EXPERIMENT: Experiment = Experiment { start: 0.0, stop: None, tolerance: None };
 
+/// Sets some variables.
+pub type Change = fn(&mut Variables);
+
 /// Fresh variables, changed.
 pub fn variables(change: impl Fn(&mut Variables)) -> Variables {
     let mut variables = Variables::default();
@@ -64,7 +67,7 @@ pub fn along_manifold(base: &Variables, n: usize) -> Vec<(f64, Option<(f64, f64)
             step_to(&mut camera, &mut variables, from, from + 0.5 * period, [q1, q2, 0.0, 0.0]);
             step_to(&mut camera, &mut variables, from + 0.5 * period, to, [q1, q2, 0.0, 0.0]);
             let out = &variables.outputs;
-            let error = out.valid.then(|| (q1 - out.link1_angle, q2 - out.link2_angle));
+            let error = out.valid.then_some((q1 - out.link1_angle, q2 - out.link2_angle));
             errors.push((q2, error));
         }
     }

@@ -9,7 +9,7 @@ use fmi2_export::{ModelError, unit, variables};
 use mechanics::Equation;
 
 /// v_s in rad/s. Two orders below the rates at which the acrobot balances, and large enough for the integrator: with
-/// 0.1 N·m at the joint the plant's fastest eigenvalue is about 5e3 1/s.
+/// 0.1 N·m at the joint the plant's fastest eigenvalue is about 4e3 1/s.
 pub const SMOOTHING_RATE: f64 = 1e-3;
 
 variables! {

@@ -2,7 +2,7 @@
 //!
 //! It turns with the joint, so its kinetic energy is ½I(q̇₂ − q̇₁)²: M gains I·[1 −1; −1 1]. The rotor's share in the
 //! motion of link 1 itself (of the order of I over the gear ratio) is left out, as usual.
-//! Source: Spong, "Modeling and control of elastic joint robots", 1987, assumption A1, with a stiff joint.
+//! Source: Spong, "Modeling and control of elastic joint robots", 1987, with a stiff joint.
 
 use super::{Mechanical, Motion, non_negative};
 use fmi2_export::{ModelError, unit, variables};

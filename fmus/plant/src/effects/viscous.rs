@@ -1,7 +1,8 @@
 //! Viscous friction: torque proportional to a rate and against it.
 //!
 //! At the ground (rolling resistance of the drum) it acts on q̇₁, at the joint on q̇₂ − q̇₁, there on both links.
-//! Source: the linear term of the usual joint friction model, e.g. Siciliano et al., *Robotics*, eq. (7.43).
+//! Source: the linear term of the usual joint friction model, e.g. Siciliano et al., *Robotics: Modelling, Planning
+//! and Control*, 2009, chapter 7.
 
 use super::{Mechanical, Motion, non_negative};
 use fmi2_export::{ModelError, unit, variables};

@@ -1,0 +1,49 @@
+//! `acroscope reproduce`: the paper's tables, figures and claims, chosen ones or all.
+
+use crate::cli::Reproduce;
+use crate::error::Error;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal as _;
+use std::path::{Path, PathBuf};
+
+/// Runs the studies side by side and writes `claims.json` and `index.html`.
+pub fn reproduce(arguments: &Reproduce, quiet: bool) -> Result<(), Error> {
+    let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out/reproduce"));
+    let bar = bar(quiet, studies::choose(&arguments.ids)?.len());
+    // Before the work, so that a folder that can't be made costs no minutes.
+    std::fs::create_dir_all(&out).map_err(Error::file(&out))?;
+    let bench = studies::Bench::new(scenarios::unit_path());
+    let reproduction = studies::reproduce(&arguments.ids, &bench, &|study| {
+        bar.set_message(study.id);
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    reproduction.write(&out)?;
+    if !quiet {
+        summary(&reproduction, &out);
+    }
+    Ok(())
+}
+
+/// A bar that counts studies; hidden if `quiet` or if nobody looks at a terminal.
+fn bar(quiet: bool, studies: usize) -> ProgressBar {
+    let hidden = quiet || !std::io::stderr().is_terminal();
+    let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(studies as u64), target);
+    // The template is a constant; were it wrong, indicatif's own style would do.
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos} of {len} studies, {elapsed}: {msg}") {
+        bar.set_style(style);
+    }
+    bar.tick();
+    bar
+}
+
+/// How many statements hold, and which don't.
+fn summary(reproduction: &studies::Reproduction, out: &Path) {
+    let holding = reproduction.claims().filter(|claim| claim.holds).count();
+    println!("{holding} of {} statements hold", reproduction.claims().count());
+    for claim in reproduction.claims().filter(|claim| !claim.holds) {
+        println!("  {} does not: {}; {}", claim.id, claim.quantity, claim.ours);
+    }
+    println!("the report is {}", out.join("index.html").display());
+}

@@ -1,0 +1,40 @@
+//! The nominal scenario with what was found switched on.
+
+use crate::candidates::Candidate;
+use crate::diagnosis::Effect;
+use crate::error::Error;
+use crate::model::Model;
+use orchestrator::{Scenario, Simulation, UnitPath};
+
+/// The amended scenario, as text that `acroscope run` accepts.
+///
+/// # Errors
+/// The scenario can't be built with these values.
+pub fn amended(
+    model: &Model,
+    list: &[Candidate],
+    point: &[f64],
+    effects: &[Effect],
+    units: &UnitPath,
+) -> Result<String, Error> {
+    let mut scenario: Scenario = model.scenario.clone();
+    let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
+    for (index, candidate) in list.iter().enumerate() {
+        if point[index] != candidate.off {
+            scenario.set(candidate.name, &written(candidate, candidate.value(point[index]))).map_err(failed)?;
+        }
+    }
+    for effect in effects.iter().filter(|effect| effect.name == "camera.drop_rate") {
+        scenario.set(&effect.name, &format!("{:?}", effect.value)).map_err(failed)?;
+    }
+    Ok(Simulation::new(&scenario, units).map_err(failed)?.resolved())
+}
+
+fn written(candidate: &Candidate, value: f64) -> String {
+    use crate::candidates::Motion;
+    match candidate.motion {
+        Motion::Switch => (value > 0.5).to_string(),
+        Motion::Count { .. } => format!("{value:.0}"),
+        _ => format!("{value:?}"),
+    }
+}

@@ -1,0 +1,118 @@
+//! Instances of one unit on a test bench: set up, driven and read through FMI, reused from a pool.
+//!
+//! An instance is reset before each use, so results don't depend on which one a thread gets.
+
+use crate::error::Error;
+use orchestrator::fmu::{Instance, Status};
+use orchestrator::{Fmu, Kind, Value};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+/// A unit with the parameters of the nominal model.
+pub struct Bench {
+    fmu: Fmu,
+    nominal: Vec<(u32, Value)>,
+    references: BTreeMap<String, (u32, Kind)>,
+    pool: Mutex<Vec<Instance>>,
+}
+
+/// A parameter value by its reference.
+pub type Setting = (u32, Value);
+
+fn failed(error: impl std::fmt::Display) -> Error {
+    Error::Model(error.to_string())
+}
+
+impl Bench {
+    /// A bench for a unit whose parameters differ from their start values by `nominal`.
+    ///
+    /// # Errors
+    /// A name is no variable of the unit.
+    pub fn new(fmu: Fmu, nominal: &BTreeMap<String, Value>) -> Result<Self, Error> {
+        let references: BTreeMap<String, (u32, Kind)> = fmu
+            .description()
+            .variables
+            .iter()
+            .map(|variable| (variable.name.clone(), (variable.reference, variable.kind)))
+            .collect();
+        let mut bench = Self { fmu, nominal: Vec::new(), references, pool: Mutex::new(Vec::new()) };
+        for (name, value) in nominal {
+            let reference = bench.reference(name)?;
+            bench.nominal.push((reference, value.clone()));
+        }
+        Ok(bench)
+    }
+
+    /// Value reference of a variable.
+    ///
+    /// # Errors
+    /// There is no such variable.
+    pub fn reference(&self, name: &str) -> Result<u32, Error> {
+        self.references
+            .get(name)
+            .map(|(reference, _)| *reference)
+            .ok_or_else(|| Error::Model(format!("{} has no variable `{name}`", self.fmu.path().display())))
+    }
+
+    /// A setting in the type that the variable has.
+    ///
+    /// # Errors
+    /// There is no such variable.
+    pub fn setting(&self, name: &str, value: f64) -> Result<Setting, Error> {
+        let (reference, kind) = self
+            .references
+            .get(name)
+            .ok_or_else(|| Error::Model(format!("{} has no variable `{name}`", self.fmu.path().display())))?;
+        let value = match kind {
+            Kind::Integer => Value::Integer(value.round() as i32),
+            Kind::Boolean => Value::Boolean(value > 0.5),
+            _ => Value::Real(value),
+        };
+        Ok((*reference, value))
+    }
+
+    /// Runs something on an instance that was set up with the nominal parameters and `settings`, at `start`.
+    ///
+    /// # Errors
+    /// The unit refused something.
+    pub fn run<R>(
+        &self,
+        settings: &[Setting],
+        start: f64,
+        job: impl FnOnce(&mut Instance) -> Result<R, Error>,
+    ) -> Result<R, Error> {
+        let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
+        let mut instance = match kept {
+            Some(instance) => instance,
+            None => self.fmu.instantiate("bench").map_err(failed)?,
+        };
+        instance.reset().map_err(failed)?;
+        for (reference, value) in self.nominal.iter().chain(settings) {
+            instance.set(*reference, value).map_err(failed)?;
+        }
+        instance.setup_experiment(start, None).map_err(failed)?;
+        instance.enter_initialization().map_err(failed)?;
+        instance.exit_initialization().map_err(failed)?;
+        let result = job(&mut instance);
+        if result.is_ok() {
+            if let Ok(mut pool) = self.pool.lock() {
+                pool.push(instance);
+            }
+        }
+        result
+    }
+}
+
+/// A step that must succeed.
+///
+/// # Errors
+/// It didn't.
+pub fn step(instance: &mut Instance, from: f64, size: f64) -> Result<(), Error> {
+    match instance.do_step(from, size, true) {
+        Status::Ok | Status::Warning => Ok(()),
+        status => {
+            let said = instance.log().last().map(|line| format!(": {}", line.text)).unwrap_or_default();
+            Err(Error::Model(format!("unit step at {from} s of {size} s: {status}{said}")))
+        }
+    }
+}

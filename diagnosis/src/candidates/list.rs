@@ -1,0 +1,68 @@
+//! The list. To add a candidate, add an entry.
+
+use super::{Cuts, Entry, Motion, Side};
+
+const fn real(
+    name: &'static str,
+    side: Side,
+    steps: &'static [f64],
+    range: (f64, f64),
+    phrase: &'static str,
+) -> Entry {
+    Entry { name, side, motion: Motion::Real { steps, range }, phrase }
+}
+
+const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
+    Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, phrase }
+}
+
+const BIG: f64 = 1e9;
+/// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
+/// together would fit anything.
+const PART: (f64, f64) = (0.25, 4.0);
+const HUNDREDTH: &[f64] = &[0.01];
+
+/// Everything that CONTRACT ("What a diagnosis may name") lists.
+///
+/// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
+#[rustfmt::skip]
+pub const LIST: &[Entry] = &[
+    real("plant.b_roll", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction of the first link (rolling)"),
+    real("plant.b_joint", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction at the joint"),
+    real("plant.fc_roll", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction of the first link (rolling)"),
+    real("plant.fc_joint", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction at the joint"),
+    real("plant.I_rotor", Side::Plant, &[1e-4], (0.0, BIG), "rotor inertia at the joint"),
+    Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, phrase: "torque saturation" },
+    Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, phrase: "limit on the rate of the torque" },
+    real("plant.T_act", Side::Plant, &[4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
+    real("plant.tau_delay", Side::Plant, &[4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
+    real("plant.tau_bias", Side::Plant, &[5e-3], (-BIG, BIG), "constant torque bias"),
+    real("plant.k_tau", Side::Plant, HUNDREDTH, PART, "torque gain"),
+    real("plant.slope", Side::Plant, &[5e-3], (-1.0, 1.0), "inclined ground"),
+    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, phrase: "velocity terms of the equations of motion" },
+    share("plant.theta_1", HUNDREDTH, PART, "inertia of the first link"),
+    share("plant.theta_2", HUNDREDTH, PART, "inertia coupling of rolling and first link"),
+    share("plant.theta_5", HUNDREDTH, PART, "inertia of the second link"),
+    share("plant.theta_7", HUNDREDTH, PART, "inertia coupling of rolling and second link"),
+    share("plant.theta_8", HUNDREDTH, PART, "inertia coupling of the links"),
+    share("plant.theta_9", HUNDREDTH, PART, "gravity torque of the first link"),
+    share("plant.theta_10", HUNDREDTH, PART, "gravity torque of the second link"),
+    real("camera.k1", Side::Camera, &[0.04], (-2.0, 2.0), "radial distortion of the lens"),
+    real("camera.k2", Side::Camera, &[0.04], (-4.0, 4.0), "fifth-order radial distortion of the lens"),
+    real("camera.p1", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along u"),
+    real("camera.p2", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along v"),
+    real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
+    real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
+    real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
+    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { most: 4 }, phrase: "defocus" },
+    real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis"),
+    real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
+    real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),
+    real("camera.u0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along u"),
+    real("camera.v0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along v"),
+    real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
+    real("camera.E_t", Side::Camera, &[0.2, 0.7], (0.0, 1.0), "exposure time"),
+    real("camera.T_delay", Side::Camera, &[2e-3], (0.0, 1.0), "delay of the camera's results"),
+    real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames"),
+    real("camera.sigma", Side::Scatter, &[8.0], (0.0, 200.0), "noise of the sensor"),
+];

@@ -1,0 +1,169 @@
+//! What may be missing: every candidate is an FMU parameter with an off value.
+//!
+//! The list (in [`list`]) is data: a name, how the parameter moves, and a phrase a person would use. Nothing here
+//! says what a candidate does; its signature comes from moving it in the unit itself.
+
+mod list;
+
+pub use list::LIST;
+
+use crate::model::Model;
+
+/// Which cut of the loop shows a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Between commanded torque and motion.
+    Plant,
+    /// Between motion and the picture.
+    Camera,
+    /// In the camera's time stamps.
+    Count,
+    /// In the scatter of the picture's signals.
+    Scatter,
+}
+
+/// How a parameter moves away from its off value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// A real number; steps in the parameter's own unit.
+    Real {
+        /// Displacements from off at which it is looked for; the first is also the step of its derivative.
+        steps: &'static [f64],
+        /// Smallest and largest value.
+        range: (f64, f64),
+    },
+    /// A real number whose steps and range are shares of its nominal value; not a candidate where that is 0.
+    Share {
+        /// As in `Real`, times the nominal value.
+        steps: &'static [f64],
+        /// As in `Real`, times the nominal value.
+        range: (f64, f64),
+    },
+    /// A ceiling with 0 = none. Works in 1/value, in which "none" is 0 and a tighter ceiling is larger.
+    Ceiling {
+        /// A quantity that the ceiling cuts, whose quantiles are tried.
+        cuts: Cuts,
+    },
+    /// A whole number from off upwards.
+    Count {
+        /// Largest that is tried.
+        most: i32,
+    },
+    /// True or false; the other than nominal is tried.
+    Switch,
+}
+
+/// What a ceiling cuts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cuts {
+    /// The commanded torque.
+    Torque,
+    /// Its rate.
+    TorqueRate,
+}
+
+/// An entry of the list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// `instance.variable`.
+    pub name: &'static str,
+    /// Where it shows.
+    pub side: Side,
+    /// How it moves.
+    pub motion: Motion,
+    /// What a person would call it.
+    pub phrase: &'static str,
+}
+
+/// A candidate of one diagnosis: an entry with the nominal model's off value.
+///
+/// `x` is the coordinate in which the diagnosis works: the value itself, or 1/value for a ceiling.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// `instance.variable`.
+    pub name: &'static str,
+    /// Where it shows.
+    pub side: Side,
+    /// What a person would call it.
+    pub phrase: &'static str,
+    /// How it moves.
+    pub motion: Motion,
+    /// x at which the model is the nominal one.
+    pub off: f64,
+    /// Displacements of x at which it is looked for.
+    pub steps: Vec<f64>,
+    /// Smallest and largest x.
+    pub range: (f64, f64),
+}
+
+impl Candidate {
+    /// The parameter's value at a coordinate.
+    pub fn value(&self, x: f64) -> f64 {
+        match self.motion {
+            Motion::Ceiling { .. } => {
+                if x > 0.0 {
+                    1.0 / x
+                } else {
+                    0.0
+                }
+            }
+            Motion::Count { .. } | Motion::Switch => x.round(),
+            _ => x,
+        }
+    }
+
+    /// It takes a few separate values only.
+    pub fn is_discrete(&self) -> bool {
+        matches!(self.motion, Motion::Count { .. } | Motion::Switch)
+    }
+
+    /// Step for a derivative at a coordinate, towards the inside of the range.
+    pub fn derivative_step(&self, x: f64) -> f64 {
+        let size = match self.motion {
+            Motion::Ceiling { .. } => 0.02 * x.abs(),
+            _ => self.steps.first().copied().unwrap_or(0.0).abs(),
+        };
+        if x + size > self.range.1 { -size } else { size }
+    }
+}
+
+/// The candidates that the nominal model has, with their off values. `withheld` names are left out.
+pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) -> Vec<f64>) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for entry in LIST {
+        let Some(nominal) = model.number(entry.name) else { continue };
+        if withheld.iter().any(|name| name == entry.name) {
+            continue;
+        }
+        let (off, steps, range) = match entry.motion {
+            Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
+            Motion::Share { steps, range } => {
+                if nominal == 0.0 {
+                    continue; // a rig without this part: there is nothing to be wrong about
+                }
+                let ends = (range.0 * nominal, range.1 * nominal);
+                let ordered = (ends.0.min(ends.1), ends.0.max(ends.1));
+                (nominal, steps.iter().map(|step| step * nominal).collect(), ordered)
+            }
+            Motion::Ceiling { cuts } => {
+                if nominal > 0.0 {
+                    let x = 1.0 / nominal;
+                    (x, vec![0.1 * x, 0.5 * x], (0.0, f64::INFINITY))
+                } else {
+                    (0.0, ceilings(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
+                }
+            }
+            Motion::Count { most } => {
+                let first = nominal as i32 + 1;
+                (nominal, (first..=most).map(|n| f64::from(n) - nominal).collect(), (0.0, f64::from(most)))
+            }
+            Motion::Switch => (nominal, vec![1.0 - 2.0 * nominal], (0.0, 1.0)),
+        };
+        if steps.is_empty() {
+            continue;
+        }
+        let Entry { name, side, motion, phrase } = *entry;
+        found.push(Candidate { name, side, phrase, motion, off, steps, range });
+    }
+    found
+}

@@ -1,0 +1,96 @@
+//! A measured data set (CONTRACT section 5) as the residuals want it: per run three ordered tables.
+//!
+//! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
+//! can't be read, or nothing usable at all, is an error.
+
+mod check;
+mod manifest;
+mod table;
+
+pub use manifest::Manifest;
+pub use table::Table;
+
+use crate::error::{Error, Notice};
+use std::path::{Path, PathBuf};
+
+/// Columns that `camera.csv` may hold: the camera's outputs.
+pub const CAMERA_COLUMNS: &[&str] = &[
+    "u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "frame", "t_mid", "q1_est", "q2_est",
+    "dq1_est", "dq2_est",
+];
+/// Columns that `controller.csv` may hold.
+pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
+/// Columns that `plant.csv` may hold.
+pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
+
+/// One run: the logs that were measured. The start state is not given.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Folder inside the data set.
+    pub name: String,
+    /// A row per delivered frame; rows with `valid` = 0 hold no centroids.
+    pub camera: Option<Table>,
+    /// Commanded torque, held from its row to the next.
+    pub controller: Option<Table>,
+    /// Encoders or motion capture.
+    pub plant: Option<Table>,
+}
+
+impl Run {
+    /// First and last time of any row, in s.
+    pub fn span(&self) -> (f64, f64) {
+        let tables = [&self.camera, &self.controller, &self.plant];
+        let rows = || tables.iter().filter_map(|table| table.as_ref());
+        let from = rows().filter_map(|table| table.time.first()).fold(f64::INFINITY, |a, b| a.min(*b));
+        let to = rows().filter_map(|table| table.time.last()).fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+        (from, to)
+    }
+}
+
+/// A data set, checked.
+#[derive(Debug, Clone)]
+pub struct DataSet {
+    /// The folder.
+    pub path: PathBuf,
+    /// `dataset.toml`.
+    pub manifest: Manifest,
+    /// Usable runs, in the manifest's order.
+    pub runs: Vec<Run>,
+    /// What was put aside.
+    pub notices: Vec<Notice>,
+}
+
+impl DataSet {
+    /// Reads and checks a folder.
+    ///
+    /// # Errors
+    /// The manifest can't be read, or no run is usable.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let manifest = Manifest::load(&path.join("dataset.toml"))?;
+        let mut notices = Vec::new();
+        let mut runs = Vec::new();
+        for name in &manifest.runs {
+            let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
+            if path.join(name).is_dir() {
+                run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
+                run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
+                run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
+                check::run(&mut run, &mut notices);
+            } else {
+                notices.push(Notice { file: name.clone(), line: 0, message: "no such folder".into() });
+            }
+            if run.camera.is_some() || run.plant.is_some() {
+                runs.push(run);
+            }
+        }
+        if runs.is_empty() {
+            return Err(Error::NothingUsable { path: path.to_owned(), notices });
+        }
+        Ok(Self { path: path.to_owned(), manifest, runs, notices })
+    }
+
+    /// A known standard deviation from `[noise]`.
+    pub fn known_noise(&self, variable: &str) -> Option<f64> {
+        self.manifest.noise.get(variable).copied()
+    }
+}

@@ -1,0 +1,170 @@
+//! One CSV log: `time` and columns of numbers; an empty cell is `NaN` (not measured then).
+
+use crate::error::{Error, Notice};
+use std::path::Path;
+
+/// An ordered log.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Time of each row in s, strictly increasing.
+    pub time: Vec<f64>,
+    /// Line of each row in its file, counted from 1.
+    pub line: Vec<usize>,
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Table {
+    /// A table from columns of equal length, for logs that are simulated instead of read.
+    pub fn new(time: Vec<f64>, columns: Vec<(String, Vec<f64>)>) -> Self {
+        let line = (0..time.len()).map(|row| row + 2).collect();
+        Self { time, line, columns }
+    }
+
+    /// A column, if it was measured at all.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(column, _)| column == name).map(|(_, values)| values.as_slice())
+    }
+
+    /// A column to be mended.
+    pub fn column_mut(&mut self, name: &str) -> Option<&mut Vec<f64>> {
+        self.columns.iter_mut().find(|(column, _)| column == name).map(|(_, values)| values)
+    }
+
+    /// Takes a column away.
+    pub fn remove(&mut self, name: &str) {
+        self.columns.retain(|(column, _)| column != name);
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// No rows.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Value of a held column (zero-order hold) at a time; `before` ahead of the first row.
+    pub fn held(&self, name: &str, time: f64, before: f64) -> f64 {
+        let Some(values) = self.column(name) else { return before };
+        let next = self.time.partition_point(|t| *t <= time);
+        values[..next].iter().rev().find(|value| value.is_finite()).copied().unwrap_or(before)
+    }
+}
+
+/// Reads one file of a run; `None` when it isn't there or can't be used at all.
+///
+/// # Errors
+/// The file exists but can't be read.
+pub fn load(
+    root: &Path,
+    run: &str,
+    file: &str,
+    known: &[&str],
+    notices: &mut Vec<Notice>,
+) -> Result<Option<Table>, Error> {
+    let path = root.join(run).join(file);
+    let label = format!("{run}/{file}");
+    let text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(Error::Io { path, source }),
+    };
+    let mut notes = Notes { file: label, into: notices, counts: Vec::new() };
+    let table = parse(&text, known, &mut notes);
+    notes.finish();
+    Ok(table)
+}
+
+fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
+    let mut reader =
+        csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).has_headers(true).from_reader(text.as_bytes());
+    let headers = reader.headers().ok()?.clone();
+    if headers.get(0) != Some("time") {
+        let found = headers.get(0).unwrap_or("").to_owned();
+        notes.add(1, format!("the first column must be `time` in s, found `{found}`; file put aside"));
+        return None;
+    }
+    let mut table = Table::default();
+    for name in headers.iter().skip(1) {
+        if !known.contains(&name) {
+            notes.add(1, format!("column `{name}` is not a variable of this unit; ignored"));
+        }
+        table.columns.push((name.to_owned(), Vec::new()));
+    }
+    for record in reader.records() {
+        let Ok(record) = record else {
+            notes.many("not a line of CSV; row ignored", 0);
+            continue;
+        };
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        if record.len() != headers.len() {
+            notes.many("wrong number of cells; row ignored", line);
+            continue;
+        }
+        let time = record.get(0).and_then(|cell| cell.parse::<f64>().ok()).unwrap_or(f64::NAN);
+        if !time.is_finite() {
+            notes.many("time is not a number; row ignored", line);
+            continue;
+        }
+        if let Some(last) = table.time.last() {
+            if time < *last {
+                notes.many(&format!("time runs back (from {last} to {time} s at the first such line); row ignored"), line);
+                continue;
+            }
+            if time == *last {
+                notes.many("same time as the row before; row ignored", line);
+                continue;
+            }
+        }
+        table.time.push(time);
+        table.line.push(line);
+        for (place, (name, values)) in table.columns.iter_mut().enumerate() {
+            let cell = record.get(place + 1).unwrap_or("");
+            values.push(match cell {
+                "" => f64::NAN,
+                "true" => 1.0,
+                "false" => 0.0,
+                text => match text.parse::<f64>() {
+                    Ok(value) if value.is_finite() => value,
+                    _ => {
+                        notes.many(&format!("column `{name}` is not a finite number; taken as not measured"), line);
+                        f64::NAN
+                    }
+                },
+            });
+        }
+    }
+    table.columns.retain(|(name, _)| known.contains(&name.as_str()));
+    Some(table)
+}
+
+/// Collects notices of one file; the same complaint on many lines becomes one with a count.
+struct Notes<'a> {
+    file: String,
+    into: &'a mut Vec<Notice>,
+    counts: Vec<(String, usize, usize)>,
+}
+
+impl Notes<'_> {
+    fn add(&mut self, line: usize, message: String) {
+        self.into.push(Notice { file: self.file.clone(), line, message });
+    }
+
+    fn many(&mut self, message: &str, line: usize) {
+        // the values belong to the first occurrence only, so compare up to them
+        let kind = message.split('(').next().unwrap_or(message);
+        match self.counts.iter_mut().find(|(known, _, _)| known.split('(').next() == Some(kind)) {
+            Some(entry) => entry.2 += 1,
+            None => self.counts.push((message.to_owned(), line, 1)),
+        }
+    }
+
+    fn finish(self) {
+        for (message, line, count) in self.counts {
+            let message = if count > 1 { format!("{message} ({count} such rows, this is the first)") } else { message };
+            self.into.push(Notice { file: self.file.clone(), line, message });
+        }
+    }
+}

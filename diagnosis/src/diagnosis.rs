@@ -1,0 +1,145 @@
+//! What a diagnosis says: CONTRACT section 6, field by field.
+
+use crate::error::Notice;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The answer in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Nothing is missing that this data could show.
+    None,
+    /// Every effect found has one name.
+    Named,
+    /// An effect found has several names that the data can't tell apart.
+    Ambiguous,
+    /// Something is missing that no candidate gives.
+    Unknown,
+}
+
+/// An effect that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effect {
+    /// Best guess, `instance.variable`.
+    pub name: String,
+    /// All that the data can't tell from it, the best guess first.
+    pub class: Vec<String>,
+    /// Value of the parameter.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Probability of the name among all that were tried.
+    pub probability: f64,
+    /// What a person would call it.
+    pub phrase: String,
+    /// Value at which it is off in the nominal model.
+    pub off: f64,
+}
+
+/// Where simulation and data disagree.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Where {
+    /// `instance.variable`.
+    pub signal: String,
+    /// Its share of all disagreement.
+    pub share: f64,
+    /// First time, s.
+    pub from: f64,
+    /// Last time, s.
+    pub to: f64,
+    /// Where in the picture or the state space.
+    pub region: String,
+}
+
+/// How far the gap closes on runs that the values were not fitted to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gap {
+    /// Root mean square of the nominal model's rest.
+    pub before: f64,
+    /// Of the amended model's rest.
+    pub after: f64,
+    /// Of what noise alone leaves.
+    pub floor: f64,
+    /// 1 - (after² - floor²)/(before² - floor²); nothing where no gap stands above the floor.
+    pub closed: Option<f64>,
+    /// Runs that were left out, each in turn.
+    pub held_out_runs: Vec<String>,
+    /// What was compared.
+    pub signal: String,
+    /// Unit of the three.
+    pub unit: String,
+}
+
+/// A rest that no candidate takes away.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unknown {
+    /// Where it shows.
+    pub signal: String,
+    /// Variables that it follows.
+    pub depends_on: Vec<String>,
+    /// Its form in words.
+    pub shape: String,
+    /// The listed effect that comes nearest, and why it is not that.
+    pub nearest: String,
+}
+
+/// What a lab should do next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NextExperiment {
+    /// In words.
+    #[serde(rename = "do")]
+    pub what: String,
+    /// Whom it tells apart.
+    pub separates: Vec<String>,
+    /// The scenario file written beside, if the experiment is one.
+    pub scenario: Option<String>,
+}
+
+/// `diagnosis.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// The answer in one word.
+    pub verdict: Verdict,
+    /// Effects in the order found.
+    pub effects: Vec<Effect>,
+    /// Where they show, largest share first.
+    #[serde(rename = "where")]
+    pub place: Vec<Where>,
+    /// How the gap shrinks where it is largest.
+    pub gap: Gap,
+    /// The rest that has no name.
+    pub unknown: Option<Unknown>,
+    /// What would tell the members of an open class apart.
+    pub next_experiment: Option<NextExperiment>,
+    /// Distance from off that this data would show, for each candidate it says anything about.
+    pub minimum_detectable: BTreeMap<String, f64>,
+    /// The gap of each cut.
+    pub gaps: Vec<Gap>,
+    /// What was found wrong with the data.
+    pub notices: Vec<Notice>,
+    /// The story, step by step, in words.
+    pub story: Vec<String>,
+    /// The amended scenario.
+    #[serde(skip)]
+    pub amended: String,
+    /// The next experiment's scenario.
+    #[serde(skip)]
+    pub experiment: Option<String>,
+    /// Pictures of the rest for the report.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+}
+
+/// A rest over time, before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// What.
+    pub title: String,
+    /// Unit.
+    pub unit: String,
+    /// Time since the first run's begin (runs one after the other), nominal rest.
+    pub before: Vec<(f64, f64)>,
+    /// The same with the amended model.
+    pub after: Vec<(f64, f64)>,
+}

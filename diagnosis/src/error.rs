@@ -1,0 +1,79 @@
+//! What can stop a diagnosis. Everything milder becomes a [`Notice`] and the diagnosis goes on with the rest.
+
+use std::path::PathBuf;
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file or folder can't be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// `dataset.toml` doesn't say what CONTRACT section 5 asks for.
+    #[error("{}:{line}: {problem}", path.display())]
+    Manifest {
+        /// The file.
+        path: PathBuf,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+    /// No run holds anything that can be compared with the model.
+    #[error("{}: no usable run:{}", path.display(), listed(notices))]
+    NothingUsable {
+        /// The data set.
+        path: PathBuf,
+        /// Why each file was put aside.
+        notices: Vec<Notice>,
+    },
+    /// The nominal model can't be loaded, or a unit of it failed.
+    #[error("nominal model: {0}")]
+    Model(String),
+    /// A value names a variable that the nominal model hasn't got.
+    #[error("{}: [set] {name}: {problem}", path.display())]
+    Set {
+        /// `dataset.toml`.
+        path: PathBuf,
+        /// `instance.variable`.
+        name: String,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl Error {
+    /// The user's input is wrong, as opposed to a failure of ours (exit status 2 against 1).
+    pub fn is_input(&self) -> bool {
+        !matches!(self, Error::Model(_))
+    }
+}
+
+/// Something in the data that was put aside or mended, with its place.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Notice {
+    /// File, relative to the data set.
+    pub file: String,
+    /// Line, counted from 1; 0 when the file as a whole is meant.
+    pub line: usize,
+    /// What was found and what was done about it.
+    pub message: String,
+}
+
+impl std::fmt::Display for Notice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.line == 0 {
+            write!(f, "{}: {}", self.file, self.message)
+        } else {
+            write!(f, "{}:{}: {}", self.file, self.line, self.message)
+        }
+    }
+}
+
+fn listed(notices: &[Notice]) -> String {
+    notices.iter().map(|notice| format!("\n  {notice}")).collect()
+}

@@ -1,0 +1,169 @@
+//! How far apart, in physical units, before and after, on runs left out; and where.
+
+use crate::diagnosis::{Gap, Trace, Where};
+use crate::residual::torque::{rms, torques};
+use crate::residual::{Block, Signal};
+use crate::selection::{Evaluation, Study};
+use crate::statistics::linear::{Cell, projected};
+use nalgebra::{DMatrix, DVector};
+
+/// A gap must stand this far above the floor to be worth closing.
+const ABOVE: f64 = 1.05;
+/// Share of the disagreement below which a signal isn't listed.
+const LISTED: f64 = 0.02;
+
+/// The gap of one study. `free` are its continuous active candidates.
+pub fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
+    let (nominal, last, folds) = (study.nominal.under(&study.last), &study.last, &study.folds);
+    let places = last.places(free);
+    let shifts = if free.is_empty() { vec![DVector::zeros(0); folds.count] } else { last.shifts(folds, free) };
+    let (before, after, floor, signal, unit) = if torque {
+        let (before, floor) = rms(&torques(&nominal.blocks, &[], &[], &folds.of));
+        let (after, _) = rms(&torques(&last.blocks, &places, &shifts, &folds.of));
+        (before, after, floor, "plant: torque that the model lacks, both links", "N·m")
+    } else {
+        let floor = centroid_rms(&last.blocks, &[], &[], &folds.of);
+        let before = centroid_rms(&nominal.blocks, &[], &[], &folds.of);
+        let after = centroid_rms(&last.blocks, &places, &shifts, &folds.of);
+        (before, after, floor, "camera: centroids", "px")
+    };
+    let closed = (before > ABOVE * floor)
+        .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
+        .map(|closed| closed.min(1.0));
+    let held_out_runs = if folds.count == runs.len() { runs.to_vec() } else { vec!["parts of the only run".into()] };
+    Gap { before, after, floor, closed, held_out_runs, signal: signal.into(), unit: unit.into() }
+}
+
+fn shifted(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Cell {
+    let mut moved = cell.clone();
+    if let Some(shift) = shift {
+        for (place, by) in places.iter().zip(shift.iter()) {
+            for row in 0..moved.residual.len() {
+                moved.residual[row] -= by * moved.columns[(row, *place)];
+            }
+        }
+    }
+    moved.columns = DMatrix::zeros(moved.residual.len(), 0);
+    moved
+}
+
+fn centroid_rms(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], folds: &[usize]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (block, fold) in blocks.iter().zip(folds) {
+        for cell in &block.cells {
+            let moved = shifted(cell, places, shifts.get(*fold));
+            let (rest, ..) = projected(&moved, 0.0);
+            for row in (0..cell.residual.len()).filter(|row| cell.signal[*row] < 6) {
+                sum += (rest[row] * cell.sigma[row]).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}
+
+/// Which signals disagree under the nominal model, when, and where.
+pub fn places(study: &Study, signals: &[Signal]) -> Vec<(f64, Where)> {
+    let nominal = study.nominal.under(&study.last);
+    let mut excess = vec![0.0; signals.len()];
+    let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); signals.len()];
+    let mut worst: Vec<Vec<(f64, [f64; 4])>> = vec![Vec::new(); signals.len()];
+    for block in &nominal.blocks {
+        let mut own = vec![0.0; signals.len()];
+        let mut rows = vec![0.0; signals.len()];
+        for cell in &block.cells {
+            let (rest, ..) = projected(&shifted(cell, &[], None), 0.0);
+            for row in 0..cell.residual.len() {
+                own[cell.signal[row]] += rest[row] * rest[row];
+                rows[cell.signal[row]] += 1.0;
+            }
+        }
+        for s in 0..signals.len() {
+            if rows[s] == 0.0 {
+                continue;
+            }
+            let over = own[s] - rows[s];
+            excess[s] += over;
+            worst[s].push((over, block.state));
+            // three standard deviations of a sum of squares
+            if over > 3.0 * (2.0 * rows[s]).sqrt() {
+                spans[s] = (spans[s].0.min(block.from), spans[s].1.max(block.to));
+            }
+        }
+    }
+    (0..signals.len())
+        .filter(|s| excess[*s] > 0.0 && spans[*s].0.is_finite())
+        .map(|s| {
+            let place = Where {
+                signal: signals[s].name.clone(),
+                share: excess[s],
+                from: spans[s].0,
+                to: spans[s].1,
+                region: region(&mut worst[s]),
+            };
+            (excess[s], place)
+        })
+        .collect()
+}
+
+/// Turns excesses into shares and drops crumbs.
+pub fn shares(found: Vec<(f64, Where)>) -> Vec<Where> {
+    let total: f64 = found.iter().map(|(excess, _)| excess).sum();
+    let mut all: Vec<Where> =
+        found.into_iter().map(|(excess, place)| Where { share: excess / total, ..place }).collect();
+    all.retain(|place| place.share >= LISTED);
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    all
+}
+
+/// The states of the tenth of the blocks that disagree most.
+fn region(worst: &mut [(f64, [f64; 4])]) -> String {
+    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let many = worst.len().div_ceil(10);
+    let of = |index: usize, slice: &[(f64, [f64; 4])]| {
+        let values = slice.iter().map(|(_, state)| state[index]);
+        (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+    };
+    let ((a, b), (c, d)) = (of(1, &worst[..many]), of(1, worst));
+    let ((e, f), (g, h)) = (of(3, &worst[..many]), of(3, worst));
+    format!(
+        "most where q2 is {a:.2} to {b:.2} rad (of {c:.2} to {d:.2}) and dq2 {e:.2} to {f:.2} rad/s (of {g:.2} to {h:.2})"
+    )
+}
+
+/// Rests over time for the report: torque at the joint, or the picture's worst centroid.
+pub fn trace(study: &Study, torque: bool) -> Trace {
+    let of = |evaluation: &Evaluation| -> Vec<(f64, f64)> {
+        let mut base = 0.0;
+        let mut run = usize::MAX;
+        let mut end = 0.0;
+        let lacking = if torque { torques(&evaluation.blocks, &[], &[], &study.folds.of) } else { Vec::new() };
+        let mut points = Vec::new();
+        for (index, block) in evaluation.blocks.iter().enumerate() {
+            if block.run != run {
+                base += end;
+                run = block.run;
+            }
+            end = block.to + 1.0;
+            if torque {
+                let own: Vec<f64> = lacking.iter().filter(|t| t.block == index).map(|t| t.torque[1]).collect();
+                let middle = base + 0.5 * (block.from + block.to);
+                points.push((middle, own.iter().sum::<f64>() / own.len().max(1) as f64));
+            } else {
+                for cell in &block.cells {
+                    if let Some(row) = cell.signal.iter().position(|s| *s == 4) {
+                        points.push((base + cell.time[row], cell.residual[row]));
+                    }
+                }
+            }
+        }
+        points
+    };
+    Trace {
+        title: if torque { "Torque that the model lacks at the joint" } else { "Centroid of the tip, u3: measured - rendered" }
+            .into(),
+        unit: if torque { "N·m" } else { "px" }.into(),
+        before: of(&study.nominal),
+        after: of(&study.last),
+    }
+}

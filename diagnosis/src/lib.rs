@@ -1,0 +1,30 @@
+//! Finds where simulation and measured data disagree, and names the effect that the model lacks.
+//!
+//! The way of a diagnosis, a room each:
+//! 1. [`dataset`] reads a folder and puts aside what can't be used.
+//! 2. [`model`] loads the nominal scenario; [`bench`](crate::bench) holds its units, reached through FMI only.
+//! 3. [`residual`] cuts the loop at every interface and compares, with the columns of all [`candidates`].
+//! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
+//! 5. [`rest`] says whether what remains is noise, [`gap`] how far it closed, [`amend`] writes the better model.
+
+pub mod amend;
+pub mod bench;
+pub mod candidates;
+pub mod counting;
+pub mod dataset;
+mod diagnosis;
+mod error;
+pub mod gap;
+pub mod model;
+mod pipeline;
+mod report_page;
+pub mod residual;
+pub mod rest;
+pub mod selection;
+pub mod statistics;
+mod story;
+mod write;
+
+pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+pub use error::{Error, Notice};
+pub use pipeline::{Options, diagnose};

@@ -1,0 +1,117 @@
+//! The nominal model: the scenario that the data set names, with its `[set]`, and the units on the bench.
+
+use crate::bench::Bench;
+use crate::dataset::DataSet;
+use crate::error::Error;
+use orchestrator::scenario::Given;
+use orchestrator::{Fmu, Kind, Scenario, UnitPath, Value};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The nominal model.
+pub struct Model {
+    /// The scenario with `[set]` applied.
+    pub scenario: Scenario,
+    /// The plant on the bench.
+    pub plant: Arc<Bench>,
+    /// The camera on the bench.
+    pub camera: Arc<Bench>,
+    numbers: BTreeMap<String, f64>,
+}
+
+impl Model {
+    /// Loads the scenario of a data set. A stem is looked for in `scenarios`, a path beside the data set.
+    ///
+    /// # Errors
+    /// The scenario or a unit can't be loaded, or `[set]` names something that isn't there.
+    pub fn load(data: &DataSet, units: &UnitPath, scenarios: &[PathBuf]) -> Result<Self, Error> {
+        let file = find(&data.path, &data.manifest.scenario, scenarios)?;
+        let mut scenario = Scenario::load(&file).map_err(model)?;
+        let manifest = data.path.join("dataset.toml");
+        let set_error = |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
+        for (name, value) in &data.manifest.set {
+            let text = match value {
+                toml::Value::String(text) => text.clone(),
+                other => other.to_string(),
+            };
+            scenario.set(name, &text).map_err(|error| set_error(name, error.to_string()))?;
+        }
+        let mut numbers = BTreeMap::new();
+        let mut benches = BTreeMap::new();
+        for unit in &scenario.units {
+            let fmu = open(&unit.fmu.value, file.parent().unwrap_or(Path::new("")), units)?;
+            for variable in &fmu.description().variables {
+                if let Some(start) = variable.start.as_ref().and_then(Value::as_f64) {
+                    numbers.insert(format!("{}.{}", unit.name, variable.name), start);
+                }
+            }
+            let mut values = BTreeMap::new();
+            for (name, given) in &unit.set {
+                let kind = fmu.description().variables.iter().find(|variable| variable.name == *name).map(|v| v.kind);
+                let full = format!("{}.{name}", unit.name);
+                let Some(kind) = kind else {
+                    return Err(set_error(&full, format!("{} has no such variable", unit.fmu.value)));
+                };
+                let value = read(kind, &given.value).ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
+                if let Some(number) = value.as_f64() {
+                    numbers.insert(full, number);
+                }
+                values.insert(name.clone(), value);
+            }
+            benches.insert(unit.name.clone(), Arc::new(Bench::new(fmu, &values)?));
+        }
+        let mut bench = |name: &str| {
+            benches.remove(name).ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
+        };
+        Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers })
+    }
+
+    /// Nominal value of a variable, as a number.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.get(name).copied()
+    }
+}
+
+fn model(error: orchestrator::Error) -> Error {
+    Error::Model(error.to_string())
+}
+
+fn read(kind: Kind, given: &Given) -> Option<Value> {
+    match given {
+        Given::Text(text) => Value::parse(kind, text),
+        Given::Toml(value) => match value {
+            toml::Value::Float(x) => Value::Real(*x).cast(kind),
+            toml::Value::Integer(i) => match kind {
+                Kind::Real => Some(Value::Real(*i as f64)),
+                _ => Value::Integer(i32::try_from(*i).ok()?).cast(kind),
+            },
+            toml::Value::Boolean(b) => Value::Boolean(*b).cast(kind),
+            toml::Value::String(s) => Some(Value::String(s.clone())),
+            _ => None,
+        },
+    }
+}
+
+fn find(data: &Path, name: &str, scenarios: &[PathBuf]) -> Result<PathBuf, Error> {
+    let mut tried = vec![data.join(name), PathBuf::from(name)];
+    tried.extend(scenarios.iter().map(|folder| folder.join(format!("{name}.toml"))));
+    match tried.iter().find(|path| path.is_file()) {
+        Some(path) => Ok(path.clone()),
+        None => {
+            let list: Vec<String> = tried.iter().map(|path| path.display().to_string()).collect();
+            Err(Error::Manifest {
+                path: data.join("dataset.toml"),
+                line: 1,
+                problem: format!("scenario `{name}` is neither a file nor a shipped scenario; looked at {}", list.join(", ")),
+            })
+        }
+    }
+}
+
+fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
+    let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
+    let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());
+    let path = found.ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
+    units.open(&path).map_err(model)
+}

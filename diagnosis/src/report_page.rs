@@ -1,0 +1,126 @@
+//! `report.html`: the story with its numbers and pictures.
+
+use crate::diagnosis::{Diagnosis, Trace, Verdict};
+use crate::error::Error;
+use report::{Axis, Cell, Graph, Line, Page, Table};
+
+/// The page.
+///
+/// # Errors
+/// A graph can't be drawn.
+pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
+    let mut page = Page::new("Diagnosis");
+    page.text(&summary(diagnosis));
+    if !diagnosis.effects.is_empty() {
+        page.heading("What is missing");
+        page.table(&effects(diagnosis));
+    }
+    if let Some(unknown) = &diagnosis.unknown {
+        page.heading("What has no name");
+        page.text(&format!("{}: {}. {}.", unknown.signal, unknown.shape, unknown.nearest));
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        page.heading("Next experiment");
+        page.text(&format!("{} It tells apart: {}.", next.what, next.separates.join(", ")));
+    }
+    page.heading("Step by step");
+    for line in &diagnosis.story {
+        page.text(line);
+    }
+    page.heading("How the gap shrinks on runs left out");
+    page.table(&gaps(diagnosis));
+    for trace in &diagnosis.traces {
+        if let Some(svg) = drawn(trace) {
+            page.figure(&svg?, "Runs one after the other. Before: the nominal model; after: the amended one.");
+        }
+    }
+    if !diagnosis.place.is_empty() {
+        page.heading("Where they disagree");
+        page.table(&places(diagnosis));
+    }
+    page.heading("What this data would show");
+    page.text("A candidate that is not named above is not excluded up to this distance from its off value.");
+    page.table(&Table {
+        head: vec!["candidate".into(), "smallest that would be found".into()],
+        rows: (diagnosis.minimum_detectable.iter())
+            .map(|(name, size)| vec![name.clone().into(), Cell::Number(format!("{size:.2e}"))])
+            .collect(),
+    });
+    if !diagnosis.notices.is_empty() {
+        page.heading("The data");
+        for notice in &diagnosis.notices {
+            page.text(&notice.to_string());
+        }
+    }
+    Ok(page.to_html())
+}
+
+fn summary(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> =
+        diagnosis.effects.iter().map(|effect| format!("{} ({})", effect.phrase, effect.name)).collect();
+    match diagnosis.verdict {
+        Verdict::None => "Nothing is missing from the nominal model that this data could show.".into(),
+        Verdict::Named => format!("The nominal model lacks: {}.", names.join(", ")),
+        Verdict::Ambiguous => {
+            format!("The nominal model lacks: {}; at least one of them goes by several names that this data can't tell apart.", names.join(", "))
+        }
+        Verdict::Unknown if names.is_empty() => "Something is missing that no listed effect gives.".into(),
+        Verdict::Unknown => format!("The nominal model lacks {}, and something besides that no listed effect gives.", names.join(", ")),
+    }
+}
+
+fn effects(diagnosis: &Diagnosis) -> Table {
+    let head = ["effect", "name", "value", "95 %", "off", "probability", "can't be told from"];
+    let rows = diagnosis.effects.iter().map(|effect| {
+        let number = |value: f64| Cell::Number(format!("{value:.5}"));
+        vec![
+            effect.phrase.clone().into(),
+            effect.name.clone().into(),
+            number(effect.value),
+            Cell::Number(format!("{:.5} ... {:.5}", effect.ci95[0], effect.ci95[1])),
+            number(effect.off),
+            Cell::Number(format!("{:.3}", effect.probability)),
+            effect.class[1..].join(", ").into(),
+        ]
+    });
+    Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+fn gaps(diagnosis: &Diagnosis) -> Table {
+    let head = ["signal", "unit", "before", "after", "noise alone", "closed"];
+    let rows = diagnosis.gaps.iter().map(|gap| {
+        let number = |value: f64| Cell::Number(format!("{value:.4}"));
+        let closed = gap.closed.map_or("no gap".to_owned(), |closed| format!("{:.1} %", 100.0 * closed));
+        vec![
+            gap.signal.clone().into(),
+            gap.unit.clone().into(),
+            number(gap.before),
+            number(gap.after),
+            number(gap.floor),
+            Cell::Number(closed),
+        ]
+    });
+    Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+fn places(diagnosis: &Diagnosis) -> Table {
+    let rows = diagnosis.place.iter().map(|place| {
+        vec![
+            place.signal.clone().into(),
+            Cell::Number(format!("{:.0} %", 100.0 * place.share)),
+            Cell::Number(format!("{:.1} ... {:.1} s", place.from, place.to)),
+            place.region.clone().into(),
+        ]
+    });
+    Table { head: ["signal", "share", "when", "where"].map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+fn drawn(trace: &Trace) -> Option<Result<String, Error>> {
+    if trace.before.is_empty() {
+        return None;
+    }
+    let graph = Graph::new(&trace.title, Axis::fitted("time in s"), Axis::fitted(format!("rest in {}", trace.unit)))
+        .with(Line::dots("before", trace.before.clone()))
+        .with(Line::dots("after", trace.after.clone()));
+    Some(graph.to_svg().map_err(|error| Error::Model(error.to_string())))
+}

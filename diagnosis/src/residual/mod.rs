@@ -1,0 +1,80 @@
+//! Cutting the loop: each unit is fed what was measured at its inputs, and what comes out is compared.
+//!
+//! A [`Cut`] turns a point (a value for each candidate) into [`Block`]s: residuals with the columns of the
+//! nuisances and of the candidates, all by moving things in the units themselves.
+//!
+//! - [`plant`]: commanded torque in, motion out, in short windows with free start states (multiple shooting).
+//! - [`weak`]: the same as torques, for logs that the model misses by far more than their noise.
+//! - [`image`]: motion in, picture out, frame by frame.
+//! - [`chain`]: commanded torque in, picture out, where no encoder was logged.
+
+pub mod chain;
+pub mod image;
+pub mod picture;
+pub mod plant;
+pub mod torque;
+pub mod trajectory;
+pub mod weak;
+
+use crate::candidates::Candidate;
+use crate::error::Error;
+use crate::statistics::linear::Cell;
+
+/// A column that is wanted: candidate and displacement of its coordinate, over which the secant is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Displacement of x; the column is per unit of x.
+    pub by: f64,
+}
+
+/// A measured signal that a cut compares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// `instance.variable`.
+    pub name: String,
+    /// Unit for people.
+    pub unit: &'static str,
+    /// Standard deviation as the data set states it.
+    pub known: Option<f64>,
+    /// Standard deviation in use.
+    pub sigma: f64,
+}
+
+/// Rows that belong together in time: the independent unit of the statistics.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// Index of the run.
+    pub run: usize,
+    /// First scored time in s.
+    pub from: f64,
+    /// Last scored time in s.
+    pub to: f64,
+    /// Sets of rows that share nuisances.
+    pub cells: Vec<Cell>,
+    /// Mean state (q1, q2, dq1, dq2) over the block, for saying where a rest sits.
+    pub state: [f64; 4],
+}
+
+/// One cut of the loop.
+pub trait Cut: Send + Sync {
+    /// What it compares, for people.
+    fn name(&self) -> &'static str;
+    /// The signals, in the order of `Cell::signal`.
+    fn signals(&self) -> &[Signal];
+    /// Whether moving a candidate can change anything here.
+    fn sees(&self, candidate: &Candidate) -> bool;
+    /// Residuals at a point and the columns of the probes there. `quick` leaves the nuisances where an earlier call
+    /// found them, with their columns: enough while a fit goes on, since the projection takes care of the rest.
+    ///
+    /// # Errors
+    /// A unit failed.
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error>;
+    /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.
+    fn outweighed(&self) -> bool {
+        false
+    }
+    /// What a size of 1 of the model discrepancy means, for people.
+    fn discrepancy_unit(&self) -> &'static str;
+}

@@ -1,0 +1,79 @@
+//! What the rest of the plant's cut is in newton metres: the torques that, pushed at link 1 and at the joint over
+//! each part of a window, would make the plant follow the log. The plant unit itself does the weighting, so this is
+//! a weak form: nothing is differentiated.
+
+use super::Block;
+use crate::statistics::linear::{Cell, nuisances, solve};
+use nalgebra::{DMatrix, DVector};
+
+/// The torques of one part of a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Torque {
+    /// Index of the block.
+    pub block: usize,
+    /// Part of the block.
+    pub part: usize,
+    /// On link 1 and at the joint, N·m.
+    pub torque: [f64; 2],
+    /// What noise alone gives, N·m.
+    pub floor: [f64; 2],
+}
+
+/// Torques of all blocks after `shift` more of the active columns.
+pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], folds: &[usize]) -> Vec<Torque> {
+    let mut all = Vec::new();
+    for (index, block) in blocks.iter().enumerate() {
+        for cell in &block.cells {
+            let mut moved = cell.clone();
+            if let Some(shift) = shifts.get(folds[index]) {
+                for (place, by) in places.iter().zip(shift.iter()) {
+                    for row in 0..moved.residual.len() {
+                        moved.residual[row] -= by * moved.columns[(row, *place)];
+                    }
+                }
+            }
+            let (at, solved, floor) = if cell.floor.is_empty() {
+                (cell.hard.ncols(), nuisances(&moved, crate::selection::FREE).as_slice().to_vec(), deviations(cell))
+            } else {
+                (0, moved.residual, cell.floor.clone())
+            };
+            for part in 0..(solved.len() - at) / 2 {
+                let at = at + 2 * part;
+                all.push(Torque {
+                    block: index,
+                    part,
+                    torque: [solved[at], solved[at + 1]],
+                    floor: [floor[at], floor[at + 1]],
+                });
+            }
+        }
+    }
+    all
+}
+
+/// Standard deviations of the nuisances that the rows' noise gives.
+pub fn deviations(cell: &Cell) -> Vec<f64> {
+    let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + cell.soft.ncols());
+    let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
+        let value = if column < hard { cell.hard[(row, column)] } else { cell.soft[(row, column - hard)] };
+        value / cell.sigma[row]
+    });
+    let normal = white.tr_mul(&white);
+    (0..all)
+        .map(|place| {
+            let mut unit = DVector::zeros(all);
+            unit[place] = 1.0;
+            solve(&normal, &unit).map_or(f64::INFINITY, |column| column[place].max(0.0).sqrt())
+        })
+        .collect()
+}
+
+/// Root mean square of torques and of what noise gives, both links together.
+pub fn rms(torques: &[Torque]) -> (f64, f64) {
+    let usable: Vec<&Torque> = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite())).collect();
+    let n = (2 * usable.len()).max(1) as f64;
+    let mean = |f: &dyn Fn(&Torque) -> [f64; 2]| {
+        (usable.iter().map(|t| f(t).iter().map(|x| x * x).sum::<f64>()).sum::<f64>() / n).sqrt()
+    };
+    (mean(&|t| t.torque), mean(&|t| t.floor))
+}

@@ -1,0 +1,239 @@
+//! Windows of a run in which the plant unit is driven by the logged torque from a state of its own.
+//!
+//! The plant is unstable (about 7 1/s), so a replay of a whole run leaves the data even with the exact model. A
+//! window of half a second doesn't, once its four start values are free: multiple shooting, Bock 1983. Each window
+//! begins a little before its scored rows, so that the actuator's delay line and lag have filled up by then.
+
+use crate::bench::{Bench, Setting, step};
+use crate::dataset::Run;
+use crate::error::Error;
+
+/// Time before the scored rows of a window, s: longest delay that can be told.
+pub const PREROLL: f64 = 0.1;
+
+/// A torque that is logged more often than this (s) is averaged.
+pub const DENSE: f64 = 0.0045;
+
+/// q1, q2, dq1, dq2.
+pub type State = [f64; 4];
+
+/// What happens in a window at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// s
+    pub time: f64,
+    /// Commanded torque from here on, N·m.
+    pub tau: f64,
+    /// External torque on link 1 from here on, N·m.
+    pub tau_1: f64,
+    /// The state is wanted here.
+    pub wanted: bool,
+}
+
+/// A stretch of a run, as the plant unit is driven through it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// In order; the first one is the start, and the last one is wanted.
+    pub events: Vec<Event>,
+}
+
+impl Drive {
+    /// From `start`, with the run's logged torque, to the last of `wanted` (increasing, not before `start`). Something
+    /// may change at each of `edges`. A torque logged faster than 1/`DENSE` is averaged between wanted times, which
+    /// keeps its impulse.
+    pub fn new(run: &Run, start: f64, wanted: &[f64], edges: &[f64]) -> Self {
+        let end = wanted.last().copied().unwrap_or(start);
+        let mut times: Vec<(f64, bool)> = vec![(start, wanted.first() == Some(&start))];
+        times.extend(wanted.iter().filter(|time| **time > start).map(|time| (*time, true)));
+        times.extend(edges.iter().filter(|time| **time > start && **time < end).map(|time| (*time, false)));
+        let mut dense = false;
+        if let Some(controller) = &run.controller {
+            let from = controller.time.partition_point(|time| *time <= start);
+            let to = controller.time.partition_point(|time| *time < end);
+            dense = to > from + 4 && (end - start) / ((to - from) as f64) < DENSE;
+            if !dense {
+                times.extend(controller.time[from..to.max(from)].iter().map(|time| (*time, false)));
+            }
+        }
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut events: Vec<Event> = Vec::with_capacity(times.len());
+        for (time, wanted) in times {
+            match events.last_mut() {
+                Some(last) if time - last.time < 1e-9 => last.wanted |= wanted,
+                _ => {
+                    // a row's torque is held from its own time, also when a wanted time is a rounding away from it
+                    let held = |name| run.controller.as_ref().map_or(0.0, |log| log.held(name, time + 1e-9, 0.0));
+                    events.push(Event { time, tau: held("tau"), tau_1: held("tau_1"), wanted });
+                }
+            }
+        }
+        if dense && let Some(controller) = &run.controller {
+            for place in 0..events.len() - 1 {
+                let (from, to) = (events[place].time, events[place + 1].time);
+                events[place].tau = average(controller, "tau", from, to);
+                events[place].tau_1 = average(controller, "tau_1", from, to);
+            }
+        }
+        Self { events }
+    }
+
+    /// Where it begins, s.
+    pub fn start(&self) -> f64 {
+        self.events[0].time
+    }
+
+    /// Where it ends, s.
+    pub fn end(&self) -> f64 {
+        self.events[self.events.len() - 1].time
+    }
+}
+
+/// Mean of a held column over a stretch of time.
+fn average(log: &crate::dataset::Table, name: &str, from: f64, to: f64) -> f64 {
+    let (first, last) = (log.time.partition_point(|t| *t <= from), log.time.partition_point(|t| *t < to));
+    let mut sum = 0.0;
+    let mut at = from;
+    for row in first..last {
+        sum += log.held(name, at + 1e-9, 0.0) * (log.time[row] - at);
+        at = log.time[row];
+    }
+    sum += log.held(name, at + 1e-9, 0.0) * (to - at);
+    sum / (to - from)
+}
+
+/// An extra torque over part of a window: what the model may lack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// Added to the joint torque if true, to the external torque on link 1 if not.
+    pub joint: bool,
+    /// From, s.
+    pub from: f64,
+    /// To, s.
+    pub to: f64,
+    /// N·m
+    pub size: f64,
+}
+
+/// The plant's references that a drive needs.
+#[derive(Debug, Clone)]
+pub struct Ports {
+    inputs: [u32; 2],
+    outputs: [u32; 5],
+    starts: [u32; 4],
+    contact: u32,
+}
+
+impl Ports {
+    /// Looks them up.
+    ///
+    /// # Errors
+    /// The unit lacks one of them.
+    pub fn of(plant: &Bench) -> Result<Self, Error> {
+        let reference = |name: &str| plant.reference(name);
+        Ok(Self {
+            inputs: [reference("tau")?, reference("tau_1")?],
+            outputs: [reference("q1")?, reference("q2")?, reference("dq1")?, reference("dq2")?, reference("tau_applied")?],
+            starts: [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?],
+            contact: reference("q2_max")?,
+        })
+    }
+}
+
+/// Drives the plant from `state`; answers q1, q2, dq1, dq2, tau_applied at the wanted times.
+///
+/// # Errors
+/// The unit failed, or left the finite numbers.
+pub fn simulate(
+    plant: &Bench,
+    ports: &Ports,
+    settings: &[Setting],
+    drive: &Drive,
+    state: &State,
+    pushes: &[Push],
+) -> Result<Vec<[f64; 5]>, Error> {
+    let real = |reference: u32, value: f64| (reference, orchestrator::Value::Real(value));
+    let torque = |event: &Event| {
+        let (mut tau, mut tau_1) = (event.tau, event.tau_1);
+        for push in pushes {
+            if event.time < push.from - 1e-9 || event.time >= push.to - 1e-9 {
+                continue;
+            }
+            if push.joint {
+                tau += push.size;
+            } else {
+                tau_1 += push.size;
+            }
+        }
+        [tau, tau_1]
+    };
+    let first = torque(&drive.events[0]);
+    let mut all = settings.to_vec();
+    all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
+    all.extend(ports.inputs.iter().zip(first).map(|(reference, value)| real(*reference, value)));
+    // rows at which the links touch are not scored, and a trial state must not be held
+    all.push(real(ports.contact, 1e9));
+    plant.run(&all, drive.start(), |instance| {
+        let failed = |error: orchestrator::Error| Error::Model(error.to_string());
+        let mut rows = Vec::new();
+        let mut outputs = [0.0; 5];
+        let mut last = first;
+        if drive.events[0].wanted {
+            instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
+            rows.push(outputs);
+        }
+        for pair in drive.events.windows(2) {
+            let now = torque(&pair[0]);
+            if now != last {
+                instance.set_real(&ports.inputs, &now).map_err(failed)?;
+                last = now;
+            }
+            step(instance, pair[0].time, pair[1].time - pair[0].time)?;
+            if pair[1].wanted {
+                instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
+                rows.push(outputs);
+            }
+        }
+        if rows.iter().flatten().all(|value: &f64| value.is_finite()) {
+            Ok(rows)
+        } else {
+            Err(Error::Model("the plant left the finite numbers".into()))
+        }
+    })
+}
+
+/// A motion on a grid, with cubic Hermite interpolation between.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// Stretches in order of time, each with its times and states.
+    pub stretches: Vec<(Vec<f64>, Vec<State>)>,
+}
+
+impl Motion {
+    /// State at a time, if a stretch covers it.
+    pub fn at(&self, time: f64) -> Option<State> {
+        let place = self.stretches.partition_point(|(times, _)| times.last().is_some_and(|last| *last < time - 1e-9));
+        let (times, states) = self.stretches.get(place)?;
+        if times.is_empty() || time < times[0] - 1e-9 {
+            return None;
+        }
+        let next = times.partition_point(|t| *t <= time).clamp(1, times.len().saturating_sub(1).max(1));
+        if times.len() == 1 {
+            return Some(states[0]);
+        }
+        Some(hermite(times[next - 1], &states[next - 1], times[next], &states[next], time))
+    }
+}
+
+/// Cubic Hermite interpolation of angles between two states; the rates are those of the cubic.
+pub fn hermite(t0: f64, a: &State, t1: f64, b: &State, time: f64) -> State {
+    let h = t1 - t0;
+    let s = (time - t0) / h;
+    let mut state = [0.0; 4];
+    for i in 0..2 {
+        let (x0, x1, v0, v1) = (a[i], b[i], h * a[i + 2], h * b[i + 2]);
+        let (c2, c3) = (3.0 * (x1 - x0) - 2.0 * v0 - v1, 2.0 * (x0 - x1) + v0 + v1);
+        state[i] = x0 + s * (v0 + s * (c2 + s * c3));
+        state[i + 2] = (v0 + s * (2.0 * c2 + s * 3.0 * c3)) / h;
+    }
+    state
+}

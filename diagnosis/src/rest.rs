@@ -1,0 +1,238 @@
+//! Is what is left noise? And if not, what does it look like?
+
+use crate::candidates::Candidate;
+use crate::diagnosis::Unknown;
+use crate::residual::torque::torques;
+use crate::residual::{Block, Signal};
+use crate::selection::{Evaluation, Study};
+use crate::statistics::linear::{Cell, projected, reduce};
+use nalgebra::{DMatrix, DVector};
+
+/// How a rest differs from noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Fall of the deviance that a torque of its own in each part of each window brings.
+    pub discrepancy: f64,
+    /// Size of that torque, N·m.
+    pub size: f64,
+    /// For each signal: scatter over what is known of it (1 where nothing is), and correlation from row to row.
+    pub signals: Vec<(f64, f64)>,
+    /// For each signal: variance of block means over what independent rows would give.
+    pub means: Vec<f64>,
+}
+
+/// Judges the rest of a model.
+pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
+    let bare: Vec<Cell> = evaluation
+        .blocks
+        .iter()
+        .flat_map(|block| &block.cells)
+        .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
+        .collect();
+    let deviance = |size: f64| bare.iter().map(|cell| reduce(cell, size)).map(|r| r.square + r.log_det).sum::<f64>();
+    let size = evaluation.softness;
+    let discrepancy = if size > 0.0 { deviance(0.0) - deviance(size) } else { 0.0 };
+    let mut sums = vec![(0.0, 0.0, 0.0); signals.len()];
+    let mut means = vec![(0.0, 0.0); signals.len()];
+    for block in &evaluation.blocks {
+        for s in 0..signals.len() {
+            let rows: Vec<f64> = whitened(block, s);
+            for pair in rows.windows(2) {
+                sums[s].0 += pair[0] * pair[1];
+                sums[s].1 += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]);
+            }
+            if rows.len() > 3 {
+                let mean = rows.iter().sum::<f64>() / rows.len() as f64;
+                means[s].0 += mean * mean * rows.len() as f64;
+                means[s].1 += rows.iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
+            }
+            sums[s].2 += rows.len() as f64;
+        }
+    }
+    let per_signal = signals
+        .iter()
+        .enumerate()
+        .map(|(s, signal)| {
+            let ratio = signal.known.map_or(1.0, |known| evaluation.seen[s] / known);
+            (ratio, if sums[s].1 > 0.0 { sums[s].0 / sums[s].1 } else { 0.0 })
+        })
+        .collect();
+    let means = means.iter().map(|(a, b)| if *b > 0.0 { a / b } else { 1.0 }).collect();
+    Rest { discrepancy, size, signals: per_signal, means }
+}
+
+fn whitened(block: &Block, signal: usize) -> Vec<f64> {
+    let mut rows = Vec::new();
+    for cell in &block.cells {
+        let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
+        let (rest, ..) = projected(&bare, 0.0);
+        rows.extend((0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| rest[row]));
+    }
+    rows
+}
+
+/// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
+const TORQUE_EVIDENCE: f64 = 20.0;
+/// Scatter and correlation of a rest too quick for the torques.
+const SCATTER: f64 = 1.15;
+const CORRELATED: f64 = 0.25;
+/// Variance of block means: the pixel lattice alone reaches about 2.5 while the arm stands.
+const MEANS: f64 = 6.0;
+
+/// The rest in words, if it is more than noise.
+pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
+    let rest = rest(&study.last, signals);
+    let nearest = nearest(study, candidates);
+    if torque {
+        let quick = rest.signals.iter().position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
+        if rest.discrepancy < TORQUE_EVIDENCE && quick.is_none() {
+            return None;
+        }
+        let (signal, depends_on, shape) = torque_shape(study);
+        return Some(Unknown { signal, depends_on, shape, nearest });
+    }
+    let (worst, size) = rest
+        .means
+        .iter()
+        .enumerate()
+        .take(6)
+        .map(|(s, mean)| (s, *mean))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if size < MEANS {
+        return None;
+    }
+    let (depends_on, shape) = image_shape(study, worst);
+    Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest })
+}
+
+fn nearest(study: &Study, candidates: &[Candidate]) -> String {
+    let total = study.last.total.square.max(1.0);
+    match study.screen.hits.iter().find(|hit| !study.active.contains(&hit.candidate)) {
+        Some(hit) => format!(
+            "{} ({}) comes nearest, but takes away only {:.1} % of what is left",
+            candidates[hit.candidate].name,
+            candidates[hit.candidate].phrase,
+            100.0 * hit.gain / total
+        ),
+        None => "no listed effect resembles it".into(),
+    }
+}
+
+/// Simple variables on which a rest may depend.
+fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'static str, f64)> {
+    let [q1, q2, dq1, dq2] = *state;
+    let (bend, slip) = (q2 - q1, dq2 - dq1);
+    let sign = |x: f64| libm::tanh(x / 0.05);
+    vec![
+        (&[], "constant", 1.0),
+        (&["time"], "drifting with time", time),
+        (&["q1"], "odd in q1, like a spring", q1),
+        (&["q2"], "odd in q2, like a spring", q2),
+        (&["q1", "q2"], "odd in the joint angle q2 - q1, like a spring", bend),
+        (&["q1", "q2"], "cubic in the joint angle q2 - q1, like a stiffening spring", bend * bend * bend),
+        (&["q2"], "even in q2", q2 * q2),
+        (&["dq1"], "odd in dq1, growing with speed", dq1),
+        (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, growing with speed", slip),
+        (&["dq1"], "odd in dq1, of constant size: sticking", sign(dq1)),
+        (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, of constant size: sticking or play", sign(slip)),
+        (&["dq1"], "odd in dq1, with the square of speed: drag", dq1 * dq1.abs()),
+        (&["dq1", "dq2"], "odd in the joint's rate, with the square of speed: drag", slip * slip.abs()),
+        (&["dq1", "dq2"], "strongest at small rates of the joint: Stribeck or sticking", sign(slip) / (1.0 + slip * slip / 0.04)),
+    ]
+}
+
+fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
+    let lacking = torques(&study.last.blocks, &[], &[], &study.folds.of);
+    let mut best: Option<(f64, usize, &'static [&'static str], &'static str)> = None;
+    let mut squares = [0.0; 2];
+    for link in 0..2 {
+        let values: Vec<(f64, [f64; 4], f64)> = lacking
+            .iter()
+            .filter(|t| t.floor[link].is_finite())
+            .map(|t| {
+                let block = &study.last.blocks[t.block];
+                (t.torque[link], block.state, 0.5 * (block.from + block.to))
+            })
+            .collect();
+        let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
+        squares[link] = total;
+        let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else { continue };
+        for place in 0..count {
+            let (mut xy, mut xx) = (0.0, 0.0);
+            let mut name = None;
+            for (y, state, time) in &values {
+                let all = regressors(state, *time);
+                let (variables, shape, x) = all[place];
+                xy += x * y;
+                xx += x * x;
+                name = Some((variables, shape));
+            }
+            let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
+            if let Some((variables, shape)) = name {
+                if best.is_none_or(|(known, ..)| share > known) {
+                    best = Some((share, link, variables, shape));
+                }
+            }
+        }
+    }
+    // a few windows that hold most of it are an event, not a law
+    let mut sizes: Vec<(f64, usize)> =
+        lacking.iter().map(|t| (t.torque.iter().map(|x| x * x).sum::<f64>(), t.block)).collect();
+    sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let few = sizes.len().div_ceil(20);
+    let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>() / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
+    let link = if squares[0] > squares[1] { 0 } else { 1 };
+    let signal = |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
+    match best {
+        _ if held > 0.8 => {
+            let block = &study.last.blocks[sizes[0].1];
+            let shape = format!("an event, {:.0} % of it in few windows around {:.1} s: a push from outside", 100.0 * held, block.from);
+            (signal(link), vec!["time".into()], shape)
+        }
+        Some((share, link, variables, shape)) if share > 0.15 => (
+            signal(link),
+            variables.iter().map(|name| (*name).to_owned()).collect(),
+            format!("{shape} ({:.0} % of it)", 100.0 * share),
+        ),
+        _ => (signal(link), Vec::new(), "no simple law of angles, rates or time".into()),
+    }
+}
+
+fn image_shape(study: &Study, signal: usize) -> (Vec<String>, String) {
+    type Law = (&'static [&'static str], &'static str);
+    const LAWS: [Law; 7] = [
+        (&[], "constant: this circle sits elsewhere than the model has it"),
+        (&["u"], "linear in u"),
+        (&["v"], "linear in v"),
+        (&["u", "v"], "with the square of the distance from the centre"),
+        (&["dq2"], "with the motion: a matter of time, the same all along"),
+        (&["dq2", "v"], "with motion times height in the picture: rows exposed one after the other"),
+        (&["dq2", "time"], "with motion times time: clocks that drift apart"),
+    ];
+    let mut rows: Vec<(f64, [f64; 7])> = Vec::new();
+    for block in &study.last.blocks {
+        for cell in &block.cells {
+            let Some(row) = cell.signal.iter().position(|s| *s == signal) else { continue };
+            let [q1, q2, dq1, dq2] = block.state;
+            let (u, v) = (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
+            let speed = if signal < 4 { dq1 } else { dq1 + dq2 };
+            let time = cell.time[row];
+            rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time]));
+        }
+    }
+    let total: f64 = rows.iter().map(|(y, _)| y * y).sum();
+    let share = |law: usize| {
+        let design = DVector::from_iterator(rows.len(), rows.iter().map(|(_, x)| x[law]));
+        let rest = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
+        let xx = design.dot(&design);
+        if xx > 0.0 && total > 0.0 { design.dot(&rest).powi(2) / xx / total } else { 0.0 }
+    };
+    let best = (0..LAWS.len()).map(|law| (share(law), law)).max_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        Some((share, law)) if share > 0.1 => (
+            LAWS[law].0.iter().map(|name| (*name).to_owned()).collect(),
+            format!("{} ({:.0} % of it)", LAWS[law].1, 100.0 * share),
+        ),
+        _ => (Vec::new(), "no simple law of place, motion or time".into()),
+    }
+}

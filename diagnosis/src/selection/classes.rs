@@ -1,0 +1,145 @@
+//! What else could it be: every other candidate in an effect's place, fitted, and compared.
+//!
+//! Nothing here is a table of look-alikes. A candidate belongs to the class of an effect when the data, with
+//! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
+
+use super::evaluation::Evaluation;
+use super::refit::refit;
+use crate::candidates::{Candidate, Motion};
+use crate::error::Error;
+use crate::residual::Cut;
+use crate::statistics::linear::{solve, submatrix, subvector};
+use nalgebra::DVector;
+
+/// Predicted loss beyond which an alternative isn't even fitted.
+const HOPELESS: f64 = 60.0;
+/// Loss up to which the data can't tell: odds of 1 to 20.
+pub const CLASS: f64 = 6.0;
+
+/// A candidate in the place of another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alternative {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Its coordinate there.
+    pub x: f64,
+    /// How much worse than the best, in effective deviance.
+    pub loss: f64,
+}
+
+/// All that could stand in the place of `effect`, the best first (the effect itself included, at loss ≥ 0).
+///
+/// # Errors
+/// A unit failed at the final model.
+pub fn alternatives(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    effect: usize,
+) -> Result<Vec<Alternative>, Error> {
+    let temper = temper(last, active, effect, candidates);
+    let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
+    let reference = refit(cut, candidates, &last.point, active)?;
+    let mut all = vec![(effect, reference.point[effect], reference.deviance())];
+    for (index, candidate) in candidates.iter().enumerate() {
+        if active.contains(&index) || !cut.sees(candidate) {
+            continue;
+        }
+        let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
+        if predicted / temper > HOPELESS {
+            continue;
+        }
+        let mut set = others.clone();
+        set.push(index);
+        let mut best: Option<Evaluation> = None;
+        for x in starts(candidate, last, effect, index, candidates) {
+            let mut point = last.point.clone();
+            point[effect] = candidates[effect].off;
+            point[index] = x;
+            if let Ok(fit) = refit(cut, candidates, &point, &set) {
+                if best.as_ref().is_none_or(|known| fit.deviance() < known.deviance()) {
+                    best = Some(fit);
+                }
+            }
+        }
+        if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
+            all.push((index, fit.point[index], fit.deviance()));
+        }
+    }
+    let lowest = all.iter().map(|(_, _, deviance)| *deviance).fold(f64::INFINITY, f64::min);
+    let mut alternatives: Vec<Alternative> = all
+        .into_iter()
+        .map(|(candidate, x, deviance)| Alternative { candidate, x, loss: (deviance - lowest) / temper })
+        .collect();
+    alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    Ok(alternatives)
+}
+
+/// How much the likelihood overstates: variance of the score over blocks against what independent rows would give.
+/// Varin, Reid and Firth, Statistica Sinica 21 (2011) 5, section 3.
+fn temper(last: &Evaluation, active: &[usize], effect: usize, candidates: &[Candidate]) -> f64 {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let place = free.iter().position(|index| *index == effect);
+    let bread = crate::statistics::linear::inverse(&submatrix(&last.total.gram, &last.places(&free)));
+    match (place, bread, last.covariance(&free)) {
+        (Some(i), Some(bread), Some(covariance)) => (covariance[(i, i)] / bread[(i, i)]).max(1.0),
+        _ => 1.0,
+    }
+}
+
+/// Loss if the effect's column were replaced by another's: its own gain times sin² of the angle between them.
+fn predicted_loss(
+    last: &Evaluation,
+    others: &[usize],
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Option<f64> {
+    if candidates[effect].is_discrete() {
+        return Some(0.0);
+    }
+    let own = *last.places(&[effect]).first()?;
+    let places = last.places(others);
+    let gram = &last.total.gram;
+    let gram_oo = submatrix(gram, &places);
+    let across = |column: usize| DVector::from_fn(places.len(), |i, _| gram[(places[i], column)]);
+    let weights = if places.is_empty() { DVector::zeros(0) } else { solve(&gram_oo, &across(own))? };
+    let length = gram[(own, own)] - weights.dot(&across(own));
+    let size = last.point[effect] - candidates[effect].off;
+    let nonlinear = matches!(candidates[effect].motion, Motion::Ceiling { .. });
+    last.probes
+        .iter()
+        .enumerate()
+        .filter(|(_, probe)| probe.candidate == index)
+        .map(|(column, _)| {
+            let there = across(column);
+            let product = gram[(own, column)] - weights.dot(&there);
+            let theirs = gram[(column, column)]
+                - if places.is_empty() { 0.0 } else { solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there)) };
+            let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
+            let loss = size * size * length * (1.0 - cosine.min(1.0));
+            // columns are tangents and bend over a finite size
+            if nonlinear { 0.1 * loss } else { 0.5 * loss }
+        })
+        .min_by(f64::total_cmp)
+}
+
+fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize, candidates: &[Candidate]) -> Vec<f64> {
+    if candidate.is_discrete() || matches!(candidate.motion, Motion::Ceiling { .. }) {
+        return candidate.steps.iter().map(|step| candidate.off + step).collect();
+    }
+    let column = last.probes.iter().position(|probe| probe.candidate == index);
+    let own = last.places(&[effect]).first().copied();
+    let x = match (column, own) {
+        (Some(column), Some(own)) => {
+            let gram = &last.total.gram;
+            let size = last.point[effect] - candidates[effect].off;
+            candidate.off + size * gram[(own, column)] / gram[(column, column)]
+        }
+        (Some(column), None) => candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)],
+        _ => candidate.off + candidate.steps[0],
+    };
+    let within = x.clamp(candidate.range.0, candidate.range.1);
+    vec![if within == candidate.off { candidate.off + candidate.steps[0] } else { within }]
+}

@@ -1,0 +1,300 @@
+//! A model (values of the candidates) judged on one cut: residuals, noise, what is left, how it does on runs that
+//! were left out.
+
+use crate::candidates::Candidate;
+use crate::error::Error;
+use crate::residual::{Block, Cut, Probe, Signal};
+use crate::statistics::linear::{Cell, Reduced, projected, reduce, solve, submatrix, subvector};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Prior size that leaves a discrepancy torque as good as free, in its own unit.
+pub const FREE: f64 = 1e3;
+/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit.
+const SIZES: usize = 15;
+const SMALLEST: f64 = 2e-4;
+
+/// Which blocks are left out together: runs, or thirds of a single run.
+#[derive(Debug, Clone)]
+pub struct Folds {
+    /// Fold of each block.
+    pub of: Vec<usize>,
+    /// Number of folds.
+    pub count: usize,
+}
+
+impl Folds {
+    /// Runs where there are two or more; else the run is divided.
+    pub fn new(blocks: &[Block]) -> Self {
+        const PARTS: usize = 3;
+        let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
+        runs.dedup();
+        if runs.len() > 1 {
+            let of = blocks.iter().map(|block| runs.iter().position(|run| *run == block.run).unwrap_or(0)).collect();
+            return Self { of, count: runs.len() };
+        }
+        let of = (0..blocks.len()).map(|place| place * PARTS / blocks.len().max(1)).collect();
+        Self { of, count: PARTS }
+    }
+}
+
+/// A point, judged.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// Coordinates of all candidates.
+    pub point: Vec<f64>,
+    /// What the columns are.
+    pub probes: Vec<Probe>,
+    /// Residuals and columns.
+    pub blocks: Vec<Block>,
+    /// Blocks with nuisances projected out.
+    pub reduced: Vec<Reduced>,
+    /// Their sum.
+    pub total: Reduced,
+    /// Size of the discrepancy that is taken to be there, in the cut's own unit.
+    pub softness: f64,
+    /// Standard deviation of each signal in use.
+    pub sigmas: Vec<f64>,
+    /// Standard deviation of each signal as it shows in this data after the nuisances.
+    pub seen: Vec<f64>,
+}
+
+impl Evaluation {
+    /// Judges a point.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe], quick: bool) -> Result<Self, Error> {
+        let blocks = cut.linearise(point, probes, quick)?;
+        Ok(Self::of(blocks, point, probes, cut.signals()))
+    }
+
+    /// Judges residuals that are there already.
+    pub fn of(mut blocks: Vec<Block>, point: &[f64], probes: &[Probe], signals: &[Signal]) -> Self {
+        let mut sigmas: Vec<f64> = signals.iter().map(|signal| signal.sigma).collect();
+        let mut seen = sigmas.clone();
+        // two signals share nuisances, so that the estimate of one depends on the other's: settles in a few rounds
+        for _ in 0..3 {
+            seen = scatter(&blocks, &sigmas);
+            let wanted: Vec<f64> = signals
+                .iter()
+                .zip(&seen)
+                .map(|(signal, seen)| match signal.known {
+                    Some(known) => seen.max(known),
+                    None => *seen,
+                })
+                .collect();
+            rescale(&mut blocks, &sigmas, &wanted);
+            sigmas = wanted;
+        }
+        let softness = likely_size(&blocks);
+        let mut evaluation = Self {
+            point: point.to_vec(),
+            probes: probes.to_vec(),
+            blocks,
+            reduced: Vec::new(),
+            total: Reduced::zero(probes.len()),
+            softness,
+            sigmas,
+            seen,
+        };
+        evaluation.reduce();
+        evaluation
+    }
+
+    /// The same residuals under another noise and size of discrepancy.
+    pub fn under(&self, other: &Evaluation) -> Self {
+        let mut same = self.clone();
+        rescale(&mut same.blocks, &self.sigmas, &other.sigmas);
+        same.sigmas.clone_from(&other.sigmas);
+        same.softness = other.softness;
+        same.reduce();
+        same
+    }
+
+    fn reduce(&mut self) {
+        let softness = self.softness;
+        let p = self.probes.len();
+        self.reduced = self
+            .blocks
+            .par_iter()
+            .map(|block| {
+                let mut sum = Reduced::zero(p);
+                block.cells.iter().for_each(|cell| sum.add(&reduce(cell, softness)));
+                sum
+            })
+            .collect();
+        self.total = Reduced::zero(p);
+        for reduced in &self.reduced {
+            self.total.add(reduced);
+        }
+    }
+
+    /// -2 log likelihood, up to a constant, with noise and discrepancy at their most likely.
+    pub fn deviance(&self) -> f64 {
+        self.total.square + self.total.log_det
+    }
+
+    /// Places of the columns that belong to some candidates (the first column of each).
+    pub fn places(&self, candidates: &[usize]) -> Vec<usize> {
+        candidates.iter().filter_map(|c| self.probes.iter().position(|probe| probe.candidate == *c)).collect()
+    }
+
+    /// Held-out squares: each fold judged with the active values that the other folds want (one Newton step).
+    pub fn held_out(&self, folds: &Folds, active: &[usize]) -> f64 {
+        self.shifts(folds, active)
+            .iter()
+            .enumerate()
+            .map(|(fold, shift)| {
+                let part = self.fold(folds, fold);
+                let places = self.places(active);
+                let gram = submatrix(&part.gram, &places);
+                let score = subvector(&part.score, &places);
+                part.square - 2.0 * shift.dot(&score) + shift.dot(&(gram * shift))
+            })
+            .sum()
+    }
+
+    /// How far the active values move when a fold is left out.
+    pub fn shifts(&self, folds: &Folds, active: &[usize]) -> Vec<DVector<f64>> {
+        let places = self.places(active);
+        (0..folds.count)
+            .map(|fold| {
+                let mut rest = self.total.clone();
+                rest.subtract(&self.fold(folds, fold));
+                let gram = submatrix(&rest.gram, &places);
+                solve(&gram, &subvector(&rest.score, &places)).unwrap_or_else(|| DVector::zeros(places.len()))
+            })
+            .collect()
+    }
+
+    fn fold(&self, folds: &Folds, fold: usize) -> Reduced {
+        let mut sum = Reduced::zero(self.probes.len());
+        for (reduced, of) in self.reduced.iter().zip(&folds.of) {
+            if *of == fold {
+                sum.add(reduced);
+            }
+        }
+        sum
+    }
+
+    /// Covariance of the active values: the sandwich over blocks, never smaller than the model's own.
+    pub fn covariance(&self, active: &[usize]) -> Option<DMatrix<f64>> {
+        let places = self.places(active);
+        let gram = submatrix(&self.total.gram, &places);
+        let bread = crate::statistics::linear::inverse(&gram)?;
+        let shift = &bread * subvector(&self.total.score, &places);
+        let mut meat = DMatrix::zeros(places.len(), places.len());
+        for reduced in &self.reduced {
+            let score = subvector(&reduced.score, &places) - submatrix(&reduced.gram, &places) * &shift;
+            meat += &score * score.transpose();
+        }
+        let blocks = self.reduced.len() as f64;
+        meat *= blocks / (blocks - places.len() as f64).max(1.0);
+        let sandwich = &bread * meat * &bread;
+        let mut covariance = sandwich.clone();
+        for i in 0..places.len() {
+            // few blocks make the sandwich too small by chance; the other off-diagonals keep their correlation
+            let factor = (bread[(i, i)] / sandwich[(i, i)]).max(1.0).sqrt();
+            for j in 0..places.len() {
+                covariance[(i, j)] *= factor;
+                covariance[(j, i)] *= factor;
+            }
+        }
+        Some(covariance)
+    }
+}
+
+/// Standard deviation of each signal after start states and free discrepancy.
+fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; sigmas.len()];
+    let mut freedom = vec![0.0; sigmas.len()];
+    let rests: Vec<_> = blocks
+        .par_iter()
+        .flat_map_iter(|block| &block.cells)
+        .map(|cell| {
+            let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
+            let (rest, _, free, _) = projected(&bare, FREE);
+            (cell, rest, free)
+        })
+        .collect();
+    for (cell, rest, free) in rests {
+        let soft = cell.soft.ncols() - cell.discrepancy.min(cell.soft.ncols());
+        let share = ((free - soft as f64) / cell.residual.len() as f64).max(0.0);
+        for (row, signal) in cell.signal.iter().enumerate() {
+            sum[*signal] += rest[row] * rest[row];
+            freedom[*signal] += share;
+        }
+    }
+    (0..sigmas.len())
+        .map(|s| if freedom[s] > 3.0 { sigmas[s] * (sum[s] / freedom[s]).sqrt().max(1e-6) } else { sigmas[s] })
+        .collect()
+}
+
+fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
+    for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
+        for (sigma, signal) in cell.sigma.iter_mut().zip(&cell.signal) {
+            *sigma *= to[*signal] / from[*signal];
+        }
+    }
+}
+
+/// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
+fn likely_size(blocks: &[Block]) -> f64 {
+    let cells: Vec<Cell> = blocks
+        .iter()
+        .flat_map(|block| &block.cells)
+        .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
+        .collect();
+    if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
+        return 0.0;
+    }
+    // collected before it is summed: the same bits whatever the number of threads
+    let deviance = |size: f64| -> f64 {
+        let each: Vec<f64> = cells
+            .par_iter()
+            .map(|cell| {
+                let reduced = reduce(cell, size);
+                reduced.square + reduced.log_det
+            })
+            .collect();
+        each.iter().sum()
+    };
+    let mut best = (deviance(0.0), 0.0);
+    // every fourth power of two first, then the neighbours of the best
+    for power in (0..SIZES).step_by(2) {
+        let size = SMALLEST * f64::from(1_u32 << power);
+        let here = deviance(size);
+        if here < best.0 {
+            best = (here, size);
+        }
+    }
+    if best.1 > 0.0 {
+        for size in [0.5 * best.1, 2.0 * best.1] {
+            let here = deviance(size);
+            if here < best.0 {
+                best = (here, size);
+            }
+        }
+    }
+    best.1
+}
+
+/// Columns for a first look at everything: each candidate's steps, and a derivative for the active ones first.
+pub fn all_probes(candidates: &[Candidate], point: &[f64], sees: &dyn Fn(&Candidate) -> bool, active: &[usize]) -> Vec<Probe> {
+    let mut probes = Vec::new();
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| sees(candidate)) {
+        if active.contains(&index) {
+            if !candidate.is_discrete() {
+                probes.push(Probe { candidate: index, by: candidate.derivative_step(point[index]) });
+            }
+            continue;
+        }
+        for step in &candidate.steps {
+            let at = point[index] + step;
+            let by = if at > candidate.range.1 || at < candidate.range.0 { -step } else { *step };
+            probes.push(Probe { candidate: index, by });
+        }
+    }
+    probes
+}

@@ -1,0 +1,238 @@
+//! Forward selection on one cut: screen linearly, refit the best few through the units, accept what survives the
+//! bootstrap and the runs left out, drop what became superfluous, look again.
+
+mod classes;
+mod evaluation;
+mod refit;
+mod screen;
+
+pub use classes::{Alternative, CLASS, alternatives};
+pub use evaluation::{Evaluation, FREE, Folds, all_probes};
+pub use refit::refit;
+pub use screen::{Hit, Screen, screen};
+
+use crate::candidates::Candidate;
+use crate::error::Error;
+use crate::residual::Cut;
+
+/// Family-wise error of one look; a cut is looked at once where nothing is missing.
+pub const ALPHA: f64 = 0.005;
+/// More effects than this are not a diagnosis any more.
+const MOST: usize = 6;
+/// How many of the screen's best are refitted, and how good they must be against the best.
+const SHORTLIST: usize = 4;
+const WORTH: f64 = 0.5;
+/// An active effect below this many standard errors is dropped again.
+const KEEP: f64 = 2.6;
+/// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
+/// that no candidate gives (with much data anything becomes significant there).
+const LEAST_SHARE: f64 = 0.03;
+
+/// One look in the story.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// Best candidates of the screen with their gains.
+    pub best: Vec<Hit>,
+    /// Probability that the best is chance.
+    pub p_value: f64,
+    /// Who was accepted, if anyone.
+    pub accepted: Option<usize>,
+    /// Who was dropped afterwards.
+    pub dropped: Vec<usize>,
+    /// Deviance before and after.
+    pub deviance: (f64, f64),
+    /// Mean square of the whitened rest before and after.
+    pub rest: (f64, f64),
+    /// Held-out squares before and after.
+    pub held_out: (f64, f64),
+}
+
+/// The result on one cut.
+pub struct Study {
+    /// What was compared.
+    pub name: &'static str,
+    /// Accepted candidates in the order found.
+    pub active: Vec<usize>,
+    /// The nominal model.
+    pub nominal: Evaluation,
+    /// The final model with the columns of all candidates.
+    pub last: Evaluation,
+    /// The last screen: its null distribution and the standard errors of everything.
+    pub screen: Screen,
+    /// The story.
+    pub steps: Vec<Step>,
+    /// Blocks left out together.
+    pub folds: Folds,
+    /// Which candidates the cut sees.
+    pub seen: Vec<usize>,
+}
+
+/// Selects on one cut, beginning from `start`.
+///
+/// # Errors
+/// A unit failed at the nominal model.
+pub fn study(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    tell: &mut dyn FnMut(&str),
+) -> Result<Study, Error> {
+    let seen: Vec<usize> = (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect();
+    let look = |cut: &mut dyn Cut, point: &[f64], active: &[usize]| {
+        let probes = {
+            let cut: &dyn Cut = cut;
+            all_probes(candidates, point, &|candidate| cut.sees(candidate), active)
+        };
+        Evaluation::at(cut, point, &probes, false)
+    };
+    let mut active: Vec<usize> = Vec::new();
+    let mut last = look(cut, start, &active)?;
+    let nominal = last.clone();
+    let folds = Folds::new(&last.blocks);
+    let mut steps = Vec::new();
+    let mut found = screen(&last, candidates, &active);
+    let mut refused: Vec<usize> = Vec::new();
+    while active.len() < MOST {
+        let mut step = Step {
+            best: found.hits.iter().take(8).cloned().collect(),
+            p_value: found.p_value,
+            accepted: None,
+            dropped: Vec::new(),
+            deviance: (last.deviance(), last.deviance()),
+            rest: (rest(&last), rest(&last)),
+            held_out: (f64::NAN, f64::NAN),
+        };
+        let threshold = found.null.threshold(ALPHA);
+        let shortlist = shortlist(&found, &refused, threshold, cut.outweighed());
+        if shortlist.is_empty() {
+            steps.push(step);
+            break;
+        }
+        let mut trials = Vec::new();
+        for hit in &shortlist {
+            for x in starts(candidates, &last, hit) {
+                let mut point = last.point.clone();
+                point[hit.candidate] = x;
+                let mut with = active.clone();
+                with.push(hit.candidate);
+                if let Ok(trial) = refit(cut, candidates, &point, &with) {
+                    // a composite likelihood's gain counts as much as its blocks agree
+                    let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+                    trials.push((hit.candidate, (last.deviance() - trial.deviance()) * temper, trial));
+                }
+            }
+        }
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for hit in &found.hits {
+            tell(&format!("  {} gain {:.1} t {:.2} by {:.5}", candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement));
+        }
+        for (c, _, trial) in &trials {
+            tell(&format!("  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}", candidates[*c].name, trial.point[*c], last.deviance(), trial.deviance(), trial.softness, trial.sigmas, trial.total.square));
+        }
+        let mut accepted = None;
+        for (candidate, _, trial) in trials {
+            let before = last.under(&trial);
+            let held_out = (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
+            let share = 1.0 - trial.total.square / before.total.square;
+            let enough = share >= LEAST_SHARE || last.total.square < 1.5 * last.total.freedom;
+            if held_out.1 < held_out.0 && enough {
+                step.held_out = held_out;
+                step.deviance.1 = trial.deviance();
+                accepted = Some((candidate, trial));
+                break;
+            }
+            refused.push(candidate);
+        }
+        let Some((candidate, trial)) = accepted else {
+            steps.push(step);
+            break;
+        };
+        tell(&format!("{}: {}", cut.name(), candidates[candidate].name));
+        active.push(candidate);
+        step.accepted = Some(candidate);
+        let mut point = trial.point.clone();
+        // settle the nuisances there before fitting on
+        Evaluation::at(cut, &point, &[], false)?;
+        step.dropped = prune(cut, candidates, &mut active, &mut point)?;
+        refused.extend(&step.dropped);
+        last = look(cut, &point, &active)?;
+        step.rest.1 = rest(&last);
+        found = screen(&last, candidates, &active);
+        let stuck = step.dropped.contains(&candidate);
+        steps.push(step);
+        if stuck {
+            break;
+        }
+    }
+    Ok(Study { name: cut.name(), active, nominal, last, screen: found, steps, folds, seen })
+}
+
+fn with(active: &[usize], candidate: usize) -> Vec<usize> {
+    let mut all = active.to_vec();
+    all.push(candidate);
+    all
+}
+
+/// Mean square of the whitened rest.
+fn rest(evaluation: &Evaluation) -> f64 {
+    evaluation.total.square / evaluation.total.freedom.max(1.0)
+}
+
+fn shortlist(found: &Screen, refused: &[usize], threshold: f64, outweighed: bool) -> Vec<Hit> {
+    let mut hits: Vec<Hit> = found
+        .hits
+        .iter()
+        .filter(|hit| !refused.contains(&hit.candidate) && hit.statistic > threshold)
+        .cloned()
+        .collect();
+    let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
+    hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let best = hits.first().map_or(0.0, worth);
+    hits.retain(|hit| worth(hit) >= WORTH * best);
+    hits.truncate(SHORTLIST);
+    hits
+}
+
+/// Coordinates from which a hit is fitted.
+fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
+    let candidate = &candidates[hit.candidate];
+    let x = last.point[hit.candidate];
+    if candidate.is_discrete() {
+        return candidate.steps.iter().map(|step| candidate.off + step).collect();
+    }
+    let by = last.probes[hit.column].by;
+    let wanted = match candidate.motion {
+        crate::candidates::Motion::Ceiling { .. } => x + by,
+        _ => x + hit.displacement,
+    };
+    vec![wanted.clamp(candidate.range.0, candidate.range.1)]
+}
+
+/// Drops what is superfluous, the weakest first, and fits the rest again.
+fn prune(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    active: &mut Vec<usize>,
+    point: &mut Vec<f64>,
+) -> Result<Vec<usize>, Error> {
+    let mut dropped = Vec::new();
+    loop {
+        let fit = refit(cut, candidates, point, active)?;
+        point.clone_from(&fit.point);
+        let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let Some(covariance) = fit.covariance(&free) else { return Ok(dropped) };
+        let weakest = free
+            .iter()
+            .enumerate()
+            .map(|(i, index)| ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match weakest {
+            Some((size, index)) if size < KEEP => {
+                active.retain(|other| *other != index);
+                point[index] = candidates[index].off;
+                dropped.push(index);
+            }
+            _ => return Ok(dropped),
+        }
+    }
+}

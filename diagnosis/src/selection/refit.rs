@@ -1,0 +1,97 @@
+//! Fitting the values of the active candidates through the units: Gauss-Newton with bounds and a careful step.
+
+use super::evaluation::Evaluation;
+use crate::candidates::Candidate;
+use crate::error::Error;
+use crate::residual::{Cut, Probe};
+use crate::statistics::linear::{solve, submatrix, subvector};
+
+/// Most linearisations of a fit.
+const ROUNDS: usize = 5;
+/// A step that promises less fall of the sum of squares than this ends the fit.
+const SETTLED: f64 = 0.02;
+
+/// Fits `active` from a point; discrete ones stay where they are.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub fn refit(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+) -> Result<Evaluation, Error> {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let mut best = judge(cut, candidates, start, &free)?;
+    let mut damping = 0.0;
+    for _ in 0..ROUNDS {
+        let Some((next, promise)) = propose(&best, candidates, &free, damping) else { break };
+        if promise < SETTLED {
+            break;
+        }
+        match judge(cut, candidates, &next, &free) {
+            Ok(trial) if trial.deviance() < best.deviance() => {
+                best = trial;
+                damping *= 0.1;
+            }
+            _ => {
+                damping = if damping == 0.0 { 0.3 } else { damping * 10.0 };
+                if damping > 1e4 {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(best)
+}
+
+fn judge(cut: &mut dyn Cut, candidates: &[Candidate], point: &[f64], free: &[usize]) -> Result<Evaluation, Error> {
+    let probes: Vec<Probe> = free
+        .iter()
+        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
+        .collect();
+    Evaluation::at(cut, point, &probes, true)
+}
+
+/// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
+/// others are solved for again.
+fn propose(best: &Evaluation, candidates: &[Candidate], free: &[usize], damping: f64) -> Option<(Vec<f64>, f64)> {
+    let mut moving: Vec<usize> = (0..free.len()).collect();
+    let mut next = best.point.clone();
+    for _ in 0..=free.len() {
+        if moving.is_empty() {
+            return None;
+        }
+        let mut gram = submatrix(&best.total.gram, &moving);
+        for i in 0..moving.len() {
+            gram[(i, i)] *= 1.0 + damping;
+        }
+        let score = subvector(&best.total.score, &moving);
+        let shift = solve(&gram, &score)?;
+        let mut stopped = Vec::new();
+        next.clone_from(&best.point);
+        for (i, place) in moving.iter().enumerate() {
+            let candidate = &candidates[free[*place]];
+            let x = best.point[free[*place]];
+            let wanted = limited(candidate, x, x + shift[i]);
+            let within = wanted.clamp(candidate.range.0, candidate.range.1);
+            if within != wanted && within == x {
+                stopped.push(*place);
+            }
+            next[free[*place]] = within;
+        }
+        if stopped.is_empty() {
+            return Some((next, shift.dot(&score)));
+        }
+        moving.retain(|place| !stopped.contains(place));
+    }
+    None
+}
+
+/// No more than a factor of three at once for what is already on and works by its size.
+fn limited(candidate: &Candidate, x: f64, wanted: f64) -> f64 {
+    match candidate.motion {
+        crate::candidates::Motion::Ceiling { .. } if x > 0.0 => wanted.clamp(x / 3.0, 3.0 * x),
+        _ => wanted,
+    }
+}

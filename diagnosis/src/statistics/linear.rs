@@ -1,0 +1,236 @@
+//! Least squares in blocks, with the nuisances of each block projected out.
+//!
+//! A block has residuals r, columns S of the candidates and columns N of nuisances that belong to it alone (the
+//! start state of a window, the pose of a frame). A nuisance is *hard* (anything goes) or *soft* (Gaussian prior
+//! around 0). After whitening, soft ones get a row [0 … 1/σ … 0] each, so that one orthogonal projection deals
+//! with both; what is left of a block is a sum of squares, a score and a Gram matrix. Everything after that
+//! (screening, leaving runs out, the bootstrap) is sums of these over blocks.
+//! Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, section 2.4 and 4.2.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Below this share of its own length, what is left of a column after projection is rounding.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// One set of rows that share nuisances.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    /// Measured minus simulated.
+    pub residual: Vec<f64>,
+    /// Standard deviation of each row.
+    pub sigma: Vec<f64>,
+    /// Index of each row's signal.
+    pub signal: Vec<usize>,
+    /// Time of each row in s.
+    pub time: Vec<f64>,
+    /// Columns of free nuisances.
+    pub hard: DMatrix<f64>,
+    /// Columns of nuisances with a prior of standard deviation 1.
+    pub soft: DMatrix<f64>,
+    /// Soft columns from here on stand for what the model lacks; their prior is multiplied by a common size.
+    pub discrepancy: usize,
+    /// Change of the simulated rows per unit of each candidate.
+    pub columns: DMatrix<f64>,
+    /// What noise alone gives each row, where that is less than `sigma`; else empty.
+    pub floor: Vec<f64>,
+}
+
+/// What is left of a block.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// Sum of squares.
+    pub square: f64,
+    /// Sᵀ r.
+    pub score: DVector<f64>,
+    /// Sᵀ S.
+    pub gram: DMatrix<f64>,
+    /// Rows less hard nuisances.
+    pub freedom: f64,
+    /// log det of the rows' covariance (for comparing sizes of soft nuisances).
+    pub log_det: f64,
+}
+
+impl Reduced {
+    /// Nothing yet, for p candidates.
+    pub fn zero(p: usize) -> Self {
+        Self { square: 0.0, score: DVector::zeros(p), gram: DMatrix::zeros(p, p), freedom: 0.0, log_det: 0.0 }
+    }
+
+    /// Adds another.
+    pub fn add(&mut self, other: &Reduced) {
+        self.square += other.square;
+        self.score += &other.score;
+        self.gram += &other.gram;
+        self.freedom += other.freedom;
+        self.log_det += other.log_det;
+    }
+
+    /// Takes another away.
+    pub fn subtract(&mut self, other: &Reduced) {
+        self.square -= other.square;
+        self.score -= &other.score;
+        self.gram -= &other.gram;
+        self.freedom -= other.freedom;
+        self.log_det -= other.log_det;
+    }
+
+    /// The same with every variance multiplied by `dispersion`.
+    pub fn dispersed(&self, dispersion: f64) -> Self {
+        Self {
+            square: self.square / dispersion,
+            score: &self.score / dispersion,
+            gram: &self.gram / dispersion,
+            freedom: self.freedom,
+            log_det: self.log_det,
+        }
+    }
+}
+
+/// An orthonormal basis of a cell's nuisances, after whitening.
+struct Basis {
+    vectors: Vec<DVector<f64>>,
+    log_det: f64,
+    hard_rank: usize,
+}
+
+impl Basis {
+    /// Gram-Schmidt, each column twice, which is as good as Householder here and leaves dependent columns out.
+    fn new(hard: &DMatrix<f64>, soft: &DMatrix<f64>) -> Self {
+        let rows = hard.nrows() + soft.ncols();
+        let mut basis = Self { vectors: Vec::new(), log_det: 0.0, hard_rank: 0 };
+        for column in hard.column_iter() {
+            let mut vector = DVector::zeros(rows);
+            vector.rows_mut(0, column.len()).copy_from(&column);
+            basis.hard_rank += usize::from(basis.push(vector));
+        }
+        for (place, column) in soft.column_iter().enumerate() {
+            let mut vector = DVector::zeros(rows);
+            vector.rows_mut(0, column.len()).copy_from(&column);
+            vector[column.len() + place] = 1.0;
+            basis.push(vector);
+        }
+        basis
+    }
+
+    fn push(&mut self, mut vector: DVector<f64>) -> bool {
+        let before = vector.norm();
+        self.project(&mut vector);
+        self.project(&mut vector);
+        let after = vector.norm();
+        if !(after > RANK_TOLERANCE * before) {
+            return false;
+        }
+        self.log_det += 2.0 * libm::log(after);
+        vector /= after;
+        self.vectors.push(vector);
+        true
+    }
+
+    fn project(&self, vector: &mut DVector<f64>) {
+        for direction in &self.vectors {
+            let along = direction.dot(vector);
+            vector.axpy(-along, direction, 1.0);
+        }
+    }
+}
+
+/// Whitened rows of a cell after projection: the residual and the columns, with the soft nuisances' own rows below.
+pub fn projected(cell: &Cell, softness: f64) -> (DVector<f64>, DMatrix<f64>, f64, f64) {
+    let n = cell.residual.len();
+    let white = |matrix: &DMatrix<f64>, factor: f64| {
+        DMatrix::from_fn(n, matrix.ncols(), |row, column| factor * matrix[(row, column)] / cell.sigma[row])
+    };
+    let hard = white(&cell.hard, 1.0);
+    let soft = white(&soft_columns(cell, softness), 1.0);
+    let basis = Basis::new(&hard, &soft);
+    let rows = n + soft.ncols();
+    let mut residual = DVector::zeros(rows);
+    for row in 0..n {
+        residual[row] = cell.residual[row] / cell.sigma[row];
+    }
+    basis.project(&mut residual);
+    let white_columns = white(&cell.columns, 1.0);
+    let mut columns = DMatrix::zeros(rows, white_columns.ncols());
+    for place in 0..white_columns.ncols() {
+        let mut vector = DVector::zeros(rows);
+        vector.rows_mut(0, n).copy_from(&white_columns.column(place));
+        if vector.amax() > 0.0 {
+            basis.project(&mut vector);
+        }
+        columns.column_mut(place).copy_from(&vector);
+    }
+    let freedom = n as f64 - basis.hard_rank as f64;
+    let log_sigma: f64 = cell.sigma.iter().map(|sigma| 2.0 * libm::log(*sigma)).sum();
+    (residual, columns, freedom, basis.log_det + log_sigma)
+}
+
+/// Projects the nuisances out of a cell. `softness` multiplies the soft nuisances' prior standard deviation.
+pub fn reduce(cell: &Cell, softness: f64) -> Reduced {
+    let (residual, columns, freedom, log_det) = projected(cell, softness);
+    Reduced {
+        square: residual.norm_squared(),
+        score: columns.tr_mul(&residual),
+        gram: columns.tr_mul(&columns),
+        freedom,
+        log_det,
+    }
+}
+
+/// Most likely nuisances (hard, then soft) of a cell.
+pub fn nuisances(cell: &Cell, softness: f64) -> DVector<f64> {
+    let soft = soft_columns(cell, softness);
+    let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + soft.ncols());
+    let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
+        let value = if column < hard { cell.hard[(row, column)] } else { soft[(row, column - hard)] };
+        value / cell.sigma[row]
+    });
+    let residual = DVector::from_fn(cell.residual.len(), |row, _| cell.residual[row] / cell.sigma[row]);
+    let mut normal = white.tr_mul(&white);
+    for place in hard..all {
+        normal[(place, place)] += 1.0;
+    }
+    let mut solution = solve(&normal, &white.tr_mul(&residual)).unwrap_or_else(|| DVector::zeros(all));
+    for place in hard + cell.discrepancy.min(soft.ncols())..all {
+        solution[place] *= softness;
+    }
+    solution
+}
+
+fn soft_columns(cell: &Cell, softness: f64) -> DMatrix<f64> {
+    let kept = if softness > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) };
+    DMatrix::from_fn(cell.soft.nrows(), kept, |row, column| {
+        cell.soft[(row, column)] * if column < cell.discrepancy { 1.0 } else { softness }
+    })
+}
+
+/// Solves A x = b for a symmetric A ≥ 0 after scaling to a unit diagonal; `None` when A is singular to rounding.
+pub fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let scale = scaling(a)?;
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let right = DVector::from_fn(b.len(), |i, _| b[i] * scale[i]);
+    let solution = scaled.cholesky()?.solve(&right);
+    let solution = DVector::from_fn(b.len(), |i, _| solution[i] * scale[i]);
+    solution.iter().all(|value| value.is_finite()).then_some(solution)
+}
+
+/// Inverse of a symmetric A ≥ 0, scaled the same way.
+pub fn inverse(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale = scaling(a)?;
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let inverse = scaled.cholesky()?.inverse();
+    Some(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+}
+
+fn scaling(a: &DMatrix<f64>) -> Option<Vec<f64>> {
+    (0..a.nrows()).map(|i| (a[(i, i)] > 0.0).then(|| 1.0 / a[(i, i)].sqrt())).collect()
+}
+
+/// The part of a matrix that belongs to chosen candidates.
+pub fn submatrix(a: &DMatrix<f64>, chosen: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| a[(chosen[i], chosen[j])])
+}
+
+/// The part of a vector that belongs to chosen candidates.
+pub fn subvector(a: &DVector<f64>, chosen: &[usize]) -> DVector<f64> {
+    DVector::from_fn(chosen.len(), |i, _| a[chosen[i]])
+}

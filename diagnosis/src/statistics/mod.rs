@@ -1,0 +1,5 @@
+//! Statistics that know nothing of robots: projection, tests, random signs.
+
+pub mod bootstrap;
+pub mod linear;
+pub mod random;

@@ -1,0 +1,50 @@
+//! The diagnosis told: shape of the rest, hypothesis, number, what remains.
+
+use crate::candidates::Candidate;
+use crate::diagnosis::{Gap, Unknown};
+use crate::selection::Study;
+
+/// One study in sentences.
+pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{}: the nominal model leaves {:.3} {} of {} (noise alone: {:.3}).",
+        study.name, gap.before, gap.unit, gap.signal, gap.floor
+    )];
+    for step in &study.steps {
+        let best: Vec<String> = step
+            .best
+            .iter()
+            .take(4)
+            .map(|hit| format!("{} ({:.1})", list[hit.candidate].name, hit.statistic))
+            .collect();
+        let looked = if best.is_empty() { "no candidate".into() } else { best.join(", ") };
+        match step.accepted {
+            Some(index) => lines.push(format!(
+                "The rest looks most like {looked} (in standard deviations; by chance the best of all would look so \
+                 with probability {:.4}). Fitted through the units, {} - {} - explains it best: the rest's mean \
+                 square goes from {:.2} to {:.2} of the noise in use, and left-out runs agree.",
+                step.p_value, list[index].name, list[index].phrase, step.rest.0, step.rest.1
+            )),
+            None => lines.push(format!(
+                "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
+                 {:.3}. Nothing more is named.",
+                step.p_value
+            )),
+        }
+        for index in &step.dropped {
+            lines.push(format!("{} became superfluous and was dropped.", list[*index].name));
+        }
+    }
+    match (gap.closed, left) {
+        (_, Some(left)) => lines.push(format!("But more than noise remains: {} - {}. {}.", left.signal, left.shape, left.nearest)),
+        (Some(closed), None) => lines.push(format!(
+            "On runs left out the gap goes from {:.3} to {:.3} {}: {:.0} % of it is closed.",
+            gap.before,
+            gap.after,
+            gap.unit,
+            100.0 * closed
+        )),
+        (None, None) => lines.push("No gap stands above the noise here.".into()),
+    }
+    lines
+}

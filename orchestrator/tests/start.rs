@@ -1,0 +1,267 @@
+//! The start: values along dependencies, loops, conversions; and what a simulation can do besides running.
+
+mod common;
+
+use common::{FEEDTHROUGH, Fixture, STATEFUL, Units};
+use orchestrator::{
+    Comparison, CsvRecorder, Ended, Error, MemoryRecorder, Quiet, Scenario, Simulation, Value,
+};
+
+fn unit(name: &str, fmu: &str, set: &str) -> String {
+    format!("[[units]]\nname = \"{name}\"\nfmu = \"{fmu}\"\ninterval = 0.125\nset = {{ {set} }}\n")
+}
+
+fn connection(from: &str, to: &str) -> String {
+    format!("[[connections]]\nfrom = \"{from}\"\nto = \"{to}\"\n")
+}
+
+fn build(units: &Units, parts: &[String]) -> Result<Simulation, Error> {
+    let text = format!("format = 1\nexperiment = {{ stop = 1 }}\n{}", parts.concat());
+    Simulation::new(&Scenario::parse(&text, "test.toml")?, &units.unit_path())
+}
+
+#[test]
+fn law_simulations_go_to_other_threads() {
+    fn sends<T: Send>() {}
+    fn shares<T: Send + Sync>() {}
+    sends::<Simulation>();
+    shares::<orchestrator::UnitPath>();
+    shares::<Scenario>();
+    let units = Units::new();
+    let path = units.unit_path();
+    let text = format!("format = 1\nexperiment = {{ stop = 1 }}\n{}", unit("a", "stateful.fmu", "u1 = 1"));
+    let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let last = |k: f64| {
+        let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+        simulation.set("a.k", k).expect("before a run");
+        simulation.run(&mut orchestrator::NoRecorder, &mut Quiet).expect("runs");
+        simulation.value("a.y1").expect("known")
+    };
+    std::thread::scope(|scope| {
+        let runs = [1.0, 2.0, 3.0].map(|k| scope.spawn(move || last(k)));
+        assert_eq!(runs.map(|run| run.join().expect("no panic")), [1.0, 2.0, 3.0]);
+    });
+}
+
+#[test]
+fn law_start_values_go_along_the_dependencies() {
+    // A chain of gains in the wrong order: c needs b, b needs a.
+    let parts = [
+        unit("c", "feedthrough.fmu", "mode = 1, k = 5"),
+        unit("b", "feedthrough.fmu", "mode = 1, k = 3, u1 = 9"),
+        unit("a", "stateful.fmu", "x0 = 2"),
+        connection("b.y1", "c.u1"),
+        connection("a.y1", "b.u1"),
+    ];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    assert_eq!(simulation.value("c.y1").expect("known"), 30.0);
+    assert_eq!(simulation.replaced_starts(), ["b.u1 = 9.0 (now 2.0)", "c.u1 = 0.0 (now 6.0)"]);
+    assert!(simulation.notices().is_empty());
+}
+
+#[test]
+fn value_loops_at_the_start_are_solved_or_named() {
+    // a = k (k a + 4) + 1 at the start.
+    let parts = |k: f64| {
+        let gain = |name, x0| unit(name, "feedthrough.fmu", &format!("mode = 1, k = {k:?}, x0 = {x0}"));
+        [gain("a", 1), gain("b", 4), connection("a.y1", "b.u1"), connection("b.y1", "a.u1")]
+    };
+    let units = Units::new();
+    let mut simulation = build(&units, &parts(-0.5)).expect("builds");
+    // (1 - k²) a = 4 k + 1; the iteration contracts by 1/4 and ends when a round changes less than 1e-12.
+    assert!((simulation.value("a.y1").expect("solved") - -1.0 / 0.75).abs() < 1e-12);
+    let path = "a.u1 -> a.y1 -> b.u1 -> b.y1 -> a.u1";
+    let notices = simulation.notices();
+    assert!(
+        notices[0].starts_with(&format!("algebraic loop {path}: while stepping it is cut")),
+        "{notices:?}"
+    );
+    assert!(
+        notices.iter().any(|n| n.contains(path) && n.contains("at initialisation: solved in")),
+        "{notices:?}"
+    );
+
+    let error = build(&units, &parts(-2.0)).expect("builds").initialize().expect_err("diverges").to_string();
+    assert!(
+        error.starts_with(&format!("algebraic loop at initialisation: {path}: no fixed point")),
+        "{error}"
+    );
+    // A delay breaks the loop.
+    let mut delayed = parts(-2.0).to_vec();
+    delayed.push("delay = 0.5\n".into());
+    build(&units, &delayed).expect("builds").initialize().expect("no loop");
+}
+
+#[test]
+fn value_units_and_types_are_converted() {
+    let units = Units::new();
+    units.add(Fixture { name: "rad.fmu", y1_unit: "rad", u1_unit: "rad", ..FEEDTHROUGH });
+    units.add(Fixture { name: "deg.fmu", y1_unit: "deg", u1_unit: "deg", ..FEEDTHROUGH });
+    units.add(Fixture { name: "kelvin.fmu", y1_unit: "K", u1_unit: "K", ..FEEDTHROUGH });
+    units.add(Fixture { name: "celsius.fmu", y1_unit: "degC", u1_unit: "degC", ..FEEDTHROUGH });
+    units.add(Fixture { name: "apples.fmu", y1_unit: "apples", u1_unit: "apples", ..STATEFUL });
+    let through = |from: &str, to: &str, x0: &str| {
+        let parts = [
+            unit("a", &format!("{from}.fmu"), &format!("mode = 1, x0 = {x0}")),
+            unit("b", &format!("{to}.fmu"), "mode = 1"),
+            connection("a.y1", "b.u1"),
+        ];
+        build(&units, &parts).map(|mut simulation| {
+            simulation.advance().expect("steps");
+            (simulation.value("b.y1").expect("known"), simulation.notices())
+        })
+    };
+    let value = |from, to, x0| through(from, to, x0).expect("converts").0;
+    // One rounding of the factor and one of the product.
+    assert!((value("deg", "rad", "180") - std::f64::consts::PI).abs() < 1e-15);
+    assert!((value("rad", "deg", "1") - 57.295_779_513_082_32).abs() < 2e-14);
+    assert_eq!(value("celsius", "kelvin", "20"), 293.15);
+    assert_eq!(value("kelvin", "celsius", "0"), -273.15);
+    assert_eq!(
+        value("stateful", "rad", "2"),
+        value("rad", "rad", "2"),
+        "without a unit values pass unchanged"
+    );
+    let (passed, notices) = through("rad", "apples", "0.5").expect("passes");
+    assert_eq!(passed, 0.5);
+    assert!(notices[0].contains("a.y1 (rad) -> b.u1 (apples)"), "{notices:?}");
+    let error = through("rad", "kelvin", "1").expect_err("other quantity").to_string();
+    assert!(
+        error.ends_with("a.y1 is in rad, b.u1 in K: these units don't measure the same quantity (rad and K)"),
+        "{error}"
+    );
+
+    let parts = [
+        unit("a", "stateful.fmu", "i_in = 41, b_in = false, s_in = \"text, with \\\"quotes\\\"\""),
+        unit("b", "stateful.fmu", ""),
+        connection("a.i_out", "b.u1"),
+        connection("a.b_out", "b.i_in"),
+        connection("a.i_out", "b.b_in"),
+        connection("a.b_out", "b.u2"),
+        connection("a.s_out", "b.s_in"),
+    ];
+    let mut simulation = build(&units, &parts).expect("builds");
+    let mut csv = CsvRecorder::new(Vec::new());
+    simulation.run(&mut csv, &mut Quiet).expect("runs");
+    let mut get = |name: &str| simulation.get(name).expect("known");
+    assert_eq!(get("b.u1"), Value::Real(42.0));
+    assert_eq!((get("b.i_in"), get("b.u2")), (Value::Integer(1), Value::Real(1.0)));
+    assert_eq!((get("b.b_in"), get("b.b_out")), (Value::Boolean(true), Value::Boolean(false)));
+    assert_eq!(get("b.s_out"), Value::from("text, with \"quotes\""));
+    let text = String::from_utf8(csv.into_inner()).expect("UTF-8");
+    assert!(
+        text.lines()
+            .nth(1)
+            .expect("a row")
+            .ends_with("1,0,\"text, with \"\"quotes\"\"\",\"text, with \"\"quotes\"\"\""),
+        "{text}"
+    );
+}
+
+#[test]
+fn law_runs_are_repeated_with_other_values() {
+    let units = Units::new();
+    let parts = [unit("a", "stateful.fmu", "u1 = 1")];
+    let mut simulation = build(&units, &parts).expect("builds");
+    let mut results = MemoryRecorder::new();
+    for k in [1.0, -2.0, 1.0] {
+        simulation.set("a.k", k).expect("before a run");
+        assert_eq!(simulation.run(&mut results, &mut Quiet).expect("runs"), Ended::AtStop);
+        assert_eq!(results.times().len(), 9);
+        assert_eq!(results.series("a.y1").expect("recorded").last(), Some(&k), "u1 = 1 over 1 s");
+    }
+    // Step by step, with an input and a tunable parameter changed on the way.
+    simulation.reset();
+    simulation.advance_to(0.5).expect("steps");
+    assert_eq!((simulation.time(), simulation.value("a.y1").expect("known")), (0.5, 0.5));
+    simulation.set("a.u1", 4).expect("an Integer is a Real too");
+    simulation.set("a.k", 2.0).expect("tunable");
+    let fixed = simulation.set("a.x0", 1.0).expect_err("fixed").to_string();
+    assert!(fixed.contains("only inputs and tunable parameters change while stepping"), "{fixed}");
+    simulation.advance_to(0.74).expect("steps");
+    assert_eq!((simulation.time(), simulation.value("a.y1").expect("known")), (0.625, 1.5));
+    simulation.advance_to(9.0).expect("steps to the end");
+    assert_eq!(simulation.time(), 1.0);
+    assert_eq!(simulation.advance().expect("nothing left"), None);
+    // What was set on the way does not outlive the reset.
+    simulation.run(&mut results, &mut Quiet).expect("runs");
+    assert_eq!(results.series("a.y1").expect("recorded").last(), Some(&1.0));
+    simulation.stop_when("a.y1", Comparison::AbsoluteAbove, 0.3).expect("recorded");
+    let ended = simulation.run(&mut results, &mut Quiet).expect("runs");
+    assert_eq!(ended, Ended::When { condition: "|a.y1| > 0.3".into(), time: 0.375 });
+    let error = simulation.value("a.y11").expect_err("unknown").to_string();
+    assert_eq!(error, "variable \"a.y11\" does not exist: did you mean y1 (or y2, u1)?");
+}
+
+#[test]
+fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
+    let units = Units::new();
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    std::fs::write(folder.path().join("z.csv"), "time,z\n0,0\n0.3,1\n\n1,\n1,-1\n").expect("writable");
+    let text = [
+        "format = 1\ndescription = \"a \\\"test\\\"\"\nexperiment = { start = 0.5, stop = \"3/2\", algorithm = \"jacobi\" }\n".into(),
+        unit("a", "stateful.fmu", "s_in = \"x\""),
+        unit("b", "feedthrough.fmu", "mode = 1"),
+        connection("a.y1", "b.u1"),
+        "delay = \"1/3\"\n".into(),
+        "[[sources]]\nto = \"a.u1\"\nkind = \"csv\"\nfile = \"z.csv\"\ncolumn = \"z\"\n".into(),
+        "[[sources]]\nto = \"b.u2\"\nkind = \"smooth\"\npoints = [[0, 0], [1.0, 0.1]]\n".into(),
+        "[[sources]]\nto = \"b.i_in\"\nkind = \"hold\"\npoints = [[0, 1], [1.0, 2]]\n".into(),
+        "[record]\nvariables = [\"*\"]\n[report]\ntitle = \"t\"\nnested = { a = [1, 2] }\n".into(),
+    ]
+    .concat();
+    let mut scenario = Scenario::parse(&text, folder.path().join("test.toml")).expect("a scenario");
+    scenario.set("a.k", "0.1").expect("a unit");
+    let bytes = |scenario: &Scenario| {
+        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+        let mut csv = CsvRecorder::new(Vec::new());
+        simulation.run(&mut csv, &mut Quiet).expect("runs");
+        (String::from_utf8(csv.into_inner()).expect("UTF-8"), simulation.resolved())
+    };
+    let (first, resolved) = bytes(&scenario);
+    let again = Scenario::parse(&resolved, "elsewhere/resolved.toml").expect("loads");
+    assert_eq!(again.report, scenario.report);
+    assert_eq!(again.description, "a \"test\"");
+    assert_eq!(bytes(&again), (first, resolved.clone()));
+    for line in [
+        "start = \"1/2\"",
+        "interval = \"1/8\"",
+        "delay = \"1/3\"",
+        "k = 0.1",
+        "fault_time = 1e+300",
+        "mode = 1",
+        "s_in = \"x\"",
+    ] {
+        assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
+    }
+}
+
+#[test]
+fn every_state_comes_back_in_its_own_and_in_another_instance() {
+    let units = Units::new();
+    let fmu = orchestrator::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let start = |name: &str| {
+        let mut instance = fmu.instantiate(name).expect("instantiates");
+        instance.set_real(&[0], &[3.0]).expect("an input");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        instance.exit_initialization().expect("exits");
+        instance
+    };
+    let step = |instance: &mut orchestrator::fmu::Instance| {
+        assert_eq!(instance.do_step(0.0, 0.5, false), orchestrator::fmu::Status::Ok);
+        instance.get(orchestrator::Kind::Real, 2).expect("y1")
+    };
+    let (mut first, mut second) = (start("first"), start("second"));
+    assert_eq!(step(&mut first), Value::Real(1.5));
+    let saved = first.save_state().expect("saved");
+    let bytes = first.serialize_state(&saved).expect("bytes");
+    assert_eq!(step(&mut first), Value::Real(3.0));
+    first.restore_state(&saved).expect("restored");
+    assert_eq!(step(&mut first), Value::Real(3.0), "again from 1.5");
+    first.free_state(saved).expect("freed");
+    let moved = second.deserialize_state(&bytes).expect("a state");
+    second.restore_state(&moved).expect("restored");
+    assert_eq!(step(&mut second), Value::Real(3.0), "from the other's 1.5");
+    second.free_state(moved).expect("freed");
+}

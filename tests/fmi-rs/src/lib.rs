@@ -1,0 +1,1 @@
+//! Nothing here: the cross-check is a test.

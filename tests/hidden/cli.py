@@ -1,0 +1,183 @@
+"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score}."""
+
+import argparse
+import json
+import subprocess
+import time
+import tomllib
+from pathlib import Path
+
+from . import parts, sets
+from .effects import BY_NAME, UNKNOWN
+from .settings import MIXES, Setting, off_value
+
+
+def _where(p):
+    p.add_argument("--out", required=True, help="folder for the data sets")
+    p.add_argument("--answers", required=True, help="folder for the answers; must lie outside --out")
+    p.add_argument("--salt", default=sets.SALT, help="changes every random number (blind sets: a secret one)")
+
+
+def _parser():
+    top = argparse.ArgumentParser(prog="hidden", description="Independent maker and scorer of blind test data.")
+    sub = top.add_subparsers(dest="command", required=True)
+    p = sub.add_parser("make", help="a part of the benchmark")
+    p.add_argument("--part", choices=(*parts.PARTS, "all"), required=True)
+    p.add_argument("--count", type=int, default=20)
+    p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--jobs", type=int, default=1)
+    _where(p)
+    p = sub.add_parser("slice", help="about twenty sets for CI")
+    p.add_argument("--seed", type=int, default=1)
+    _where(p)
+    p = sub.add_parser("one", help="one set of your choice")
+    p.add_argument("--effect", action="append", default=[], help=f"{', '.join(BY_NAME)}")
+    p.add_argument("--size", action="append", default=[], help="distance from the off value (limits: the limit); `10x` = MDE")
+    p.add_argument("--unknown", choices=list(UNKNOWN))
+    p.add_argument("--unknown-size", type=float)
+    p.add_argument("--rig", choices=list(MIXES), default="visual")
+    p.add_argument("--logs", choices=("all", "plant", "image"))
+    p.add_argument("--noise", choices=parts.NOISES, default="mid")
+    p.add_argument("--mix", default="mixed", help="; ".join(f"{k}: {', '.join(v)}" for k, v in MIXES.items()))
+    p.add_argument("--arm", type=int, default=0)
+    p.add_argument("--applied", action="store_true", help="tau_applied is logged")
+    p.add_argument("--rates", action="store_true", help="dq1, dq2 are logged")
+    p.add_argument("--turned", action="store_true", help="camera mounted turned by 90 degrees")
+    p.add_argument("--no-velocity", action="store_true", help="the nominal model lacks the velocity terms")
+    p.add_argument("--jitter", type=float, default=0.0)
+    p.add_argument("--clock-offset", type=float, default=0.0)
+    p.add_argument("--seed", type=int, default=1)
+    _where(p)
+    p = sub.add_parser("mde", help="complete mde.toml")
+    p.add_argument("--jobs", type=int, default=1)
+    p = sub.add_parser("diagnose", help="run a diagnosis over all sets of a folder, with the manifest's arguments")
+    p.add_argument("sets")
+    p.add_argument("diagnoses")
+    p.add_argument("--command-line", default="cargo acroscope", help="what comes before `diagnose SET --out DIR`")
+    p = sub.add_parser("follow", help="make the sets of the experiments that diagnoses of the part `classes` proposed")
+    p.add_argument("diagnoses")
+    p.add_argument("truths", help="answers of the sets that were diagnosed")
+    _where(p)
+    p = sub.add_parser("score", help="open the answers and judge diagnoses")
+    p.add_argument("diagnoses")
+    p.add_argument("answers")
+    p.add_argument("--out", default="score.json")
+    return top
+
+
+def _manifest(out, rows):
+    text = ["# Sets made here, and extra arguments that a diagnosis of each has to be given."]
+    file = Path(out) / "manifest.toml"
+    known = {r["dir"]: r["args"] for r in tomllib.loads(file.read_text()).get("set", [])} if file.exists() else {}
+    known |= {name: ["--without", "camera.k2"] if part == "unknown" else [] for name, part in rows}
+    for name, args in sorted(known.items()):
+        text += ["", "[[set]]", f'dir = "{name}"', f"args = {json.dumps(args)}"]
+    file.write_text("\n".join(text) + "\n")
+
+
+def _made(spec, args):
+    return parts.make(spec, args.out, args.answers, args.salt), spec.part
+
+
+def _apart(args):
+    out, answers = Path(args.out).resolve(), Path(args.answers).resolve()
+    if answers == out or out in answers.parents:
+        raise SystemExit(f"--answers {answers} lies inside --out {out}: the diagnosis would see it")
+
+
+def _write_all(specs, args, jobs=1):
+    _apart(args)
+    start, rows = time.time(), []
+    if jobs > 1:
+        from concurrent.futures import ProcessPoolExecutor
+
+        with ProcessPoolExecutor(jobs) as pool:
+            rows = list(pool.map(_made, specs, [args] * len(specs)))
+    else:
+        for spec in specs:
+            rows.append(_made(spec, args))
+    _manifest(args.out, rows)
+    print(f"{len(rows)} sets in {time.time() - start:.1f} s -> {args.out}")
+
+
+def _one(args):
+    logs = args.logs or ("all" if args.rig == "visual" else "plant")
+    setting = Setting(args.rig, logs, args.noise, args.mix, args.arm, args.applied, not args.no_velocity, args.turned)
+    if args.mix not in MIXES[args.rig]:
+        raise SystemExit(f"--mix {args.mix}: one of {', '.join(MIXES[args.rig])} for the rig {args.rig}")
+    if len(args.effect) != len(args.size):
+        raise SystemExit("each --effect needs a --size")
+    effects, sign = [], 1.0
+    for name, size in zip(args.effect, args.size):
+        if name not in BY_NAME:
+            raise SystemExit(f"--effect {name}: none of {', '.join(BY_NAME)}")
+        e = BY_NAME[name]
+        if size.endswith("x"):
+            m = float(size[:-1])
+            sign = 1.0 if m > 0 else -1.0
+            got = parts.sized(name, setting, abs(m), sign)
+            if got is None:
+                raise SystemExit(f"--size {size}: {name} cannot be seen in the setting {setting.key}")
+            effects.append((name, *got))
+        else:
+            v = float(size)
+            sign = 1.0 if v >= 0 else -1.0
+            unit = parts.mde.of(setting).get(name, {}).get("mde", float("nan"))
+            value = {"limit": v, "switch": 1.0 - off_value(e, setting)}.get(e.shape, off_value(e, setting) + v)
+            effects.append((name, value, abs(v) / unit))
+    unknown = None
+    if args.unknown:
+        unknown = (args.unknown, args.unknown_size if args.unknown_size is not None else UNKNOWN[args.unknown][2])
+    spec = sets.Spec(setting, effects, unknown, "one", args.seed, args.jitter, args.clock_offset, args.rates, {"sign": sign})
+    _write_all([spec], args)
+
+
+def _diagnose(args):
+    for row in tomllib.loads((Path(args.sets) / "manifest.toml").read_text()).get("set", []):
+        out = Path(args.diagnoses) / row["dir"]
+        out.mkdir(parents=True, exist_ok=True)
+        command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
+        start = time.time()
+        done = subprocess.run(command, capture_output=True, text=True)
+        (out / "seconds.txt").write_text(f"{time.time() - start:.2f}\n")
+        if done.returncode != 0:
+            print(f"{row['dir']}: exit {done.returncode}: {done.stderr.strip()[-300:]}")
+    return 0
+
+
+def _follow(args):
+    specs = []
+    for file in sorted(Path(args.truths).glob("*/answer.toml")):
+        answer = tomllib.loads(file.read_text())
+        found = Path(args.diagnoses) / file.parent.name / "diagnosis.json"
+        if answer.get("stage") != "before" or not found.exists():
+            continue
+        proposal = (json.loads(found.read_text()).get("next_experiment") or {}).get("do", "")
+        spec = parts.follow(answer, proposal)
+        if spec is None:
+            print(f"{file.parent.name}: no experiment understood in {proposal!r}")
+        else:
+            specs.append(spec)
+    _write_all(specs, args)
+
+
+def main(argv=None):
+    args = _parser().parse_args(argv)
+    if args.command == "make":
+        chosen = parts.PARTS if args.part == "all" else (args.part,)
+        _write_all([s for p in chosen for s in parts.specs(p, args.count, args.seed)], args, args.jobs)
+    elif args.command == "slice":
+        _write_all(list(parts.ci_slice(args.seed)), args)
+    elif args.command == "one":
+        _one(args)
+    elif args.command == "mde":
+        parts.mde.make_table(args.jobs)
+    elif args.command == "diagnose":
+        return _diagnose(args)
+    elif args.command == "follow":
+        _follow(args)
+    elif args.command == "score":
+        from .score import score
+
+        return score(args.diagnoses, args.answers, args.out)
+    return 0

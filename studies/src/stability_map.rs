@@ -1,7 +1,7 @@
 //! Frame rate against total delay: where the loop is stable by theory, and where it stands when simulated.
 
-use crate::closed_loop::{Case, ClosedLoop, DAMPED, Poles, claim};
-use crate::{Bench, Error, Outcome, Study};
+use crate::closed_loop::{Case, ClosedLoop, DAMPED, Poles};
+use crate::{Bench, Claim, Error, Outcome, Study};
 use mechanics::{Linearisation, Place, Rates, Sampling, Theta};
 use rayon::prelude::*;
 use report::{Axis, Cell, Contour, HeatMap, Table};
@@ -200,14 +200,14 @@ fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<Stri
     Ok(map.to_svg()?)
 }
 
-fn statement(counts: &[(&str, Vec<Square>)]) -> crate::Claim {
+fn statement(counts: &[(&str, Vec<Square>)]) -> Claim {
     let all = || counts.iter().flat_map(|(_, squares)| squares);
     let total = all().count();
     let agreeing = all().filter(|square| square.agrees()).count();
     let share = agreeing as f64 / total as f64;
     let worst =
         all().filter(|square| !square.agrees()).map(|square| square.growth.ln().abs()).fold(0.0, f64::max);
-    claim(
+    Claim::new(
         [
             "Map",
             "analytic and simulated stability over frame rate and delay",

@@ -62,7 +62,7 @@ const REPRODUCED: [&str; 38] = [
     "Figure 27",
     "S5.tangential",
     "S5.exposure",
-    "S5.compensation",
+    "S5.compensation.loop",
     "Tuning",
     "Tuning.all",
     "Tuning.damped",
@@ -103,7 +103,8 @@ fn cross_theory_and_simulation_draw_one_map() {
 fn law_the_same_claims_on_any_thread_count() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
-        let claims = || run(&["compensation", "figures-19-20"]).claims().cloned().collect::<Vec<_>>();
+        let claims =
+            || run(&["compensation-in-the-loop", "figures-19-20"]).claims().cloned().collect::<Vec<_>>();
         pool.install(claims)
     };
     let alone = on(1);

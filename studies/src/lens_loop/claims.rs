@@ -1,8 +1,8 @@
 //! What the runs of Section 4.2.2 say about C45 to C53.
 
 use super::{FAR, Lens, Measured, PLACES, Stairs, UPRIGHT, size};
-use crate::closed_loop::{DAMPED, Poles, Trace, claim};
-use crate::still_poses::Sight;
+use crate::closed_loop::{DAMPED, Poles, Trace};
+use crate::walk::Look;
 use crate::{Claim, Error};
 use mechanics::{Place, Theta};
 
@@ -54,7 +54,7 @@ fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
         false => format!("{}; z_d − z = {far:.3} at z_d = 0.5", trace.fate()),
     };
     let quantity = format!("closed loop with {}: stable, with a steady error", lens.label());
-    claim(
+    Claim::new(
         [figure, &quantity, "tracks with a steady error"],
         ours,
         "stable; the error exceeds 0.01, three times the offset without distortion",
@@ -78,14 +78,14 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let (plus, minus) = (far(shown.stairs, "k1", true)?, far(shown.stairs, "k1", false)?);
     let largest = shown.of("k1", true)?.largest().max(shown.of("k1", false)?.largest());
     Ok(vec![
-        claim(
+        Claim::new(
             ["C45", "all the distortions of Figures 21-27, both signs", "stable, nonzero steady error"],
             format!("z_d − z at z_d = 0.5: {}", listed.join("; ")),
             "stable; each error exceeds 0.01, three times the offset without distortion",
             shown.stairs.iter().all(|stairs| stairs.is_stable() && stairs.at(FAR).abs() > 0.01),
             format!("shown with `damped`; stairs on which a set falls: {falling}"),
         ),
-        claim(
+        Claim::new(
             ["C46", "steady error at z_d = 0.5 for k1 = ±0.1", "about 0.1 for both signs"],
             format!("{plus:.3} and {minus:.3}"),
             "± 0.05: the paper's poles are unknown, and the error goes as the inverse square of their frequency",
@@ -97,7 +97,7 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
                 })?
             ),
         ),
-        claim(
+        Claim::new(
             ["C47", "largest steady error of a purely radial distortion", "on the order of k1"],
             format!("{largest:.3} for abs(k1) = 0.1"),
             "a factor of 1.5",
@@ -118,8 +118,8 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
 fn growth(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let grows = |stairs: &Stairs| [0, FAR].iter().all(|&end| stairs.at(end).abs() > stairs.at(UPRIGHT).abs());
     let paper = "greater in every case";
-    let tolerance = "none: the order of two averages over 4 s; they repeat to 0.002";
-    let mut claims = vec![claim(
+    let tolerance = "none: the order of two averages over 4 s; they repeat to 0.002 (p1) ... 0.005 (k1)";
+    let mut claims = vec![Claim::new(
         ["C48", "steady error at large abs(z) against z = 0, every distortion", paper],
         shown
             .stairs
@@ -147,7 +147,7 @@ fn growth(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             format!("{}: {low:.3}, {middle:.3}, {high:.3} at z = -0.5, 0, 0.5", stairs.lens.label())
         };
         let note = if parameter == "p1" { "see C48: this is the one that doesn't" } else { "" };
-        claims.push(claim(
+        claims.push(Claim::new(
             [&format!("C48.{parameter}"), &format!("steady error grows with abs(z), {parameter}"), paper],
             own.iter().map(text).collect::<Vec<_>>().join("; "),
             tolerance,
@@ -170,28 +170,28 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let same_signs = |a: &Stairs, b: &Stairs| {
         (UPRIGHT..=FAR).all(|place| a.at(place) * b.at(place) > 0.0 || place == UPRIGHT)
     };
-    let [near, far] = estimation_at(&shown.measured.sights, [0.0, 0.5])?;
+    let [near, far] = estimation_at(&shown.measured.looks, [0.0, 0.5])?;
     let range = |stairs: &Stairs| {
         let low = stairs.errors.iter().copied().fold(f64::INFINITY, f64::min);
         let high = stairs.errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         format!("{low:.3} to {high:.3}")
     };
     Ok(vec![
-        claim(
+        Claim::new(
             ["C49", "sign of the steady error under p1 > 0, and s1 > 0", "always the same"],
             format!("z_d − z over z_d = −0.5 ... 0.5: {} (p1), {} (s1)", range(p1), range(s1)),
             "exact: negative at all nine places",
             [p1, s1].iter().all(|stairs| stairs.errors.iter().all(|error| *error < 0.0)),
             "",
         ),
-        claim(
+        Claim::new(
             ["C50", "−k1 at z < 0 mirrors z > 0; p1 and −p1 exchange z and −z", "mirror images"],
             format!("largest departure {mirrored:.4} (k1 = −0.1), {swapped:.4} (p1 = ±0.015)"),
             "0.005: the lattice of pixels is no mirror image of itself under the noise of differencing",
             mirrored <= 0.005 && swapped <= 0.005,
             "",
         ),
-        claim(
+        Claim::new(
             ["C51", "s1: the error in z is largest at large z though the estimates are better there", "yes"],
             format!(
                 "abs(z_d − z) {:.3} at 0, {:.3} at 0.5; estimation error of q1 for s1 = 0.1: {near:.3} and {far:.3} rad",
@@ -202,7 +202,7 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             s1.at(FAR).abs() > s1.at(UPRIGHT).abs() && far.abs() < near.abs(),
             "",
         ),
-        claim(
+        Claim::new(
             ["C52", "s1 acts like p1, s2 like p2", "similar effects"],
             format!(
                 "ratio of the errors at z_d = 0.5: s1/p1 = {:.2}, s2/p2 = {:.2}",
@@ -219,13 +219,13 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
 }
 
 /// Estimation error of q₁ at two places, averaged over ±0.05 rad of q₂ against the lattice of pixels.
-fn estimation_at(sights: &[Sight], places: [f64; 2]) -> Result<[f64; 2], Error> {
+fn estimation_at(looks: &[Look], places: [f64; 2]) -> Result<[f64; 2], Error> {
     let place = Place::new(&Theta::TABLE_2).map_err(|error| Error::Mechanics(error.to_string()))?;
     Ok(places.map(|z| {
         let q2 = place.q2(z);
-        let near: Vec<f64> = (sights.iter())
-            .filter(|sight| (sight.pose[1] - q2).abs() <= 0.05)
-            .map(|sight| sight.error()[0])
+        let near: Vec<f64> = (looks.iter())
+            .filter(|look| look.valid && (look.pose[1] - q2).abs() <= 0.05)
+            .map(|look| look.error()[0])
             .collect();
         near.iter().sum::<f64>() / near.len() as f64
     }))
@@ -236,7 +236,7 @@ fn tangential(measured: &Measured) -> Claim {
     let texts: Vec<String> =
         measured.limits.iter().map(|(name, value)| format!("{name} {value:.3}")).collect();
     let radial = measured.limits.iter().find(|(name, _)| *name == "k1").map_or(0.0, |(_, value)| *value);
-    claim(
+    Claim::new(
         ["S5.tangential", "distortions with tangential components against a purely radial one", "very bad"],
         format!("smallest value that fells the loop on the way to z = 0.5: {}", texts.join(", ")),
         "each of p1, p2, s1, s2 fells it at a smaller value than k1",
@@ -250,7 +250,7 @@ fn larger(measured: &Measured) -> Claim {
     let texts: Vec<String> = (measured.large.iter())
         .map(|(poles, lens, trace)| format!("{}, {}: {}", poles.name, lens.label(), trace.fate()))
         .collect();
-    claim(
+    Claim::new(
         ["C53", "larger distortions force the system unstable near z = 0.5", "could easily"],
         texts.join("; "),
         "falls on the way to z = 0.5, which is reached at 12 s, or there",

@@ -3,7 +3,7 @@
 mod claims;
 
 use crate::closed_loop::{Case, DAMPED, Poles, SETS, Trace, run_all};
-use crate::still_poses::{self, Sight};
+use crate::walk::{Look, Walk};
 use crate::{Bench, Error, Outcome, Study, four_graphs};
 use rayon::prelude::*;
 use report::{Axis, Cell, Graph, Line, Table};
@@ -139,7 +139,7 @@ struct Measured {
     /// Whether larger distortions fall: (set, lens, trace).
     large: Vec<(Poles, Lens, Trace)>,
     /// Estimation error of s1 = 0.1 along the manifold.
-    sights: Vec<Sight>,
+    looks: Vec<Look>,
     /// The smallest value of each parameter with which `damped` falls on the way to z = 0.5.
     limits: Vec<(&'static str, f64)>,
 }
@@ -204,7 +204,7 @@ fn measure(bench: &Bench) -> Result<Measured, Error> {
         stairs: Vec::new(),
         figures,
         large,
-        sights: still_poses::along_the_manifold(bench, &[("camera.s1", 0.1)])?,
+        looks: Walk::new(bench, &[("s1", 0.1)])?.looks,
         limits: limits(bench)?,
     };
     for poles in SETS {

@@ -8,7 +8,7 @@ use report::{Cell, Table};
 
 /// C40 to C44, C55.
 pub const STUDY: Study = Study {
-    id: "delay",
+    id: "section-4.2.1",
     title: "Delay, blur and frame rate (Section 4.2.1)",
     claims: &["C40", "C41", "C42", "C43", "C44", "C55", "S5.exposure"],
     run,

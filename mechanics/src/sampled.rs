@@ -110,11 +110,11 @@ impl Linearisation {
     fn held(&self, time: f64) -> ([[f64; 4]; 4], [f64; 4]) {
         let (a, b) = (self.a(), self.b());
         let mut generator = Square::zero(5);
-        for i in 0..4 {
-            for j in 0..4 {
-                *generator.at(i, j) = a[i][j] * time;
+        for (i, (row, input)) in a.iter().zip(b).enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                *generator.at(i, j) = entry * time;
             }
-            *generator.at(i, 4) = b[i] * time;
+            *generator.at(i, 4) = input * time;
         }
         let result = exponential(generator);
         let entry = |i: usize, j: usize| result.entries[i * 5 + j];

@@ -24,6 +24,8 @@ pub enum Command {
     Reproduce(Reproduce),
     /// Find what a model lacks against measured data: writes diagnosis.json, amended.toml and report.html.
     Diagnose(Diagnose),
+    /// Turn finished runs into a measured data set, to rehearse a diagnosis.
+    Record(Record),
 }
 
 /// `acroscope run`
@@ -67,4 +69,27 @@ pub struct Diagnose {
     /// Folder for the results, made if it is missing [default: out/diagnose-DATASET].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `acroscope record`
+#[derive(Debug, Args)]
+pub struct Record {
+    /// Folders of finished runs, each with a results.csv.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// The nominal scenario, without the hidden effect: the name of a shipped one, or a path.
+    #[arg(long, default_value = "visual-servo")]
+    pub scenario: String,
+    /// Standard deviation of the encoders in rad.
+    #[arg(long, value_name = "RAD", default_value_t = 2e-4)]
+    pub encoder_noise: f64,
+    /// Encoder readings per second; 0: no encoders.
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    pub encoder_rate: f64,
+    /// Seed of the encoders' noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the data set, made if it is missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }

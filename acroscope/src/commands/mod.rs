@@ -1,6 +1,7 @@
 //! One file a command.
 
 mod diagnose;
+mod record;
 mod reproduce;
 mod run;
 
@@ -11,6 +12,7 @@ use crate::error::Error;
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
         Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
+        Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
     }

@@ -8,8 +8,15 @@ use std::sync::LazyLock;
 use studies::{Bench, Claim, Reproduction, reproduce};
 
 /// The studies of the closed loop, run once for all tests.
-const STUDIES: [&str; 7] =
-    ["figures-19-20", "delay", "figures-21-27", "torque-rate", "compensation", "tuning", "stability-map"];
+const STUDIES: [&str; 7] = [
+    "figures-19-20",
+    "section-4.2.1",
+    "figures-21-27",
+    "torque-rate",
+    "compensation-in-the-loop",
+    "tuning",
+    "stability-map",
+];
 
 fn bench() -> Bench {
     let target = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/fmus");

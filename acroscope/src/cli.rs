@@ -22,6 +22,8 @@ pub enum Command {
     Run(Run),
     /// Reproduce the paper's tables, figures and claims: writes claims.json and index.html.
     Reproduce(Reproduce),
+    /// Find what a model lacks against measured data: writes diagnosis.json, amended.toml and report.html.
+    Diagnose(Diagnose),
 }
 
 /// `acroscope run`
@@ -50,6 +52,19 @@ pub struct Reproduce {
     #[arg(value_name = "ID")]
     pub ids: Vec<String>,
     /// Folder for the results, made if it is missing [default: out/reproduce].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `acroscope diagnose`
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    /// Folder of the data set: dataset.toml and a folder for each run.
+    pub dataset: PathBuf,
+    /// An effect that is not to be named; may be given several times.
+    #[arg(long, value_name = "UNIT.VARIABLE")]
+    pub without: Vec<String>,
+    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

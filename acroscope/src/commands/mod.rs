@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod diagnose;
 mod reproduce;
 mod run;
 
@@ -9,6 +10,7 @@ use crate::error::Error;
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
+        Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
     }

@@ -8,7 +8,7 @@ use report::{Cell, Table};
 pub const STUDY: Study = Study {
     id: "figures-19-20",
     title: "Visual servo and full state feedback (Figures 19, 20)",
-    claims: &["C37", "C38", "C39", "Figure 19", "Figure 20"],
+    claims: &["C37", "C38", "C39", "F19", "F20"],
     run,
 };
 
@@ -83,8 +83,8 @@ fn claims(pair: &Pair, pairs: &[Pair]) -> Vec<Claim> {
         )
     };
     vec![
-        figure("Figure 19", "visual servo with no distortion", &pair.visual),
-        figure("Figure 20", "full state feedback", &pair.full),
+        figure("F19", "visual servo with no distortion", &pair.visual),
+        figure("F20", "full state feedback", &pair.full),
         Claim::new(
             ["C37", "visual servo at 30 Hz from (14) tracks 0 → 0.5 → 0 → −0.5", "stable"],
             format!("{}; rms error {error:.3}, offset in the holds ≤ {offset:.4}", pair.visual.fate()),

@@ -8,8 +8,15 @@ use std::sync::LazyLock;
 use studies::{Bench, Claim, Reproduction, reproduce};
 
 /// The studies of the closed loop, run once for all tests.
-const STUDIES: [&str; 7] =
-    ["figures-19-20", "delay", "figures-21-27", "torque-rate", "compensation", "tuning", "stability-map"];
+const STUDIES: [&str; 7] = [
+    "figures-19-20",
+    "section-4.2.1",
+    "figures-21-27",
+    "torque-rate",
+    "compensation-in-the-loop",
+    "tuning",
+    "stability-map",
+];
 
 fn bench() -> Bench {
     let target = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/fmus");
@@ -51,15 +58,15 @@ const REPRODUCED: [&str; 38] = [
     "C53",
     "C54",
     "C55",
-    "Figure 19",
-    "Figure 20",
-    "Figure 21",
-    "Figure 22",
-    "Figure 23",
-    "Figure 24",
-    "Figure 25",
-    "Figure 26",
-    "Figure 27",
+    "F19",
+    "F20",
+    "F21",
+    "F22",
+    "F23",
+    "F24",
+    "F25",
+    "F26",
+    "F27",
     "S5.tangential",
     "S5.exposure",
     "S5.compensation.loop",

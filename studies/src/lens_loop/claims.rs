@@ -46,7 +46,7 @@ pub(super) fn claims(measured: &Measured) -> Result<Vec<Claim>, Error> {
 }
 
 fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
-    let figure = lens.figure.unwrap_or_default();
+    let figure = lens.figure.unwrap_or_default().replace("Figure ", "F");
     let far = trace.steady_error(15.0, 18.0);
     let other = trace.steady_error(44.0, 47.0);
     let ours = match lens.is_shown_both_ways() {
@@ -55,7 +55,7 @@ fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
     };
     let quantity = format!("closed loop with {}: stable, with a steady error", lens.label());
     Claim::new(
-        [figure, &quantity, "tracks with a steady error"],
+        [&figure, &quantity, "tracks with a steady error"],
         ours,
         "stable; the error exceeds 0.01, three times the offset without distortion",
         trace.is_stable() && far.abs() > 0.01,

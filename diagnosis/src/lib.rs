@@ -17,6 +17,7 @@ mod error;
 pub mod gap;
 pub mod model;
 mod pipeline;
+pub mod record;
 mod report_page;
 pub mod residual;
 pub mod rest;

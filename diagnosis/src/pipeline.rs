@@ -18,7 +18,7 @@ use crate::selection::{ALPHA, Alternative, CLASS, Study, alternatives, study};
 use crate::story;
 use orchestrator::UnitPath;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What a user may choose.
@@ -26,15 +26,13 @@ use std::sync::Arc;
 pub struct Options {
     /// Candidates that are not to be named.
     pub without: Vec<String>,
-    /// Folders with shipped scenarios.
-    pub scenarios: Vec<PathBuf>,
     /// Most frames that are rendered again for each candidate.
     pub frames: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), scenarios: vec!["scenarios".into()], frames: 720 }
+        Self { without: Vec::new(), frames: 720 }
     }
 }
 
@@ -57,9 +55,14 @@ struct Part {
 ///
 /// # Errors
 /// The data set or the nominal model can't be used, or a unit failed.
-pub fn diagnose(path: &Path, units: &UnitPath, options: &Options, tell: &mut dyn FnMut(&str)) -> Result<Diagnosis, Error> {
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Diagnosis, Error> {
     let data = DataSet::load(path)?;
-    let model = Model::load(&data, units, &options.scenarios)?;
+    let model = Model::load(&data, units)?;
     let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
     let mut notices = data.notices.clone();
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
@@ -92,7 +95,11 @@ fn plant_part(
     };
     let part = part(cut, list, point, true, tell)?;
     *point = part.study.last.point.clone();
-    let sigma = if weak.is_some() { 1e-3 } else { part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)) };
+    let sigma = if weak.is_some() {
+        1e-3
+    } else {
+        part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b))
+    };
     parts.push(part);
     let cut = weak.map(|weak| weak.rows).or(rows);
     let motions = cut.map(|mut cut| {
@@ -118,7 +125,9 @@ fn camera_part(
         Some((motions, sigma)) => Pose::Logged(motions, sigma),
         None => Pose::Free,
     };
-    let Some(mut image) = ImageCut::new(data, model, list.clone(), pose, options.frames)? else { return Ok(()) };
+    let Some(mut image) = ImageCut::new(data, model, list.clone(), pose, options.frames)? else {
+        return Ok(());
+    };
     tell("camera: frames rendered again at the measured pose");
     match part(&mut image, list, point, false, tell) {
         Ok(part) => {
@@ -127,7 +136,11 @@ fn camera_part(
             Ok(())
         }
         Err(error) if !parts.is_empty() => {
-            notices.push(Notice { file: "camera.csv".into(), line: 0, message: format!("not compared: {error}") });
+            notices.push(Notice {
+                file: "camera.csv".into(),
+                line: 0,
+                message: format!("not compared: {error}"),
+            });
             Ok(())
         }
         Err(error) => Err(error),
@@ -157,12 +170,15 @@ fn ceilings(data: &DataSet, cuts: Cuts) -> Vec<f64> {
         match cuts {
             Cuts::Torque => sizes.extend(tau.iter().map(|tau| tau.abs()).filter(|tau| tau.is_finite())),
             Cuts::TorqueRate => {
-                sizes.extend(tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()));
+                sizes.extend(
+                    tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()),
+                );
             }
         }
     }
     sizes.sort_by(f64::total_cmp);
-    let quantile = |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
+    let quantile =
+        |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
     let levels: Vec<f64> = match cuts {
         Cuts::Torque => [0.995, 0.97, 0.9, 0.75, 0.5].iter().map(|share| quantile(*share)).collect(),
         // a large step of the torque then takes 2 to 80 ms
@@ -290,7 +306,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
             }
         };
         let size = match (candidate.is_discrete(), size) {
-            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => Some(size.ceil().max(1.0)),
+            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
+                Some(size.ceil().max(1.0))
+            }
             (true, Some(size)) => (size <= 1.0).then_some(1.0),
             (_, size) => size,
         };

@@ -90,7 +90,11 @@ impl PlantCut {
     ///
     /// # Errors
     /// The plant unit lacks a variable.
-    pub fn new(data: &DataSet, model: &Model, candidates: Arc<Vec<Candidate>>) -> Result<Option<Self>, Error> {
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
         let mut windows = Vec::new();
@@ -138,10 +142,18 @@ impl PlantCut {
                 // back to where the window before ended
                 let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
-                let times: Vec<f64> =
-                    (0..=count).map(|k| from + (window.drive.end() - from) * k as f64 / count as f64).collect();
+                let times: Vec<f64> = (0..=count)
+                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
+                    .collect();
                 let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
-                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &window.pushes(&window.leads))?;
+                let rows = simulate(
+                    &self.bench,
+                    &self.ports,
+                    &settings,
+                    &drive,
+                    &window.start,
+                    &window.pushes(&window.leads),
+                )?;
                 let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
                 Ok::<_, Error>((window.run, times, states))
             })
@@ -154,7 +166,14 @@ impl PlantCut {
 
     /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
-    fn settle(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn settle(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
             self.nuisance_columns(window, layout, settings, led, &mut fit)?;
@@ -183,7 +202,14 @@ impl PlantCut {
     }
 
     /// As `settle`, with the columns that are there: one simulation a step.
-    fn chord(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn chord(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..4 {
             let Some((start, leads)) = next(&fit, led) else { break };
@@ -198,13 +224,28 @@ impl PlantCut {
         Ok(fit)
     }
 
-    fn fit(&self, window: &Window, layout: &Layout, settings: &[Setting], start: State, leads: Vec<f64>) -> Result<Fit, Error> {
-        let base = simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+    fn fit(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        start: State,
+        leads: Vec<f64>,
+    ) -> Result<Fit, Error> {
+        let base =
+            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
         let cell = layout.cell(self, window, &base);
         Ok(Fit { start, leads, base, cell })
     }
 
-    fn nuisance_columns(&self, window: &Window, layout: &Layout, settings: &[Setting], soft: bool, fit: &mut Fit) -> Result<(), Error> {
+    fn nuisance_columns(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        soft: bool,
+        fit: &mut Fit,
+    ) -> Result<(), Error> {
         let pushes = window.pushes(&fit.leads);
         let mut hard = DMatrix::zeros(layout.len(), 4);
         for place in 0..4 {
@@ -227,7 +268,13 @@ impl PlantCut {
         Ok(())
     }
 
-    fn window(&self, window: &Window, point: &[f64], probes: &[Probe], quick: bool) -> Result<(State, Vec<f64>, Block), Error> {
+    fn window(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<(State, Vec<f64>, Block), Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
         let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
@@ -239,7 +286,8 @@ impl PlantCut {
             fit = self.chord(window, &layout, &settings, led, fit)?;
         } else {
             fit = if window.leads.iter().any(|lead| *lead != 0.0) {
-                let free = self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
+                let free =
+                    self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
                 self.settle(window, &layout, &settings, false, free)?
             } else {
                 self.settle(window, &layout, &settings, false, begin.clone())?
@@ -272,7 +320,13 @@ impl PlantCut {
                 *sum += value / base.len() as f64;
             }
         }
-        let block = Block { run: window.run, from: cell.time.first().copied().unwrap_or(from), to, cells: vec![cell], state };
+        let block = Block {
+            run: window.run,
+            from: cell.time.first().copied().unwrap_or(from),
+            to,
+            cells: vec![cell],
+            state,
+        };
         Ok((start, leads, block))
     }
 }
@@ -291,7 +345,8 @@ impl Cut for PlantCut {
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
+        let done: Vec<_> =
+            self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let (start, leads, block) = result?;
@@ -434,7 +489,8 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
     if usable.len() < ROWS as usize {
         return;
     }
-    let mut gaps: Vec<f64> = usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    let mut gaps: Vec<f64> =
+        usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
     let short = if PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
@@ -456,7 +512,8 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
             let earliest = plant.time[usable[0]];
             let start = (begin - PREROLL).max(earliest);
             let end = times[times.len() - 1];
-            let edges: Vec<f64> = (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
+            let edges: Vec<f64> =
+                (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
             into.push(Window {
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),

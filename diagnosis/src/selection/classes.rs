@@ -116,7 +116,11 @@ fn predicted_loss(
             let there = across(column);
             let product = gram[(own, column)] - weights.dot(&there);
             let theirs = gram[(column, column)]
-                - if places.is_empty() { 0.0 } else { solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there)) };
+                - if places.is_empty() {
+                    0.0
+                } else {
+                    solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there))
+                };
             let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
             let loss = size * size * length * (1.0 - cosine.min(1.0));
             // columns are tangents and bend over a finite size
@@ -125,7 +129,13 @@ fn predicted_loss(
         .min_by(f64::total_cmp)
 }
 
-fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize, candidates: &[Candidate]) -> Vec<f64> {
+fn starts(
+    candidate: &Candidate,
+    last: &Evaluation,
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Vec<f64> {
     if candidate.is_discrete() || matches!(candidate.motion, Motion::Ceiling { .. }) {
         return candidate.steps.iter().map(|step| candidate.off + step).collect();
     }
@@ -137,7 +147,9 @@ fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize,
             let size = last.point[effect] - candidates[effect].off;
             candidate.off + size * gram[(own, column)] / gram[(column, column)]
         }
-        (Some(column), None) => candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)],
+        (Some(column), None) => {
+            candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)]
+        }
         _ => candidate.off + candidate.steps[0],
     };
     let within = x.clamp(candidate.range.0, candidate.range.1);

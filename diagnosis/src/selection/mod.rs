@@ -117,22 +117,36 @@ pub fn study(
                 with.push(hit.candidate);
                 if let Ok(trial) = refit(cut, candidates, &point, &with) {
                     // a composite likelihood's gain counts as much as its blocks agree
-                    let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+                    let temper =
+                        if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
                     trials.push((hit.candidate, (last.deviance() - trial.deviance()) * temper, trial));
                 }
             }
         }
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for hit in &found.hits {
-            tell(&format!("  {} gain {:.1} t {:.2} by {:.5}", candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement));
+            tell(&format!(
+                "  {} gain {:.1} t {:.2} by {:.5}",
+                candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement
+            ));
         }
         for (c, _, trial) in &trials {
-            tell(&format!("  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}", candidates[*c].name, trial.point[*c], last.deviance(), trial.deviance(), trial.softness, trial.sigmas, trial.total.square));
+            tell(&format!(
+                "  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}",
+                candidates[*c].name,
+                trial.point[*c],
+                last.deviance(),
+                trial.deviance(),
+                trial.softness,
+                trial.sigmas,
+                trial.total.square
+            ));
         }
         let mut accepted = None;
         for (candidate, _, trial) in trials {
             let before = last.under(&trial);
-            let held_out = (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
+            let held_out =
+                (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
             let share = 1.0 - trial.total.square / before.total.square;
             let enough = share >= LEAST_SHARE || last.total.square < 1.5 * last.total.freedom;
             if held_out.1 < held_out.0 && enough {
@@ -219,12 +233,15 @@ fn prune(
     loop {
         let fit = refit(cut, candidates, point, active)?;
         point.clone_from(&fit.point);
-        let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let free: Vec<usize> =
+            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
         let Some(covariance) = fit.covariance(&free) else { return Ok(dropped) };
         let weakest = free
             .iter()
             .enumerate()
-            .map(|(i, index)| ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index))
+            .map(|(i, index)| {
+                ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index)
+            })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match weakest {
             Some((size, index)) if size < KEEP => {

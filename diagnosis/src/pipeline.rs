@@ -8,6 +8,7 @@ use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
 use crate::gap;
 use crate::model::Model;
+use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
 use crate::residual::plant::PlantCut;
 use crate::residual::trajectory::Motion as Logged;
@@ -118,9 +119,19 @@ fn camera_part(
         Some((motions, sigma)) => Pose::Logged(motions, sigma),
         None => Pose::Free,
     };
-    let Some(mut image) = ImageCut::new(data, model, list.clone(), pose, options.frames)? else { return Ok(()) };
+    let chained = matches!(pose, Pose::Free);
+    let mut chain = if chained { Chain::new(data, model, list.clone())? } else { None };
+    let mut image = match chain {
+        Some(_) => None,
+        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
+    };
+    let cut: &mut dyn Cut = match (&mut chain, &mut image) {
+        (Some(chain), _) => chain,
+        (_, Some(image)) => image,
+        _ => return Ok(()),
+    };
     tell("camera: frames rendered again at the measured pose");
-    match part(&mut image, list, point, false, tell) {
+    match part(cut, list, point, false, tell) {
         Ok(part) => {
             *point = part.study.last.point.clone();
             parts.push(part);

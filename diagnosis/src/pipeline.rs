@@ -1,7 +1,8 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
 use crate::amend;
-use crate::candidates::{Candidate, Cuts, Motion, candidates};
+use crate::candidates::{CLOCK, Candidate, Cuts, Motion, Side, candidates};
+use crate::experiment;
 use crate::counting::losses;
 use crate::dataset::DataSet;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
@@ -70,6 +71,7 @@ pub fn diagnose(path: &Path, units: &UnitPath, options: &Options, tell: &mut dyn
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
+    clear_clock(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
@@ -142,6 +144,35 @@ fn camera_part(
             Ok(())
         }
         Err(error) => Err(error),
+    }
+}
+
+/// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
+/// the camera early by the same time; a delay of either does only one of both.
+fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    const SAME: f64 = 5e-4;
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let mut gone = Vec::new();
+    let mut late = None;
+    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+        late = Some(point[clock]);
+        gone.push(clock);
+    }
+    if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
+        let actuator = place("plant.tau_delay").filter(|index| (point[*index] + point[delay]).abs() < SAME);
+        late = late.or(Some(-point[delay]));
+        gone.push(delay);
+        gone.extend(actuator);
+    }
+    for index in &gone {
+        point[*index] = list[*index].off;
+    }
+    for part in parts {
+        part.classes.retain(|(index, _)| !gone.contains(index));
+    }
+    if let Some(late) = late {
+        let message = format!("stamped {:.2} ms late against the other logs: taken as its clock, not as an effect", 1e3 * late);
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
     }
 }
 
@@ -225,6 +256,7 @@ fn conclude(
     let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
     let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
+    let next = experiment::next(list, &effects, data.runs.iter().all(|run| run.plant.is_some()));
     let amended = amend::amended(model, list, point, &effects, units)?;
     Ok(Diagnosis {
         verdict,
@@ -232,7 +264,7 @@ fn conclude(
         place: gap::shares(found),
         gap,
         unknown: rest,
-        next_experiment: None,
+        next_experiment: next,
         minimum_detectable: smallest,
         gaps,
         notices,
@@ -285,6 +317,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
         let candidate = &list[*index];
+        if candidate.side == Side::Clock {
+            continue;
+        }
         let size = if let Some(place) = free.iter().position(|other| other == index) {
             covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
         } else {

@@ -16,6 +16,9 @@ use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
+/// Three standard deviations of an angle read off a picture, rad.
+const NEAR: f64 = 3e-3;
+
 /// Picture and torque.
 pub struct Chain {
     /// The picture with free poses.
@@ -47,7 +50,32 @@ impl Chain {
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
-        Ok(Some(Self { image, plant, candidates, signals }))
+        let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
+        let mut chain = Self { image, plant, candidates, signals };
+        chain.linearise(&off, &[], false)?;
+        chain.image.forget();
+        Ok(Some(chain))
+    }
+
+    /// Puts the frames where the plant that was fitted to them has them, if that is within what a picture can tell:
+    /// a pose read off one picture follows the pixel lattice, and rendered there, areas come out a little wrong.
+    fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
+        let motions = self.plant.motion(point, 1.0 / 120.0)?;
+        let (delay, interval) = (self.image.delay(point), self.image.interval());
+        let mut rows = vec![0; read.len()];
+        for frame in &mut self.image.frames {
+            let row = rows[frame.run];
+            rows[frame.run] += 1;
+            let Some(angles) = read[frame.run].get(row).filter(|angles| angles[0].is_finite()) else { continue };
+            (frame.shot.end[0], frame.shot.end[1]) = (angles[0], angles[1]);
+            let Some(motion) = motions.get(frame.run) else { continue };
+            let Some(end) = motion.at(frame.time - delay) else { continue };
+            if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < NEAR) {
+                frame.shot.end = end;
+                frame.shot.before = motion.at(frame.time - delay - interval).unwrap_or(frame.shot.before);
+            }
+        }
+        Ok(())
     }
 
     /// Poses of all frames from the picture, and how each probe would move them.
@@ -87,9 +115,13 @@ impl Cut for Chain {
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
         let mut blocks = self.image.linearise(point, probes, quick)?;
         let poses = self.poses(&blocks, probes);
+        let read = if quick { Vec::new() } else { poses.angles.clone() };
         let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
         let more = self.plant.linearise(point, probes, quick)?;
+        if !quick {
+            self.smooth(point, &read)?;
+        }
         let offset = self.image.signals().len();
         blocks.extend(more.into_iter().map(|block| Block {
             cells: block

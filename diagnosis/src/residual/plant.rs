@@ -113,6 +113,7 @@ pub struct PlantCut {
     windows: Vec<Window>,
     signals: Vec<Signal>,
     through: Option<Through>,
+    clock: Option<usize>,
 }
 
 impl PlantCut {
@@ -138,7 +139,9 @@ impl PlantCut {
             })
             .collect();
         let runs = Arc::new(data.runs.clone());
-        Ok(Some(Self { bench: model.plant.clone(), ports, candidates, runs, windows, signals, through: None }))
+        let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
+        let through = Some(Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
+        Ok(Some(Self { bench: model.plant.clone(), ports, candidates, runs, windows, signals, through, clock }))
     }
 
     fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
@@ -148,6 +151,7 @@ impl PlantCut {
     /// The log is none of encoders but what a camera with this delay saw.
     pub fn see_through(&mut self, delay: f64) {
         let poses = Poses::new(self.runs.len());
+        self.clock = None;
         self.through = Some(Through { index: None, delay: 0.0, poses });
         self.shift(delay);
     }
@@ -288,7 +292,7 @@ impl PlantCut {
     /// As `settle`, with the columns that are there: one simulation a step.
     fn chord(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
         let mut fit = from;
-        for _ in 0..if led { 2 } else { 4 } {
+        for _ in 0..if led { 1 } else { 4 } {
             let Some((start, leads)) = next(&fit, led) else { break };
             let Ok(trial) = self.fit(window, layout, settings, start, leads) else { break };
             if square(&trial.cell) >= square(&fit.cell) {
@@ -359,7 +363,7 @@ impl PlantCut {
         let mut columns = DMatrix::zeros(layout.len(), probes.len());
         for (place, probe) in probes.iter().enumerate() {
             let candidate = &self.candidates[probe.candidate];
-            if candidate.side == Side::Camera {
+            if candidate.side != Side::Plant && self.sees(candidate) {
                 let column = self.seen_column(window, &layout, &base, place, probe.candidate);
                 (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
             } else if self.sees(candidate) {
@@ -392,10 +396,18 @@ impl Cut for PlantCut {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        candidate.side == Side::Plant
+        match candidate.side {
+            Side::Plant => true,
+            Side::Clock => self.clock.is_some(),
+            Side::Camera => self.through.is_some() && self.clock.is_none(),
+            _ => false,
+        }
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        if let Some(clock) = self.clock {
+            self.shift(point[clock]);
+        }
         let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {

@@ -14,6 +14,7 @@ pub mod counting;
 pub mod dataset;
 mod diagnosis;
 mod error;
+mod experiment;
 pub mod gap;
 pub mod model;
 mod pipeline;

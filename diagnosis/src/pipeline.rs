@@ -1,13 +1,15 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
 use crate::amend;
-use crate::candidates::{Candidate, Cuts, Motion, candidates};
+use crate::candidates::{CLOCK, Candidate, Cuts, Motion, Side, candidates};
 use crate::counting::losses;
 use crate::dataset::DataSet;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
+use crate::experiment;
 use crate::gap;
 use crate::model::Model;
+use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
 use crate::residual::plant::PlantCut;
 use crate::residual::trajectory::Motion as Logged;
@@ -72,6 +74,7 @@ pub fn diagnose(
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
+    clear_clock(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
@@ -125,11 +128,19 @@ fn camera_part(
         Some((motions, sigma)) => Pose::Logged(motions, sigma),
         None => Pose::Free,
     };
-    let Some(mut image) = ImageCut::new(data, model, list.clone(), pose, options.frames)? else {
-        return Ok(());
+    let chained = matches!(pose, Pose::Free);
+    let mut chain = if chained { Chain::new(data, model, list.clone())? } else { None };
+    let mut image = match chain {
+        Some(_) => None,
+        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
+    };
+    let cut: &mut dyn Cut = match (&mut chain, &mut image) {
+        (Some(chain), _) => chain,
+        (_, Some(image)) => image,
+        _ => return Ok(()),
     };
     tell("camera: frames rendered again at the measured pose");
-    match part(&mut image, list, point, false, tell) {
+    match part(cut, list, point, false, tell) {
         Ok(part) => {
             *point = part.study.last.point.clone();
             parts.push(part);
@@ -144,6 +155,38 @@ fn camera_part(
             Ok(())
         }
         Err(error) => Err(error),
+    }
+}
+
+/// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
+/// the camera early by the same time; a delay of either does only one of both.
+fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    const SAME: f64 = 5e-4;
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let mut gone = Vec::new();
+    let mut late = None;
+    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+        late = Some(point[clock]);
+        gone.push(clock);
+    }
+    if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
+        let actuator = place("plant.tau_delay").filter(|index| (point[*index] + point[delay]).abs() < SAME);
+        late = late.or(Some(-point[delay]));
+        gone.push(delay);
+        gone.extend(actuator);
+    }
+    for index in &gone {
+        point[*index] = list[*index].off;
+    }
+    for part in parts {
+        part.classes.retain(|(index, _)| !gone.contains(index));
+    }
+    if let Some(late) = late {
+        let message = format!(
+            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+            1e3 * late
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
     }
 }
 
@@ -230,6 +273,7 @@ fn conclude(
     let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
     let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
+    let next = experiment::next(list, &effects, data.runs.iter().all(|run| run.plant.is_some()));
     let amended = amend::amended(model, list, point, &effects, units)?;
     Ok(Diagnosis {
         verdict,
@@ -237,7 +281,7 @@ fn conclude(
         place: gap::shares(found),
         gap,
         unknown: rest,
-        next_experiment: None,
+        next_experiment: next,
         minimum_detectable: smallest,
         gaps,
         notices,
@@ -290,6 +334,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
         let candidate = &list[*index];
+        if candidate.side == Side::Clock {
+            continue;
+        }
         let size = if let Some(place) = free.iter().position(|other| other == index) {
             covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
         } else {

@@ -2,7 +2,7 @@
 
 use crate::candidates::Candidate;
 use crate::diagnosis::Unknown;
-use crate::residual::torque::torques;
+use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
 use crate::statistics::linear::{Cell, projected, reduce};
@@ -74,6 +74,8 @@ fn whitened(block: &Block, signal: usize) -> Vec<f64> {
 
 /// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
 const TORQUE_EVIDENCE: f64 = 20.0;
+/// Lacking torque over what noise alone gives.
+const TORQUE_RATIO: f64 = 1.4;
 /// Scatter and correlation of a rest too quick for the torques.
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
@@ -86,7 +88,8 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let nearest = nearest(study, candidates);
     if torque {
         let quick = rest.signals.iter().position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
-        if rest.discrepancy < TORQUE_EVIDENCE && quick.is_none() {
+        let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
+        if rest.discrepancy < TORQUE_EVIDENCE && quick.is_none() && size < TORQUE_RATIO * floor {
             return None;
         }
         let (signal, depends_on, shape) = torque_shape(study);

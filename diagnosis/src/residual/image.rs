@@ -119,6 +119,17 @@ impl ImageCut {
         self.delay.map_or(self.nominal_delay, |index| point[index])
     }
 
+    /// Interval between frames, s.
+    pub fn interval(&self) -> f64 {
+        self.studio.interval()
+    }
+
+    /// Forgets kept columns, since the frames have moved.
+    pub fn forget(&mut self) {
+        self.turns = None;
+        self.kept.clear();
+    }
+
     fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<crate::bench::Setting>, Error> {
         let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
         let delay = self.studio.bench().reference("T_delay")?;

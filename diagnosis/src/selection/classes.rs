@@ -5,14 +5,14 @@
 
 use super::evaluation::Evaluation;
 use super::refit::refit;
-use crate::candidates::{Candidate, Motion};
+use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::DVector;
 
 /// Predicted loss beyond which an alternative isn't even fitted.
-const HOPELESS: f64 = 60.0;
+const HOPELESS: f64 = 30.0;
 /// Loss up to which the data can't tell: odds of 1 to 20.
 pub const CLASS: f64 = 6.0;
 
@@ -43,7 +43,7 @@ pub fn alternatives(
     let reference = refit(cut, candidates, &last.point, active)?;
     let mut all = vec![(effect, reference.point[effect], reference.deviance())];
     for (index, candidate) in candidates.iter().enumerate() {
-        if active.contains(&index) || !cut.sees(candidate) {
+        if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
             continue;
         }
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };

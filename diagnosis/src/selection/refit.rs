@@ -7,7 +7,7 @@ use crate::residual::{Cut, Probe};
 use crate::statistics::linear::{solve, submatrix, subvector};
 
 /// Most linearisations of a fit.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
 

@@ -123,9 +123,9 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     }
     outcome.tables.push(("Largest and rms errors before and after".to_owned(), table(&cases)));
     outcome.notes.push(
-        "The correction looks only at the estimate, so it costs one look-up a frame. It is exact on the manifold; 0.05 rad \
-         beside it, the errors are those of a slightly different picture, and what is left grows with the strength of the \
-         lens."
+        "The correction looks only at the estimate, so it costs one look-up a frame. On the manifold the lattice of \
+         pixels is left; 0.05 rad beside it, the errors are those of a slightly different picture, and what is left \
+         grows with the strength of the lens."
             .to_owned(),
     );
     Ok(outcome)

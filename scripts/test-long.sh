@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The long suites: random calls by the ten thousand and under valgrind, the cross-check by fmi-rs, and the hidden data
-# sets. Takes about an hour on two cores; scripts/test.sh has a slice of each that matters for every change.
+# sets. Takes hours on two cores; needs the Python environment of scripts/test.sh; scripts/test.sh has a slice of each that matters for every change.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 units=(target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu target/fmus/acrobot_controller.fmu)
@@ -23,3 +23,6 @@ cargo xtask same-bytes
 
 step "fmi-rs drives the units to the same bits"
 CARGO_TARGET_DIR=target/fmi-rs cargo test --quiet --release --manifest-path tests/fmi-rs/Cargo.toml
+
+step "Blind diagnoses, 40 of each part"
+.venv/bin/python scripts/blind.py --count 40 --seed 7

@@ -7,7 +7,7 @@ step() { printf '\n== %s ==\n' "$*"; }
 
 step "Python environment (.venv)"
 [ -x .venv/bin/python ] || python3 -m venv .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+.venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt -r tests/hidden/requirements.txt
 
 step "Formatting"
 cargo fmt --check
@@ -29,6 +29,10 @@ cargo test --quiet --release --workspace --doc
 
 step "Foreign programs drive the units (FMPy, libcosim, scipy, OpenCV, PythonFMU)"
 .venv/bin/python -m pytest tests/fmpy
+
+step "The maker of hidden data, and a slice of blind diagnoses"
+(cd tests && ../.venv/bin/python -m pytest -q hidden)
+.venv/bin/python scripts/blind.py
 
 step "Random calls, legal and not (a slice; scripts/test-long.sh has the rest)"
 cargo xtask fuzz --sequences 300 target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu \

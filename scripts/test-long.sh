@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The long suites: random calls by the ten thousand and under valgrind, the cross-check by fmi-rs, and the hidden data
-# sets. Takes hours on two cores; needs the Python environment of scripts/test.sh; scripts/test.sh has a slice of each that matters for every change.
+# sets. Takes hours on two cores, and needs the Python environment that scripts/test.sh makes; scripts/test.sh itself has
+# a slice of each that matters for every change.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 units=(target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu target/fmus/acrobot_controller.fmu)

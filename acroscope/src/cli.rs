@@ -22,6 +22,10 @@ pub enum Command {
     Run(Run),
     /// Reproduce the paper's tables, figures and claims: writes claims.json and index.html.
     Reproduce(Reproduce),
+    /// Find what a model lacks against measured data: writes diagnosis.json, amended.toml and report.html.
+    Diagnose(Diagnose),
+    /// Turn finished runs into a measured data set, to rehearse a diagnosis.
+    Record(Record),
 }
 
 /// `acroscope run`
@@ -52,4 +56,40 @@ pub struct Reproduce {
     /// Folder for the results, made if it is missing [default: out/reproduce].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `acroscope diagnose`
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    /// Folder of the data set: dataset.toml and a folder for each run.
+    pub dataset: PathBuf,
+    /// An effect that is not to be named; may be given several times.
+    #[arg(long, value_name = "UNIT.VARIABLE")]
+    pub without: Vec<String>,
+    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `acroscope record`
+#[derive(Debug, Args)]
+pub struct Record {
+    /// Folders of finished runs, each with a results.csv.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// The nominal scenario, without the hidden effect: the name of a shipped one, or a path.
+    #[arg(long, default_value = "visual-servo")]
+    pub scenario: String,
+    /// Standard deviation of the encoders in rad.
+    #[arg(long, value_name = "RAD", default_value_t = 2e-4)]
+    pub encoder_noise: f64,
+    /// Encoder readings per second; 0: no encoders.
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    pub encoder_rate: f64,
+    /// Seed of the encoders' noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the data set, made if it is missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }

@@ -18,6 +18,9 @@ pub enum Error {
     /// A study can't be run.
     #[error(transparent)]
     Study(#[from] studies::Error),
+    /// A data set can't be diagnosed.
+    #[error(transparent)]
+    Diagnosis(#[from] diagnosis::Error),
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -48,7 +51,8 @@ impl Error {
         match self {
             Self::Orchestrator(error) if !error.is_input() => 1,
             Self::Study(error) if !error.is_input() => 1,
-            Self::Study(_) => 2,
+            Self::Diagnosis(error) if !error.is_input() => 1,
+            Self::Study(_) | Self::Diagnosis(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Report(_) | Self::File { .. } => 1,
         }

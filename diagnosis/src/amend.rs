@@ -1,6 +1,6 @@
 //! The nominal scenario with what was found switched on.
 
-use crate::candidates::Candidate;
+use crate::candidates::{Candidate, Side};
 use crate::diagnosis::Effect;
 use crate::error::Error;
 use crate::model::Model;
@@ -20,8 +20,10 @@ pub fn amended(
     let mut scenario: Scenario = model.scenario.clone();
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     for (index, candidate) in list.iter().enumerate() {
-        if point[index] != candidate.off {
-            scenario.set(candidate.name, &written(candidate, candidate.value(point[index]))).map_err(failed)?;
+        if point[index] != candidate.off && candidate.side != Side::Clock {
+            scenario
+                .set(candidate.name, &written(candidate, candidate.value(point[index])))
+                .map_err(failed)?;
         }
     }
     for effect in effects.iter().filter(|effect| effect.name == "camera.drop_rate") {

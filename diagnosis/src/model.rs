@@ -6,7 +6,7 @@ use crate::error::Error;
 use orchestrator::scenario::Given;
 use orchestrator::{Fmu, Kind, Scenario, UnitPath, Value};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// The nominal model.
@@ -21,15 +21,16 @@ pub struct Model {
 }
 
 impl Model {
-    /// Loads the scenario of a data set. A stem is looked for in `scenarios`, a path beside the data set.
+    /// Loads the scenario of a data set: a path beside the data set, or the name of a shipped one.
     ///
     /// # Errors
     /// The scenario or a unit can't be loaded, or `[set]` names something that isn't there.
-    pub fn load(data: &DataSet, units: &UnitPath, scenarios: &[PathBuf]) -> Result<Self, Error> {
-        let file = find(&data.path, &data.manifest.scenario, scenarios)?;
-        let mut scenario = Scenario::load(&file).map_err(model)?;
+    pub fn load(data: &DataSet, units: &UnitPath) -> Result<Self, Error> {
+        let mut scenario = nominal(&data.path, &data.manifest.scenario)?;
+        let file = scenario.origin.clone();
         let manifest = data.path.join("dataset.toml");
-        let set_error = |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
+        let set_error =
+            |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
         for (name, value) in &data.manifest.set {
             let text = match value {
                 toml::Value::String(text) => text.clone(),
@@ -48,12 +49,18 @@ impl Model {
             }
             let mut values = BTreeMap::new();
             for (name, given) in &unit.set {
-                let kind = fmu.description().variables.iter().find(|variable| variable.name == *name).map(|v| v.kind);
+                let kind = fmu
+                    .description()
+                    .variables
+                    .iter()
+                    .find(|variable| variable.name == *name)
+                    .map(|v| v.kind);
                 let full = format!("{}.{name}", unit.name);
                 let Some(kind) = kind else {
                     return Err(set_error(&full, format!("{} has no such variable", unit.fmu.value)));
                 };
-                let value = read(kind, &given.value).ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
+                let value = read(kind, &given.value)
+                    .ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
                 if let Some(number) = value.as_f64() {
                     numbers.insert(full, number);
                 }
@@ -62,7 +69,9 @@ impl Model {
             benches.insert(unit.name.clone(), Arc::new(Bench::new(fmu, &values)?));
         }
         let mut bench = |name: &str| {
-            benches.remove(name).ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
+            benches
+                .remove(name)
+                .ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
         };
         Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers })
     }
@@ -93,25 +102,22 @@ fn read(kind: Kind, given: &Given) -> Option<Value> {
     }
 }
 
-fn find(data: &Path, name: &str, scenarios: &[PathBuf]) -> Result<PathBuf, Error> {
-    let mut tried = vec![data.join(name), PathBuf::from(name)];
-    tried.extend(scenarios.iter().map(|folder| folder.join(format!("{name}.toml"))));
-    match tried.iter().find(|path| path.is_file()) {
-        Some(path) => Ok(path.clone()),
-        None => {
-            let list: Vec<String> = tried.iter().map(|path| path.display().to_string()).collect();
-            Err(Error::Manifest {
-                path: data.join("dataset.toml"),
-                line: 1,
-                problem: format!("scenario `{name}` is neither a file nor a shipped scenario; looked at {}", list.join(", ")),
-            })
-        }
+fn nominal(data: &Path, name: &str) -> Result<Scenario, Error> {
+    let beside = data.join(name);
+    if beside.is_file() {
+        return Scenario::load(beside).map_err(model);
     }
+    scenarios::load(name).map_err(|error| Error::Manifest {
+        path: data.join("dataset.toml"),
+        line: 1,
+        problem: error.to_string(),
+    })
 }
 
 fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
     let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
     let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());
-    let path = found.ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
+    let path = found
+        .ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
     units.open(&path).map_err(model)
 }

@@ -1,13 +1,15 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
 use crate::amend;
-use crate::candidates::{Candidate, Cuts, Motion, candidates};
+use crate::candidates::{CLOCK, Candidate, Cuts, Motion, Side, candidates};
 use crate::counting::losses;
 use crate::dataset::DataSet;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
+use crate::experiment;
 use crate::gap;
 use crate::model::Model;
+use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
 use crate::residual::plant::PlantCut;
 use crate::residual::trajectory::Motion as Logged;
@@ -18,7 +20,7 @@ use crate::selection::{ALPHA, Alternative, CLASS, Study, alternatives, study};
 use crate::story;
 use orchestrator::UnitPath;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What a user may choose.
@@ -26,15 +28,13 @@ use std::sync::Arc;
 pub struct Options {
     /// Candidates that are not to be named.
     pub without: Vec<String>,
-    /// Folders with shipped scenarios.
-    pub scenarios: Vec<PathBuf>,
     /// Most frames that are rendered again for each candidate.
     pub frames: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), scenarios: vec!["scenarios".into()], frames: 720 }
+        Self { without: Vec::new(), frames: 720 }
     }
 }
 
@@ -57,9 +57,14 @@ struct Part {
 ///
 /// # Errors
 /// The data set or the nominal model can't be used, or a unit failed.
-pub fn diagnose(path: &Path, units: &UnitPath, options: &Options, tell: &mut dyn FnMut(&str)) -> Result<Diagnosis, Error> {
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Diagnosis, Error> {
     let data = DataSet::load(path)?;
-    let model = Model::load(&data, units, &options.scenarios)?;
+    let model = Model::load(&data, units)?;
     let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
     let mut notices = data.notices.clone();
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
@@ -69,6 +74,7 @@ pub fn diagnose(path: &Path, units: &UnitPath, options: &Options, tell: &mut dyn
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
+    clear_clock(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
@@ -92,7 +98,11 @@ fn plant_part(
     };
     let part = part(cut, list, point, true, tell)?;
     *point = part.study.last.point.clone();
-    let sigma = if weak.is_some() { 1e-3 } else { part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)) };
+    let sigma = if weak.is_some() {
+        1e-3
+    } else {
+        part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b))
+    };
     parts.push(part);
     let cut = weak.map(|weak| weak.rows).or(rows);
     let motions = cut.map(|mut cut| {
@@ -118,19 +128,65 @@ fn camera_part(
         Some((motions, sigma)) => Pose::Logged(motions, sigma),
         None => Pose::Free,
     };
-    let Some(mut image) = ImageCut::new(data, model, list.clone(), pose, options.frames)? else { return Ok(()) };
+    let chained = matches!(pose, Pose::Free);
+    let mut chain = if chained { Chain::new(data, model, list.clone())? } else { None };
+    let mut image = match chain {
+        Some(_) => None,
+        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
+    };
+    let cut: &mut dyn Cut = match (&mut chain, &mut image) {
+        (Some(chain), _) => chain,
+        (_, Some(image)) => image,
+        _ => return Ok(()),
+    };
     tell("camera: frames rendered again at the measured pose");
-    match part(&mut image, list, point, false, tell) {
+    match part(cut, list, point, false, tell) {
         Ok(part) => {
             *point = part.study.last.point.clone();
             parts.push(part);
             Ok(())
         }
         Err(error) if !parts.is_empty() => {
-            notices.push(Notice { file: "camera.csv".into(), line: 0, message: format!("not compared: {error}") });
+            notices.push(Notice {
+                file: "camera.csv".into(),
+                line: 0,
+                message: format!("not compared: {error}"),
+            });
             Ok(())
         }
         Err(error) => Err(error),
+    }
+}
+
+/// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
+/// the camera early by the same time; a delay of either does only one of both.
+fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    const SAME: f64 = 5e-4;
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let mut gone = Vec::new();
+    let mut late = None;
+    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+        late = Some(point[clock]);
+        gone.push(clock);
+    }
+    if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
+        let actuator = place("plant.tau_delay").filter(|index| (point[*index] + point[delay]).abs() < SAME);
+        late = late.or(Some(-point[delay]));
+        gone.push(delay);
+        gone.extend(actuator);
+    }
+    for index in &gone {
+        point[*index] = list[*index].off;
+    }
+    for part in parts {
+        part.classes.retain(|(index, _)| !gone.contains(index));
+    }
+    if let Some(late) = late {
+        let message = format!(
+            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+            1e3 * late
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
     }
 }
 
@@ -157,12 +213,15 @@ fn ceilings(data: &DataSet, cuts: Cuts) -> Vec<f64> {
         match cuts {
             Cuts::Torque => sizes.extend(tau.iter().map(|tau| tau.abs()).filter(|tau| tau.is_finite())),
             Cuts::TorqueRate => {
-                sizes.extend(tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()));
+                sizes.extend(
+                    tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()),
+                );
             }
         }
     }
     sizes.sort_by(f64::total_cmp);
-    let quantile = |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
+    let quantile =
+        |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
     let levels: Vec<f64> = match cuts {
         Cuts::Torque => [0.995, 0.97, 0.9, 0.75, 0.5].iter().map(|share| quantile(*share)).collect(),
         // a large step of the torque then takes 2 to 80 ms
@@ -214,6 +273,7 @@ fn conclude(
     let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
     let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
+    let next = experiment::next(list, &effects, data.runs.iter().all(|run| run.plant.is_some()));
     let amended = amend::amended(model, list, point, &effects, units)?;
     Ok(Diagnosis {
         verdict,
@@ -221,7 +281,7 @@ fn conclude(
         place: gap::shares(found),
         gap,
         unknown: rest,
-        next_experiment: None,
+        next_experiment: next,
         minimum_detectable: smallest,
         gaps,
         notices,
@@ -274,6 +334,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
         let candidate = &list[*index];
+        if candidate.side == Side::Clock {
+            continue;
+        }
         let size = if let Some(place) = free.iter().position(|other| other == index) {
             covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
         } else {
@@ -290,7 +353,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
             }
         };
         let size = match (candidate.is_discrete(), size) {
-            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => Some(size.ceil().max(1.0)),
+            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
+                Some(size.ceil().max(1.0))
+            }
             (true, Some(size)) => (size <= 1.0).then_some(1.0),
             (_, size) => size,
         };

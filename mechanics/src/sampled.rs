@@ -110,11 +110,11 @@ impl Linearisation {
     fn held(&self, time: f64) -> ([[f64; 4]; 4], [f64; 4]) {
         let (a, b) = (self.a(), self.b());
         let mut generator = Square::zero(5);
-        for i in 0..4 {
-            for j in 0..4 {
-                *generator.at(i, j) = a[i][j] * time;
+        for (i, (row, input)) in a.iter().zip(b).enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                *generator.at(i, j) = entry * time;
             }
-            *generator.at(i, 4) = b[i] * time;
+            *generator.at(i, 4) = input * time;
         }
         let result = exponential(generator);
         let entry = |i: usize, j: usize| result.entries[i * 5 + j];
@@ -222,7 +222,8 @@ mod tests {
     #[test]
     fn value_exponential_of_a_rotation_and_of_a_nilpotent_matrix() {
         let turned = exponential(square(&[&[0.0, 3.0], &[-3.0, 0.0]]));
-        for (entry, expected) in turned.entries.iter().zip([3f64.cos(), 3f64.sin(), -3f64.sin(), 3f64.cos()]) {
+        for (entry, expected) in turned.entries.iter().zip([3f64.cos(), 3f64.sin(), -3f64.sin(), 3f64.cos()])
+        {
             assert!((entry - expected).abs() < 1e-14, "{entry} {expected}"); // some squarings' rounding
         }
         let sheared = exponential(square(&[&[0.0, 5.0], &[0.0, 0.0]]));
@@ -258,7 +259,8 @@ mod tests {
         let at = Theta::TABLE_2.linearisation(0.5).expect("Table 2 has a manifold");
         for periods in [1.0, 2.0] {
             let radius = |periods: f64| {
-                let sampling = Sampling { period: 1.0 / 30.0, delay: periods / 30.0, rates: Rates::FirstDifference };
+                let sampling =
+                    Sampling { period: 1.0 / 30.0, delay: periods / 30.0, rates: Rates::FirstDifference };
                 at.spectral_radius(a, &sampling).expect("controllable")
             };
             // Slope of ρ over the delay is of the order 1 a period.

@@ -65,7 +65,7 @@ impl HeatMap {
             .y_desc(&self.y.label)
             .label_style((FONT, 13))
             .x_label_formatter(&|value| match self.log_x {
-                true => format!("{:.3}", 10f64.powf(*value)).trim_end_matches('0').trim_end_matches('.').to_owned(),
+                true => rounded(10f64.powf(*value)),
                 false => tick(*value, x),
             })
             .y_label_formatter(&|value| tick(*value, y))
@@ -100,6 +100,13 @@ impl HeatMap {
             },
         )
     }
+}
+
+/// A number with two digits.
+fn rounded(value: f64) -> String {
+    let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
+    let decimals = (-unit.log10()).max(0.0) as usize;
+    format!("{:.decimals$}", (value / unit).round() * unit)
 }
 
 /// White to the blue of the palette.

@@ -1,6 +1,6 @@
 //! What the studies of Section 4.2 share: sets of poles, a closed loop with its reference, and what became of it.
 
-use crate::{Bench, Claim, Error};
+use crate::{Bench, Error};
 use orchestrator::scenario::{Placed, Shape, SignalEntry};
 use orchestrator::{Comparison, Ended, MemoryRecorder, Place, Quiet, Scenario, Simulation, time::Rational};
 use rayon::prelude::*;
@@ -40,8 +40,8 @@ impl Poles {
     }
 }
 
-/// N_min and N_max for strong lenses: undistorted circles have 75 px.
-pub const ANY_AREA: [(&str, f64); 2] = [("camera.N_min", 15.0), ("camera.N_max", 400.0)];
+/// The camera's N_min and N_max for strong lenses: undistorted circles have 75 px.
+pub const ANY_AREA: [(&str, f64); 2] = [("N_min", 15.0), ("N_max", 400.0)];
 
 /// A closed loop to be run: which scenario, with what changed, along which reference.
 #[derive(Debug, Clone)]
@@ -87,11 +87,17 @@ impl Case {
         self
     }
 
+    /// With some of the camera's variables changed, by bare name.
+    #[must_use]
+    pub fn through(self, lens: &[(&str, f64)]) -> Case {
+        lens.iter().fold(self, |case, (variable, value)| case.with(&format!("camera.{variable}"), value))
+    }
+
     /// With an N_min and an N_max that let circles through which a strong lens makes small or large, so that what
     /// fails is not the identification.
     #[must_use]
     pub fn finding_everything(self) -> Case {
-        ANY_AREA.iter().fold(self, |case, (variable, value)| case.with(variable, value))
+        self.through(&ANY_AREA)
     }
 
     /// Along another reference, smooth between its points (time in s, z), for so many seconds.
@@ -222,9 +228,17 @@ impl Trace {
         rows.map(|row| self.z_desired[row] - self.z[row]).sum::<f64>() / count
     }
 
+    /// z_desired − z over time, thirty times a second: with full state feedback the reference is read that often, and
+    /// between two readings the old one would be compared with the new place.
+    pub fn tracking_error(&self) -> Vec<(f64, f64)> {
+        let is_read = |time: f64| (30.0 * time - (30.0 * time).round()).abs() < 1e-6;
+        let rows = self.times.iter().zip(self.z_desired.iter().zip(&self.z));
+        rows.filter(|(time, _)| is_read(**time)).map(|(time, (desired, z))| (*time, desired - z)).collect()
+    }
+
     /// Root mean square of z_desired − z.
     pub fn rms_error(&self) -> f64 {
-        rms(self.z_desired.iter().zip(&self.z).map(|(desired, z)| desired - z))
+        rms(self.tracking_error().into_iter().map(|(_, error)| error))
     }
 
     /// The torque at frame times k·`period` over a span of time.
@@ -253,26 +267,6 @@ impl Trace {
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
     (sum / count).sqrt()
-}
-
-/// A statement: (id, in short, what the paper says), what we get, the tolerance with its reason, whether it holds, and
-/// a note.
-pub fn claim(
-    [id, quantity, paper]: [&str; 3],
-    ours: impl Into<String>,
-    tolerance: &str,
-    holds: bool,
-    note: impl Into<String>,
-) -> Claim {
-    Claim {
-        id: id.to_owned(),
-        quantity: quantity.to_owned(),
-        paper: paper.to_owned(),
-        ours: ours.into(),
-        tolerance: tolerance.to_owned(),
-        holds,
-        note: note.into(),
-    }
 }
 
 /// Runs cases side by side; results in the order of the cases.

@@ -8,7 +8,7 @@ use crate::lens::{DISTORTIONS, Lens};
 use crate::walk::{self, Walk, pair, small, worse};
 use crate::{Bench, Claim, Error, Outcome, Study};
 use rayon::prelude::*;
-use report::{Axis, Cell, Graph, Line, Table};
+use report::{Cell, Line, Table};
 
 /// This study.
 pub const STUDY: Study = Study {
@@ -162,17 +162,16 @@ fn claim(cases: &[Case]) -> Claim {
 fn figure(case: &Case) -> Result<String, Error> {
     let before = case.before.errors();
     let of = |errors: &[[f64; 2]], link: usize| -> Vec<(f64, f64)> {
-        case.before.looks.iter().zip(errors).map(|(look, error)| (look.pose[1], error[link])).collect()
+        let points = case.before.looks.iter().zip(errors).map(|(look, error)| (look.pose[1], error[link]));
+        points.step_by(4).collect()
     };
-    let graph = Graph::new(
-        case.name.as_str(),
-        Axis::over("q₂ in rad", -2.5, 2.5),
-        Axis::fitted("actual − estimated in rad"),
-    )
-    .with(Line::solid("q₁ before", of(&before, 0)))
-    .with(Line::dashed("q₂ before", of(&before, 1)))
-    .with(Line::solid("q₁ after", of(&case.after, 0)))
-    .with(Line::dashed("q₂ after", of(&case.after, 1)));
+    let lines = [
+        Line::solid("q₁ before", of(&before, 0)),
+        Line::dashed("q₂ before", of(&before, 1)),
+        Line::solid("q₁ after", of(&case.after, 0)),
+        Line::dashed("q₂ after", of(&case.after, 1)),
+    ];
+    let graph = walk::framed(&case.name, "q₂ in rad", "actual − estimated in rad", lines);
     Ok(graph.to_svg()?)
 }
 

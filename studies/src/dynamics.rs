@@ -1,6 +1,7 @@
 //! Tables 1 and 2 and eq. (12): what the plant unit does with the dynamic parameters, against the Lagrangian.
 
 use crate::unit::Unit;
+use crate::walk::larger;
 use crate::{Bench, Claim, Error, Outcome, Study};
 use mechanics::{Links, Theta};
 use report::{Cell, Table};
@@ -91,7 +92,7 @@ fn definitions(plant: &mut Unit) -> Result<Claim, Error> {
     let mut off = 0.0;
     for state in STATES {
         start(plant, state, &named(&ROBOT.theta()))?;
-        off = f64::max(off, (plant.get("energy")? - energy(&ROBOT, state)).abs());
+        off = larger(off, (plant.get("energy")? - energy(&ROBOT, state)).abs());
     }
     Ok(Claim::new(
         ["T1", "Table 1: definitions of the dynamic parameters", "table"],
@@ -130,7 +131,7 @@ fn lagrangian(plant: &mut Unit) -> Result<Claim, Error> {
         let m12 = theta.theta_7 * libm::cos(q2) + theta.theta_8 * libm::cos(q1 - q2); // (12)
         let first = m11 * a1 + m12 * a2 - theta.theta_9 * libm::sin(q1) + tau; // (12)
         let second = m12 * a1 + theta.theta_5 * a2 - theta.theta_10 * libm::sin(q2) - tau; // (12)
-        residual = f64::max(residual, first.abs().max(second.abs()));
+        residual = larger(residual, first.abs().max(second.abs()));
     }
     let (mut full, mut printed) = (0.0, 0.0);
     for (terms, drift) in [(1.0, &mut full), (0.0, &mut printed)] {

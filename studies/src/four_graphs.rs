@@ -10,7 +10,6 @@ pub fn add(outcome: &mut Outcome, trace: &Trace, figure: &str, what: &str) -> Re
     let graph = |title: &str, y: &str| {
         Graph::new(format!("{figure}: {title}"), Axis::fitted("time in s"), Axis::fitted(y))
     };
-    let error: Vec<f64> = trace.z_desired.iter().zip(&trace.z).map(|(desired, z)| desired - z).collect();
     let tracking = graph("tracking along the manifold", "z")
         .with(Line::solid("z desired", points(&trace.z_desired)))
         .with(Line::dashed("z", points(&trace.z)));
@@ -18,7 +17,7 @@ pub fn add(outcome: &mut Outcome, trace: &Trace, figure: &str, what: &str) -> Re
         .with(Line::solid("q₁", points(&trace.q1)))
         .with(Line::dashed("q₂", points(&trace.q2)));
     let torque = graph("torque", "τ in N·m").with(Line::solid("", points(&trace.tau)));
-    let error = graph("tracking error", "z desired − z").with(Line::solid("", points(&error)));
+    let error = graph("tracking error", "z desired − z").with(Line::solid("", trace.tracking_error()));
     let captions = [
         format!("{figure} of the paper, {what}. z_desired solid, z dashed."),
         "The angles, q₁ solid, q₂ dashed.".to_owned(),

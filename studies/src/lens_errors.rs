@@ -4,7 +4,7 @@
 //! pixels blurs, from the equations, with the frames beside them.
 
 use crate::lens::{self, DISTORTIONS, Lens};
-use crate::walk::{self, Walk, pair, worse};
+use crate::walk::{self, Walk, larger, pair, worse};
 use crate::{Bench, Claim, Error, Outcome, Study};
 use rayon::prelude::*;
 use report::{Cell, Table};
@@ -101,11 +101,11 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     for (number, curve) in (13..).zip(&curves) {
         let title = format!("{} = {STRENGTH}", curve.name);
         let errors = curve.walks[PLUS].errors();
-        let svg = walk::error_graph_beside(&title, &errors, &curve.equations[PLUS]).to_svg()?;
+        let svg = walk::error_graph(&title, &errors).to_svg()?;
         outcome.figure(svg, format!("Figure {number}: {title}, q₁ solid, q₂ dashed; from rendered frames."));
         let title = format!("{} = −{STRENGTH}", curve.name);
         let errors = curve.walks[MINUS].errors();
-        let svg = walk::error_graph_beside(&title, &errors, &curve.equations[MINUS]).to_svg()?;
+        let svg = walk::error_graph(&title, &errors).to_svg()?;
         outcome
             .figure(svg, format!("Beside Figure {number}: the other sign, on which Section 4.1.2 comments."));
     }
@@ -130,7 +130,7 @@ fn list(curves: &[Curves], names: &[&str], of: impl Fn(&Curves) -> String) -> St
 fn frames_agree(curves: &[Curves], perfect: &Walk) -> Claim {
     let coarse = curves.iter().map(|curve| worse(off(&curve.walks[PLUS], &curve.equations[PLUS])));
     let fine = curves.iter().map(|curve| worse(off(&curve.fine, &curve.equations[PLUS])));
-    let (coarse, fine) = (coarse.fold(0.0, f64::max), fine.fold(0.0, f64::max));
+    let (coarse, fine) = (coarse.fold(0.0, larger), fine.fold(0.0, larger));
     Claim::new(
         ["F13-17", "Figures 13-17 from rendered frames are the curves of (3)-(10)", "figures"],
         format!(
@@ -155,17 +155,22 @@ fn off(walk: &Walk, equations: &[[f64; 2]]) -> [f64; 2] {
 fn symmetry(curves: &[Curves]) -> Claim {
     let even = list(curves, &["p1", "s1"], |curve| pair(curve.mirror_defect(1.0), 3));
     let odd = named(curves, &["k1", "p2", "s2"]).map(|curve| worse(curve.mirror_defect(-1.0)));
-    let odd = odd.fold(0.0, f64::max);
+    let odd = odd.fold(0.0, larger);
     let holds =
         odd < 1e-12 && named(curves, &["p1", "s1"]).all(|curve| worse(curve.mirror_defect(1.0)) < 0.1);
     Claim::new(
         ["C26", "curves of p1, s1 are symmetric in q2; those of k1, p2, s2 antisymmetric", "yes"],
-        format!("symmetric to a share of {even} of the largest error; antisymmetric to {odd:.0e}"),
+        format!("symmetric to a share of {even} of the largest error; antisymmetric to {}", exactly(odd)),
         "symmetric to 0.1 of the largest error, as far as an eye sees it in the figures; antisymmetric exactly, since \
          the scene's mirror image has (q1, q2) of the other sign",
         holds,
         "",
     )
+}
+
+/// 0, or how small.
+fn exactly(off: f64) -> String {
+    if off == 0.0 { "0".to_owned() } else { format!("{off:.0e}") }
 }
 
 fn reflection(curves: &[Curves]) -> Claim {
@@ -175,7 +180,7 @@ fn reflection(curves: &[Curves]) -> Claim {
         let pairs = curve.iter().rev().zip(other);
         walk::largest(&pairs.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect::<Vec<_>>())
     };
-    let largest = named(curves, &["p1", "s1"]).map(|curve| worse(off(curve))).fold(0.0, f64::max);
+    let largest = named(curves, &["p1", "s1"]).map(|curve| worse(off(curve))).fold(0.0, larger);
     Claim::new(
         ["C27", "the other sign of p1, s1 reflects the curve about the q2 = 0 axis", "reflection"],
         format!("the reflected curve is off by up to {largest:.3} rad: the curve changes its sign instead"),
@@ -193,20 +198,20 @@ fn reflection_law(curves: &[Curves]) -> Claim {
         let pairs = plus.iter().rev().zip(minus);
         worse(walk::largest(&pairs.map(|(a, b)| [a[0] + b[0], a[1] + b[1]]).collect::<Vec<_>>()))
     };
-    let equations = named(curves, &["p1", "s1"]).map(off).fold(0.0, f64::max);
+    let equations = named(curves, &["p1", "s1"]).map(off).fold(0.0, larger);
     let frames = named(curves, &["p1", "s1"]).map(|curve| {
         let (plus, minus) = (curve.walks[PLUS].errors(), curve.walks[MINUS].errors());
         let pairs = plus.iter().rev().zip(&minus);
         worse(walk::rms(&pairs.map(|(a, b)| [a[0] + b[0], a[1] + b[1]]).collect::<Vec<_>>()))
     });
-    let frames = frames.fold(0.0, f64::max);
+    let frames = frames.fold(0.0, larger);
     Claim::new(
         [
             "C27.law",
             "what the other sign of p1, s1 does: e(−p; q2) = −e(p; −q2)",
             "\"reverse their effects\" (4.2.2)",
         ],
-        format!("off by {equations:.0e} rad by the equations, {frames:.0e} rad rms in frames"),
+        format!("off by {} rad by the equations, {frames:.0e} rad rms in frames", exactly(equations)),
         "1e-12 rad by the equations; 1e-4 rad in frames: the picture's mirror image is exact but for pixels that lie on \
          the threshold",
         equations < 1e-12 && frames < 1e-4,

@@ -26,7 +26,6 @@ mod quantisation;
 mod registry;
 mod setup;
 mod stability_map;
-mod still_poses;
 mod table3;
 mod torque_rate;
 mod tracking;

@@ -3,6 +3,7 @@
 
 use crate::lens;
 use crate::unit::Unit;
+use crate::walk::larger;
 use crate::{Bench, Claim, Error, Outcome, Study};
 use mechanics::{Theta, place::ARM_END};
 use report::{Axis, Cell, Graph, Line, Table};
@@ -152,7 +153,7 @@ fn manifold(rig: &mut Rig, places: &[Place]) -> Result<Claim, Error> {
         let [q1, tau] = place.equilibrium;
         [q1 - lens::on_manifold(place.q2)[0], tau + theta_10 * libm::sin(place.q2)]
     });
-    let off = off.map(f64::abs).fold(0.0, f64::max);
+    let off = off.map(f64::abs).fold(0.0, larger);
     let top = rig.equilibrium(std::f64::consts::FRAC_PI_2)?[0].abs();
     let end = places.last().map_or(f64::NAN, |place| place.equilibrium[0]);
     Ok(Claim::new(
@@ -196,7 +197,7 @@ fn shown(poles: [[f64; 2]; 2], decimals: usize) -> String {
 }
 
 fn unstable(rig: &mut Rig, places: &[Place]) -> Result<Claim, Error> {
-    let growth = |stiffness| poles(stiffness).into_iter().map(|[re, _]| re).fold(0.0, f64::max);
+    let growth = |stiffness| poles(stiffness).into_iter().map(|[re, _]| re).fold(0.0, larger);
     let slowest = places.iter().map(|place| growth(place.stiffness)).fold(f64::INFINITY, f64::min);
     let half = q2_of_half(rig)?;
     let mut at = |q2: f64| -> Result<[[f64; 2]; 2], Error> {
@@ -207,7 +208,7 @@ fn unstable(rig: &mut Rig, places: &[Place]) -> Result<Claim, Error> {
     let seen = [upright[0], upright[1], middle[0], middle[1], end[0], end[1]];
     let other = [[7.28, 0.0], [3.25, 0.0], [4.35, 0.0], [0.0, 1.79], [4.73, 0.0], [0.0, 3.75]];
     let off = seen.iter().zip(&other).flat_map(|(ours, other)| [ours[0] - other[0], ours[1] - other[1]]);
-    let off = off.map(f64::abs).fold(0.0, f64::max);
+    let off = off.map(f64::abs).fold(0.0, larger);
     Ok(Claim::new(
         ["C11", "every equilibrium of the manifold is unstable", "yes"],
         format!(
@@ -308,8 +309,8 @@ fn position_independent(rig: &mut Rig, places: &[Place]) -> Result<Claim, Error>
     let off = places.iter().flat_map(|place| {
         place.polynomial.into_iter().zip(wanted).map(|(ours, wanted)| (ours / wanted - 1.0).abs())
     });
-    let off = off.fold(0.0, f64::max);
-    let torque = places.iter().map(|place| (place.torque - place.equilibrium[1]).abs()).fold(0.0, f64::max);
+    let off = off.fold(0.0, larger);
+    let torque = places.iter().map(|place| (place.torque - place.equilibrium[1]).abs()).fold(0.0, larger);
     Ok(Claim::new(
         ["C13", "the pseudolinearized loop's linearisation doesn't depend on the place", "qualitative"],
         format!(

@@ -15,7 +15,7 @@ pub fn index(outcomes: &[(&Study, Outcome)]) -> String {
     ));
     page.heading("Every claim");
     page.push(
-        html! { p { @for (study, _) in outcomes { a href={"#" (study.id)} { (study.title) } " · " } } },
+        html! { ul { @for (study, _) in outcomes { li { a href={"#" (study.id)} { (study.title) } } } } },
     );
     let head = ["id", "claim", "paper", "ours", "holds", "tolerance and its reason", "note"];
     let rows = claims().map(|claim| {
@@ -24,7 +24,10 @@ pub fn index(outcomes: &[(&Study, Outcome)]) -> String {
             claim.quantity.as_str().into(),
             claim.paper.as_str().into(),
             claim.ours.as_str().into(),
-            Cell::Holds(claim.holds, if claim.holds { "holds" } else { "does not hold" }.to_owned()),
+            Cell::Holds(
+                claim.holds,
+                if claim.holds { "holds" } else { "does\u{a0}not\u{a0}hold" }.to_owned(),
+            ),
             claim.tolerance.as_str().into(),
             claim.note.as_str().into(),
         ]

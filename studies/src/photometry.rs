@@ -1,7 +1,7 @@
 //! Section 4.1.1: camera sensitivity, defocus and noise, each on the estimates along the manifold.
 
 use crate::lens;
-use crate::walk::{Eye, Walk, small, worse};
+use crate::walk::{self, Eye, Walk, larger, small, worse};
 use crate::{Bench, Claim, Error, Outcome, Study};
 use rayon::prelude::*;
 use report::{Cell, Table};
@@ -19,7 +19,7 @@ const SHARE: f64 = 191.0 / 255.0;
 /// Largest distance of a circle's centre from the optical axis on the manifold, image units.
 fn farthest() -> f64 {
     let distances = lens::places().into_iter().flat_map(|q2| lens::circles_image(lens::on_manifold(q2)));
-    distances.map(|[u, v]| f64::hypot(u, v)).fold(0.0, f64::max)
+    distances.map(|[u, v]| f64::hypot(u, v)).fold(0.0, larger)
 }
 
 /// (11): I/I₀ at a distance from the optical axis.
@@ -69,7 +69,10 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
             (*name).into(),
             Cell::Number(small(walk.rms())),
             Cell::Number(small(walk.largest())),
-            Cell::Number(format!("{:.1}", walk.mean_area())),
+            Cell::Number(match walk.mean_area() {
+                area if area.is_nan() => walk::NOTHING.to_owned(),
+                area => format!("{area:.1}"),
+            }),
             Cell::Number(walk.lost().to_string()),
         ]
     });
@@ -95,7 +98,7 @@ fn level(bench: &Bench) -> Result<Claim, Error> {
             if eye.look(pose)?.valid { low = middle } else { high = middle }
         }
         let distances = lens::circles_image(pose).map(|[u, v]| f64::hypot(u, v));
-        let r = distances.into_iter().fold(0.0, f64::max);
+        let r = distances.into_iter().fold(0.0, larger);
         // Its brightest pixel lies between its centre and its edge nearest to the axis.
         let (least, most) = (sensitivity(beta, r, FOCUS), sensitivity(beta, r - 0.02, FOCUS));
         fits &= (255.0 * least - 0.5..=255.0 * most + 0.5).contains(&low);
@@ -116,7 +119,7 @@ fn level(bench: &Bench) -> Result<Claim, Error> {
 
 fn defocus(walks: &[Walk]) -> Claim {
     let [none, one, two] = [0, 1, 2].map(|index| &walks[index]);
-    let largest = worse(one.largest()).max(worse(two.largest()));
+    let largest = larger(worse(one.largest()), worse(two.largest()));
     Claim::new(
         ["C21", "defocus is negligible for the estimates", "negligible"],
         format!(
@@ -197,7 +200,7 @@ fn usable_region(bench: &Bench, perfect: &Walk) -> Result<(Claim, Table), Error>
     let close = LENGTHS.iter().zip(&found).all(|(focus, (beta, ..))| limits(*focus).contains(beta));
     let same = found.iter().all(|(_, walk, _)| worse(walk.rms()) < 2.0 * worse(perfect.rms()));
     let lost = found.iter().all(|(.., lost)| *lost > 0);
-    let rms = found.iter().map(|(_, walk, _)| worse(walk.rms())).fold(0.0, f64::max);
+    let rms = found.iter().map(|(_, walk, _)| worse(walk.rms())).fold(0.0, larger);
     let claim = Claim::new(
         ["C24", "high β shrinks the usable region; inside it the estimates hardly change", "qualitative"],
         format!(

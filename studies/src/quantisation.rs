@@ -25,6 +25,6 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     ));
     let title = "No distortion";
     let svg = walk::error_graph(title, &usual.errors()).to_svg()?;
-    outcome.figure(svg, "Figure 12: q₁ solid, q₂ dashed; from rendered frames, a place every 5 mrad.");
+    outcome.figure(svg, "Figure 12: q₁ solid, q₂ dashed; from rendered frames.");
     Ok(outcome)
 }

@@ -1,7 +1,7 @@
 //! Table 3: how strongly each distortion moves the estimates, from rendered frames, with the equations beside them.
 
 use crate::lens::{DISTORTIONS, Lens};
-use crate::walk::{self, Walk};
+use crate::walk::{self, Walk, larger};
 use crate::{Bench, Claim, Error, Outcome, Study};
 use report::{Cell, Table};
 
@@ -89,5 +89,5 @@ fn rounds_to(ours: f64, paper: f64) -> bool {
 
 fn largest_difference(rendered: &[[f64; 2]], equations: &[[f64; 2]; 5]) -> f64 {
     let pairs = rendered.iter().flatten().zip(equations.iter().flatten());
-    pairs.map(|(ours, ideal)| (ours - ideal).abs()).fold(0.0, f64::max)
+    pairs.map(|(ours, ideal)| (ours - ideal).abs()).fold(0.0, larger)
 }

@@ -1,7 +1,7 @@
 //! What the paper names as future work: an actuator whose torque can't change faster than so much a second.
 
-use crate::closed_loop::{Case, DAMPED, Poles, SETS, Trace, claim, run_all};
-use crate::{Bench, Error, Outcome, Study, four_graphs};
+use crate::closed_loop::{Case, DAMPED, Poles, SETS, Trace, run_all};
+use crate::{Bench, Claim, Error, Outcome, Study, four_graphs};
 use rayon::prelude::*;
 use report::{Axis, Cell, Graph, Line, Style, Table};
 
@@ -104,14 +104,14 @@ fn boundary_at(bench: &Bench, poles: Poles, rate: u16) -> Result<Option<f64>, Er
     Ok(Some(high))
 }
 
-fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> crate::Claim {
+fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> Claim {
     let text = |limit: Option<f64>| limit.map_or_else(|| "none".to_owned(), |limit| limit.to_string());
     let listed: Vec<String> = (lowest.iter())
         .map(|set| format!("{} {} and {}", set.poles.name, text(set.visual), text(set.full)))
         .collect();
     let needs_more =
         |set: &Lowest| matches!((set.visual, set.full), (Some(visual), Some(full)) if visual >= full);
-    claim(
+    Claim::new(
         ["C54", "a limit on the torque's rate of change", "could cause oscillations or instability"],
         format!("lowest limit with which it stands, visual and full state, in N·m/s: {}", listed.join("; ")),
         "a step of the grid 0.3, 0.5, 1, 2, 3, 5, 10 N·m/s; the loop falls below, stands above, and vision never needs \

@@ -4,7 +4,7 @@ use crate::lens::{self, Lens, STEPS_OF_ARM};
 use crate::unit::{Signal, Unit};
 use crate::{Bench, Error};
 use rayon::prelude::*;
-use report::{Axis, Graph, Line, Style};
+use report::{Axis, Graph, Line};
 
 /// Start values of the camera's rate, Hz.
 const RATE: f64 = 30.0;
@@ -165,9 +165,9 @@ impl Walk {
         self.looks.iter().map(Look::error).collect()
     }
 
-    /// The largest error of q₁ and of q₂, by amount, where the circles were identified.
+    /// The largest error of q₁ and of q₂, by amount, where the circles were identified; not a number if nowhere.
     pub fn largest(&self) -> [f64; 2] {
-        largest(&self.errors())
+        if self.lost() == self.looks.len() { [f64::NAN; 2] } else { largest(&self.errors()) }
     }
 
     /// Root mean square of the error of q₁ and of q₂, where the circles were identified.
@@ -225,31 +225,40 @@ pub fn rms(errors: &[[f64; 2]]) -> [f64; 2] {
     })
 }
 
-/// The larger of two numbers.
+/// The larger of two numbers; not a number if one of them is none, so that no claim holds by what wasn't measured.
+pub fn larger(first: f64, second: f64) -> f64 {
+    if first.is_nan() || first > second { first } else { second }
+}
+
+/// The larger of both links' numbers.
 pub fn worse([first, second]: [f64; 2]) -> f64 {
-    first.max(second)
+    larger(first, second)
 }
 
-/// A graph as in Figures 12 to 18: error over q₂, that of q₁ solid, that of q₂ dashed.
+/// A graph as in Figures 12 to 18: error over q₂, that of q₁ solid, that of q₂ dashed; a point every 20 mrad.
 pub fn error_graph(title: &str, errors: &[[f64; 2]]) -> Graph {
-    let axis = Axis::over("q₂ in rad", -2.5, 2.5);
     let of = |link: usize| {
-        lens::places().into_iter().zip(errors).map(|(q2, error)| (q2, error[link])).collect::<Vec<_>>()
+        let points = lens::places().into_iter().zip(errors).map(|(q2, error)| (q2, error[link]));
+        points.step_by(4).collect::<Vec<_>>()
     };
-    Graph::new(title, axis, Axis::fitted("actual − estimated in rad"))
-        .with(Line::solid("q₁", of(0)))
-        .with(Line::dashed("q₂", of(1)))
+    let lines = [Line::solid("q₁", of(0)), Line::dashed("q₂", of(1))];
+    framed(title, "q₂ in rad", "actual − estimated in rad", lines)
 }
 
-/// The same with what the equations say dotted beneath.
-pub fn error_graph_beside(title: &str, errors: &[[f64; 2]], equations: &[[f64; 2]]) -> Graph {
-    let dotted = |link: usize, label: &str| Line {
-        label: label.to_owned(),
-        style: Style::Dotted,
-        points: lens::places().into_iter().zip(equations).map(|(q2, error)| (q2, error[link])).collect(),
-    };
-    error_graph(title, errors).with(dotted(0, "q₁ by (3)-(10)")).with(dotted(1, "q₂ by (3)-(10)"))
+/// A graph over both arms of the manifold with room for its legend above the lines.
+pub fn framed(title: &str, x: &str, y: &str, lines: impl IntoIterator<Item = Line>) -> Graph {
+    let lines: Vec<Line> = lines.into_iter().collect();
+    let values = lines.iter().flat_map(|line| &line.points).map(|(_, y)| *y).filter(|y| y.is_finite());
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let span = high - low;
+    let room = 0.05 + 0.08 * lines.iter().filter(|line| !line.label.is_empty()).count() as f64;
+    let y = Axis::over(y, low - 0.05 * span, high + room * span);
+    Graph { title: title.to_owned(), x: Axis::over(x, -2.5, 2.5), y, lines }
 }
+
+/// What stands in a table where there is no number.
+pub const NOTHING: &str = "-";
 
 /// Two numbers with so many decimals, q₁'s first.
 pub fn pair(values: [f64; 2], decimals: usize) -> String {
@@ -258,5 +267,8 @@ pub fn pair(values: [f64; 2], decimals: usize) -> String {
 
 /// Two small numbers in powers of ten, q₁'s first.
 pub fn small(values: [f64; 2]) -> String {
+    if values.iter().any(|value| value.is_nan()) {
+        return NOTHING.to_owned();
+    }
     format!("{:.1e} / {:.1e}", values[0], values[1])
 }

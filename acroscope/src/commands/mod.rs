@@ -1,5 +1,7 @@
 //! One file a command.
 
+mod diagnose;
+mod record;
 mod reproduce;
 mod run;
 
@@ -9,6 +11,8 @@ use crate::error::Error;
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
+        Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
+        Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
     }

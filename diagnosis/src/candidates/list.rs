@@ -16,6 +16,8 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
     Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, phrase }
 }
 
+/// Not a variable of a unit: how late the plant's log is stamped, s.
+pub const CLOCK: &str = "plant log's clock";
 const BIG: f64 = 1e9;
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
@@ -62,7 +64,9 @@ pub const LIST: &[Entry] = &[
     real("camera.v0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along v"),
     real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
     real("camera.E_t", Side::Camera, &[0.2, 0.7], (0.0, 1.0), "exposure time"),
-    real("camera.T_delay", Side::Camera, &[2e-3], (0.0, 1.0), "delay of the camera's results"),
+    real(CLOCK, Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
+    // below 0 only to tell a clock that is off: no camera is that quick
+    real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results"),
     real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames"),
     real("camera.sigma", Side::Scatter, &[8.0], (0.0, 200.0), "noise of the sensor"),
 ];

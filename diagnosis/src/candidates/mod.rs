@@ -5,7 +5,7 @@
 
 mod list;
 
-pub use list::LIST;
+pub use list::{CLOCK, LIST};
 
 use crate::model::Model;
 
@@ -16,6 +16,8 @@ pub enum Side {
     Plant,
     /// Between motion and the picture.
     Camera,
+    /// In the plant log's time stamps: a nuisance that is found like an effect and never named.
+    Clock,
     /// In the camera's time stamps.
     Count,
     /// In the scatter of the picture's signals.
@@ -131,7 +133,8 @@ impl Candidate {
 pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) -> Vec<f64>) -> Vec<Candidate> {
     let mut found = Vec::new();
     for entry in LIST {
-        let Some(nominal) = model.number(entry.name) else { continue };
+        let nominal = if entry.side == Side::Clock { Some(0.0) } else { model.number(entry.name) };
+        let Some(nominal) = nominal else { continue };
         if withheld.iter().any(|name| name == entry.name) {
             continue;
         }

@@ -75,6 +75,35 @@ struct Fit {
     cell: Cell,
 }
 
+/// Poses that were read off pictures.
+#[derive(Debug, Clone, Default)]
+pub struct Poses {
+    /// Per run and row: q1, q2; `NaN` where the picture says nothing.
+    pub angles: Vec<Vec<[f64; 2]>>,
+    /// Per run and row: how each probe would move them, per unit.
+    pub moves: Vec<Vec<DMatrix<f64>>>,
+}
+
+impl Poses {
+    /// None yet.
+    pub fn new(runs: usize) -> Self {
+        Self { angles: vec![Vec::new(); runs], moves: vec![Vec::new(); runs] }
+    }
+
+    /// The next row of a run.
+    pub fn push(&mut self, run: usize, angles: [f64; 2], moves: &DMatrix<f64>) {
+        self.angles[run].push(angles);
+        self.moves[run].push(moves.clone());
+    }
+}
+
+/// What lies between the motion and a log that a camera made.
+struct Through {
+    index: Option<usize>,
+    delay: f64,
+    poses: Poses,
+}
+
 /// Torque in, motion out.
 pub struct PlantCut {
     bench: Arc<Bench>,
@@ -83,6 +112,8 @@ pub struct PlantCut {
     runs: Arc<Vec<Run>>,
     windows: Vec<Window>,
     signals: Vec<Signal>,
+    through: Option<Through>,
+    clock: Option<usize>,
 }
 
 impl PlantCut {
@@ -90,7 +121,11 @@ impl PlantCut {
     ///
     /// # Errors
     /// The plant unit lacks a variable.
-    pub fn new(data: &DataSet, model: &Model, candidates: Arc<Vec<Candidate>>) -> Result<Option<Self>, Error> {
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
         let mut windows = Vec::new();
@@ -108,17 +143,111 @@ impl PlantCut {
             })
             .collect();
         let runs = Arc::new(data.runs.clone());
-        Ok(Some(Self { bench: model.plant.clone(), ports, candidates, runs, windows, signals }))
+        let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
+        let through = Some(Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
+        Ok(Some(Self {
+            bench: model.plant.clone(),
+            ports,
+            candidates,
+            runs,
+            windows,
+            signals,
+            through,
+            clock,
+        }))
     }
 
     fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
         settings(&self.bench, &self.candidates, Side::Plant, point, moved)
     }
 
+    /// The log is none of encoders but what a camera with this delay saw.
+    pub fn see_through(&mut self, delay: f64) {
+        let poses = Poses::new(self.runs.len());
+        self.clock = None;
+        self.through = Some(Through { index: None, delay: 0.0, poses });
+        self.shift(delay);
+    }
+
+    /// Other poses for the log's rows, and another delay of the camera (its candidate and value).
+    pub fn replace(&mut self, poses: Poses, delay: Option<(usize, f64)>) {
+        for (run, angles) in Arc::make_mut(&mut self.runs).iter_mut().zip(&poses.angles) {
+            let Some(log) = &mut run.plant else { continue };
+            for (place, name) in ["q1", "q2"].iter().enumerate() {
+                if let Some(column) = log.column_mut(name) {
+                    column.iter_mut().zip(angles).for_each(|(value, angles)| *value = angles[place]);
+                }
+            }
+        }
+        if let Some(through) = &mut self.through {
+            through.poses = poses;
+            through.index = delay.map(|(index, _)| index);
+        }
+        if let Some((_, delay)) = delay {
+            self.shift(delay);
+        }
+    }
+
+    /// Moves the log to when the exposures ended.
+    fn shift(&mut self, delay: f64) {
+        let Some(through) = &mut self.through else { return };
+        let by = through.delay - delay;
+        if by == 0.0 {
+            return;
+        }
+        through.delay = delay;
+        for log in Arc::make_mut(&mut self.runs).iter_mut().filter_map(|run| run.plant.as_mut()) {
+            log.time.iter_mut().for_each(|time| *time += by);
+        }
+        for window in &mut self.windows {
+            let run = &self.runs[window.run];
+            let Some(log) = &run.plant else { continue };
+            let times: Vec<f64> = window.rows.iter().map(|row| log.time[*row]).collect();
+            window.edges.iter_mut().for_each(|edge| *edge += by);
+            window.drive = Drive::new(run, window.drive.start() + by, &times, &window.edges);
+        }
+    }
+
+    /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
+    fn seen_column(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        base: &[[f64; 5]],
+        place: usize,
+        candidate: usize,
+    ) -> Vec<f64> {
+        let Some(through) = &self.through else { return vec![0.0; layout.len()] };
+        (layout.bins.iter())
+            .map(|(signal, rows)| {
+                let of = |row: &usize| {
+                    if through.index == Some(candidate) {
+                        -base[*row][2 + *signal]
+                    } else {
+                        through.poses.moves[window.run]
+                            .get(window.rows[*row])
+                            .map_or(0.0, |moves| moves[(*signal, place)])
+                    }
+                };
+                rows.iter().map(of).sum::<f64>() / rows.len() as f64
+            })
+            .collect()
+    }
+
     /// Share of windows in which the plant must be led to stay with the log.
     pub fn led(&self) -> f64 {
         let led = self.windows.iter().filter(|window| window.leads.iter().any(|lead| *lead != 0.0)).count();
         led as f64 / self.windows.len().max(1) as f64
+    }
+
+    /// Keeps at most so many windows, evenly spread.
+    pub fn thin(&mut self, most: usize) {
+        let every = self.windows.len().div_ceil(most.max(1)).max(1);
+        let mut place = 0;
+        self.windows.retain(|_| {
+            place += 1;
+            (place - 1) % every == 0
+        });
     }
 
     /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
@@ -138,10 +267,18 @@ impl PlantCut {
                 // back to where the window before ended
                 let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
-                let times: Vec<f64> =
-                    (0..=count).map(|k| from + (window.drive.end() - from) * k as f64 / count as f64).collect();
+                let times: Vec<f64> = (0..=count)
+                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
+                    .collect();
                 let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
-                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &window.pushes(&window.leads))?;
+                let rows = simulate(
+                    &self.bench,
+                    &self.ports,
+                    &settings,
+                    &drive,
+                    &window.start,
+                    &window.pushes(&window.leads),
+                )?;
                 let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
                 Ok::<_, Error>((window.run, times, states))
             })
@@ -154,7 +291,14 @@ impl PlantCut {
 
     /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
-    fn settle(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn settle(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
             self.nuisance_columns(window, layout, settings, led, &mut fit)?;
@@ -183,9 +327,16 @@ impl PlantCut {
     }
 
     /// As `settle`, with the columns that are there: one simulation a step.
-    fn chord(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn chord(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
-        for _ in 0..4 {
+        for _ in 0..if led { 1 } else { 4 } {
             let Some((start, leads)) = next(&fit, led) else { break };
             let Ok(trial) = self.fit(window, layout, settings, start, leads) else { break };
             if square(&trial.cell) >= square(&fit.cell) {
@@ -198,13 +349,28 @@ impl PlantCut {
         Ok(fit)
     }
 
-    fn fit(&self, window: &Window, layout: &Layout, settings: &[Setting], start: State, leads: Vec<f64>) -> Result<Fit, Error> {
-        let base = simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+    fn fit(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        start: State,
+        leads: Vec<f64>,
+    ) -> Result<Fit, Error> {
+        let base =
+            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
         let cell = layout.cell(self, window, &base);
         Ok(Fit { start, leads, base, cell })
     }
 
-    fn nuisance_columns(&self, window: &Window, layout: &Layout, settings: &[Setting], soft: bool, fit: &mut Fit) -> Result<(), Error> {
+    fn nuisance_columns(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        soft: bool,
+        fit: &mut Fit,
+    ) -> Result<(), Error> {
         let pushes = window.pushes(&fit.leads);
         let mut hard = DMatrix::zeros(layout.len(), 4);
         for place in 0..4 {
@@ -227,25 +393,31 @@ impl PlantCut {
         Ok(())
     }
 
-    fn window(&self, window: &Window, point: &[f64], probes: &[Probe], quick: bool) -> Result<(State, Vec<f64>, Block), Error> {
+    fn window(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<(State, Vec<f64>, Block), Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
         let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
         let mut fit;
-        if let Some((hard, soft)) = window.kept.as_ref().filter(|_| quick) {
+        if let Some((hard, soft)) =
+            window.kept.as_ref().filter(|(hard, _)| quick && hard.nrows() == layout.len())
+        {
             fit = begin;
             (fit.cell.hard, fit.cell.soft) = (hard.clone(), soft.clone());
             let led = window.leads.iter().any(|lead| *lead != 0.0);
             fit = self.chord(window, &layout, &settings, led, fit)?;
         } else {
-            fit = if window.leads.iter().any(|lead| *lead != 0.0) {
-                let free = self.fit(window, &layout, &settings, window.start, vec![0.0; window.leads.len()])?;
-                self.settle(window, &layout, &settings, false, free)?
-            } else {
-                self.settle(window, &layout, &settings, false, begin.clone())?
-            };
-            if square(&fit.cell) > LED * LED * layout.len() as f64 {
-                fit = self.settle(window, &layout, &settings, true, begin)?;
+            let led_before = window.leads.iter().any(|lead| *lead != 0.0);
+            fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
+            if led_before || square(&fit.cell) > LED * LED * layout.len() as f64 {
+                // from the first guess again: a state that was fitted without leads may be far away
+                let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+                fit = self.settle(window, &layout, &settings, true, again)?;
             }
             self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         }
@@ -257,7 +429,11 @@ impl PlantCut {
         let (from, to) = (window.drive.start(), window.drive.end());
         let mut columns = DMatrix::zeros(layout.len(), probes.len());
         for (place, probe) in probes.iter().enumerate() {
-            if self.sees(&self.candidates[probe.candidate]) {
+            let candidate = &self.candidates[probe.candidate];
+            if candidate.side != Side::Plant && self.sees(candidate) {
+                let column = self.seen_column(window, &layout, &base, place, probe.candidate);
+                (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
+            } else if self.sees(candidate) {
                 let moved = self.settings(point, Some(*probe))?;
                 // a value that the plant can't follow has no column
                 if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
@@ -272,7 +448,13 @@ impl PlantCut {
                 *sum += value / base.len() as f64;
             }
         }
-        let block = Block { run: window.run, from: cell.time.first().copied().unwrap_or(from), to, cells: vec![cell], state };
+        let block = Block {
+            run: window.run,
+            from: cell.time.first().copied().unwrap_or(from),
+            to,
+            cells: vec![cell],
+            state,
+        };
         Ok((start, leads, block))
     }
 }
@@ -287,11 +469,20 @@ impl Cut for PlantCut {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        candidate.side == Side::Plant
+        match candidate.side {
+            Side::Plant => true,
+            Side::Clock => self.clock.is_some(),
+            Side::Camera => self.through.is_some() && self.clock.is_none(),
+            _ => false,
+        }
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
+        if let Some(clock) = self.clock {
+            self.shift(point[clock]);
+        }
+        let done: Vec<_> =
+            self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let (start, leads, block) = result?;
@@ -434,7 +625,8 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
     if usable.len() < ROWS as usize {
         return;
     }
-    let mut gaps: Vec<f64> = usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    let mut gaps: Vec<f64> =
+        usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
     let short = if PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
@@ -456,7 +648,8 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
             let earliest = plant.time[usable[0]];
             let start = (begin - PREROLL).max(earliest);
             let end = times[times.len() - 1];
-            let edges: Vec<f64> = (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
+            let edges: Vec<f64> =
+                (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
             into.push(Window {
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),

@@ -33,7 +33,11 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
                 }
             }
             let (at, solved, floor) = if cell.floor.is_empty() {
-                (cell.hard.ncols(), nuisances(&moved, crate::selection::FREE).as_slice().to_vec(), deviations(cell))
+                (
+                    cell.hard.ncols(),
+                    nuisances(&moved, crate::selection::FREE).as_slice().to_vec(),
+                    deviations(cell),
+                )
             } else {
                 (0, moved.residual, cell.floor.clone())
             };

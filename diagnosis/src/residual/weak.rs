@@ -8,7 +8,7 @@
 use super::plant::PlantCut;
 use super::torque::deviations;
 use super::{Block, Cut, Probe, Signal};
-use crate::candidates::Candidate;
+use crate::candidates::{Candidate, Side};
 use crate::error::Error;
 use crate::selection::FREE;
 use crate::statistics::linear::{Cell, nuisances};
@@ -16,6 +16,9 @@ use nalgebra::DMatrix;
 
 /// Torques this many typical sizes out count less (Huber).
 const OUTLYING: f64 = 4.0;
+
+/// Windows in use: a lacking model doesn't become clearer by more of them, and friction makes them slow.
+const WINDOWS: usize = 90;
 
 /// A plant's cut, read as torques.
 pub struct Weak {
@@ -26,7 +29,8 @@ pub struct Weak {
 
 impl Weak {
     /// Reads a cut so.
-    pub fn new(rows: PlantCut) -> Self {
+    pub fn new(mut rows: PlantCut) -> Self {
+        rows.thin(WINDOWS);
         let signal = |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1 };
         Self { rows, signals: vec![signal("plant.tau_1"), signal("plant.tau")] }
     }
@@ -42,7 +46,8 @@ impl Cut for Weak {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        self.rows.sees(candidate)
+        // where torques are coarse, an offset of a clock is none of them
+        self.rows.sees(candidate) && candidate.side == Side::Plant
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
@@ -52,8 +57,12 @@ impl Cut for Weak {
                 *cell = self.turned(cell);
             }
         }
-        let mut sizes: Vec<f64> =
-            blocks.iter().flat_map(|block| &block.cells).flat_map(|cell| &cell.residual).map(|x| x.abs()).collect();
+        let mut sizes: Vec<f64> = blocks
+            .iter()
+            .flat_map(|block| &block.cells)
+            .flat_map(|cell| &cell.residual)
+            .map(|x| x.abs())
+            .collect();
         sizes.sort_by(f64::total_cmp);
         let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {

@@ -5,14 +5,14 @@
 
 use super::evaluation::Evaluation;
 use super::refit::refit;
-use crate::candidates::{Candidate, Motion};
+use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::DVector;
 
 /// Predicted loss beyond which an alternative isn't even fitted.
-const HOPELESS: f64 = 60.0;
+const HOPELESS: f64 = 30.0;
 /// Loss up to which the data can't tell: odds of 1 to 20.
 pub const CLASS: f64 = 6.0;
 
@@ -43,7 +43,7 @@ pub fn alternatives(
     let reference = refit(cut, candidates, &last.point, active)?;
     let mut all = vec![(effect, reference.point[effect], reference.deviance())];
     for (index, candidate) in candidates.iter().enumerate() {
-        if active.contains(&index) || !cut.sees(candidate) {
+        if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
             continue;
         }
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
@@ -116,7 +116,11 @@ fn predicted_loss(
             let there = across(column);
             let product = gram[(own, column)] - weights.dot(&there);
             let theirs = gram[(column, column)]
-                - if places.is_empty() { 0.0 } else { solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there)) };
+                - if places.is_empty() {
+                    0.0
+                } else {
+                    solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there))
+                };
             let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
             let loss = size * size * length * (1.0 - cosine.min(1.0));
             // columns are tangents and bend over a finite size
@@ -125,7 +129,13 @@ fn predicted_loss(
         .min_by(f64::total_cmp)
 }
 
-fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize, candidates: &[Candidate]) -> Vec<f64> {
+fn starts(
+    candidate: &Candidate,
+    last: &Evaluation,
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Vec<f64> {
     if candidate.is_discrete() || matches!(candidate.motion, Motion::Ceiling { .. }) {
         return candidate.steps.iter().map(|step| candidate.off + step).collect();
     }
@@ -137,7 +147,9 @@ fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize,
             let size = last.point[effect] - candidates[effect].off;
             candidate.off + size * gram[(own, column)] / gram[(column, column)]
         }
-        (Some(column), None) => candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)],
+        (Some(column), None) => {
+            candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)]
+        }
         _ => candidate.off + candidate.steps[0],
     };
     let within = x.clamp(candidate.range.0, candidate.range.1);

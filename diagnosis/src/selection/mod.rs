@@ -11,7 +11,7 @@ pub use evaluation::{Evaluation, FREE, Folds, all_probes};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 
-use crate::candidates::Candidate;
+use crate::candidates::{Candidate, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 
@@ -22,6 +22,8 @@ const MOST: usize = 6;
 /// How many of the screen's best are refitted, and how good they must be against the best.
 const SHORTLIST: usize = 4;
 const WORTH: f64 = 0.5;
+/// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
+const HANDICAP: f64 = 10.0;
 /// An active effect below this many standard errors is dropped again.
 const KEEP: f64 = 2.6;
 /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
@@ -117,22 +119,24 @@ pub fn study(
                 with.push(hit.candidate);
                 if let Ok(trial) = refit(cut, candidates, &point, &with) {
                     // a composite likelihood's gain counts as much as its blocks agree
-                    let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
-                    trials.push((hit.candidate, (last.deviance() - trial.deviance()) * temper, trial));
+                    let temper =
+                        if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+                    let nuisance = candidates[hit.candidate].side == Side::Clock;
+                    let handicap = if nuisance { HANDICAP } else { 0.0 };
+                    trials.push((
+                        hit.candidate,
+                        (last.deviance() - trial.deviance()) * temper - handicap,
+                        trial,
+                    ));
                 }
             }
         }
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
-        for hit in &found.hits {
-            tell(&format!("  {} gain {:.1} t {:.2} by {:.5}", candidates[hit.candidate].name, hit.gain, hit.statistic, hit.displacement));
-        }
-        for (c, _, trial) in &trials {
-            tell(&format!("  trial {} {:.5} deviance {:.1} -> {:.1} soft {} sigma {:?} sq {}", candidates[*c].name, trial.point[*c], last.deviance(), trial.deviance(), trial.softness, trial.sigmas, trial.total.square));
-        }
         let mut accepted = None;
         for (candidate, _, trial) in trials {
             let before = last.under(&trial);
-            let held_out = (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
+            let held_out =
+                (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
             let share = 1.0 - trial.total.square / before.total.square;
             let enough = share >= LEAST_SHARE || last.total.square < 1.5 * last.total.freedom;
             if held_out.1 < held_out.0 && enough {
@@ -198,7 +202,12 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     let candidate = &candidates[hit.candidate];
     let x = last.point[hit.candidate];
     if candidate.is_discrete() {
-        return candidate.steps.iter().map(|step| candidate.off + step).collect();
+        // the whole numbers around what the columns ask for
+        let wanted = x + hit.displacement;
+        let near = |at: &f64| (at - wanted).abs() <= 1.0;
+        let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
+        let some: Vec<f64> = all.iter().copied().filter(near).collect();
+        return if some.is_empty() { all[..1].to_vec() } else { some };
     }
     let by = last.probes[hit.column].by;
     let wanted = match candidate.motion {
@@ -219,12 +228,15 @@ fn prune(
     loop {
         let fit = refit(cut, candidates, point, active)?;
         point.clone_from(&fit.point);
-        let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let free: Vec<usize> =
+            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
         let Some(covariance) = fit.covariance(&free) else { return Ok(dropped) };
         let weakest = free
             .iter()
             .enumerate()
-            .map(|(i, index)| ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index))
+            .map(|(i, index)| {
+                ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index)
+            })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match weakest {
             Some((size, index)) if size < KEEP => {

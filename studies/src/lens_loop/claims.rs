@@ -1,264 +1,10 @@
-//! Section 4.2.2, Figures 21 to 27: the closed loop behind a lens that distorts.
+//! What the runs of Section 4.2.2 say about C45 to C53.
 
-use crate::closed_loop::{Case, DAMPED, Poles, SETS, Trace, claim, run_all};
-use crate::still_poses::{self, Sight};
-use crate::{Bench, Claim, Error, Outcome, Study, four_graphs};
+use super::{FAR, Lens, Measured, PLACES, Stairs, UPRIGHT, size};
+use crate::closed_loop::{DAMPED, Poles, Trace};
+use crate::walk::Look;
+use crate::{Claim, Error};
 use mechanics::{Place, Theta};
-use rayon::prelude::*;
-use report::{Axis, Cell, Graph, Line, Table};
-
-/// Figures 21 to 27; C45 to C53.
-pub const STUDY: Study = Study {
-    id: "figures-21-27",
-    title: "The closed loop under lens distortions (Section 4.2.2, Figures 21-27)",
-    claims: &[
-        "C45",
-        "C46",
-        "C47",
-        "C48",
-        "C48.k1",
-        "C48.p1",
-        "C48.p2",
-        "C48.s1",
-        "C48.s2",
-        "C49",
-        "C50",
-        "C51",
-        "C52",
-        "C53",
-        "S5.tangential",
-        "Figure 21",
-        "Figure 22",
-        "Figure 23",
-        "Figure 24",
-        "Figure 25",
-        "Figure 26",
-        "Figure 27",
-    ],
-    run,
-};
-
-/// One distortion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Lens {
-    parameter: &'static str,
-    value: f64,
-    /// The paper's figure, if it has one.
-    figure: Option<&'static str>,
-}
-
-const fn lens(parameter: &'static str, value: f64, figure: Option<&'static str>) -> Lens {
-    Lens { parameter, value, figure }
-}
-
-/// The paper's distortions, with the signs that it has no figure for.
-const LENSES: [Lens; 9] = [
-    lens("k1", 0.1, Some("Figure 21")),
-    lens("k1", -0.1, Some("Figure 22")),
-    lens("p1", 0.015, Some("Figure 23")),
-    lens("p1", -0.015, Some("Figure 24")),
-    lens("p2", 0.015, Some("Figure 25")),
-    lens("p2", -0.015, None),
-    lens("s1", 0.0125, Some("Figure 26")),
-    lens("s2", 0.025, Some("Figure 27")),
-    lens("s2", -0.025, None),
-];
-
-impl Lens {
-    fn label(&self) -> String {
-        format!("{} = {}", self.parameter, self.value)
-    }
-
-    fn variable(&self) -> String {
-        format!("camera.{}", self.parameter)
-    }
-
-    /// The paper shows negative places only for k1, p1 and p2.
-    fn is_shown_both_ways(&self) -> bool {
-        !self.parameter.starts_with('s')
-    }
-}
-
-/// Places at which a steady error is measured.
-const PLACES: [f64; 9] = [-0.5, -0.375, -0.25, -0.125, 0.0, 0.125, 0.25, 0.375, 0.5];
-/// Index of z = 0.
-const UPRIGHT: usize = 4;
-/// Index of z = 0.5.
-const FAR: usize = 8;
-
-/// Steady errors z_desired − z of one lens with one set of poles, at [`PLACES`]; NaN where it fell.
-struct Stairs {
-    lens: Lens,
-    errors: [f64; 9],
-}
-
-impl Stairs {
-    /// The largest magnitude; infinite where it fell.
-    fn largest(&self) -> f64 {
-        let size = |error: &f64| if error.is_finite() { error.abs() } else { f64::INFINITY };
-        self.errors.iter().map(size).fold(0.0, f64::max)
-    }
-
-    fn at(&self, place: usize) -> f64 {
-        self.errors[place]
-    }
-
-    fn is_stable(&self) -> bool {
-        self.errors.iter().all(|error| error.is_finite())
-    }
-}
-
-/// Holds at 0, ±1/8, ... ±1/2 for 9 s each, with ramps of 3 s between.
-fn stairs(case: Case, side: f64) -> Case {
-    let mut points = vec![(0.0, 0.0), (12.0, 0.0)];
-    for step in 1..=4 {
-        let (z, begin) = (0.125 * side * f64::from(step), 12.0 * f64::from(step));
-        points.extend([(begin + 3.0, z), (begin + 12.0, z)]);
-    }
-    case.along(points, 60)
-}
-
-/// The error at the end of each hold: the mean of its last 4 s, in which the chatter averages out.
-fn read(up: &Trace, down: &Trace) -> [f64; 9] {
-    let at = |trace: &Trace, step: usize| {
-        let end = 12.0 * (step + 1) as f64;
-        trace.steady_error(end - 4.0, end)
-    };
-    std::array::from_fn(
-        |place| if place >= UPRIGHT { at(up, place - UPRIGHT) } else { at(down, UPRIGHT - place) },
-    )
-}
-
-/// Everything that was measured.
-struct Measured {
-    /// One for each of [`SETS`]: one for each of [`LENSES`].
-    stairs: Vec<(Poles, Vec<Stairs>)>,
-    /// The figures' runs.
-    figures: Vec<(Lens, Trace)>,
-    /// Whether larger distortions fall: (set, lens, trace).
-    large: Vec<(Poles, Lens, Trace)>,
-    /// Estimation error of s1 = 0.1 along the manifold.
-    sights: Vec<Sight>,
-    /// The smallest value of each parameter with which `damped` falls on the way to z = 0.5.
-    limits: Vec<(&'static str, f64)>,
-}
-
-fn run(bench: &Bench) -> Result<Outcome, Error> {
-    let measured = measure(bench)?;
-    let mut outcome = Outcome::default();
-    outcome.notes.push(
-        "Figures 21 to 27 show the pole set `damped`. The paper's reference is unknown: 0 → 0.5 → 0 → −0.5 → 0 at \
-         0.05/s on average where it speaks of both signs, and its positive half for thin prism. No noise, defocus, \
-         delay or blur. Steady errors are read from stairs of nine places between z = −0.5 and 0.5, 9 s each."
-            .to_owned(),
-    );
-    for (lens, trace) in &measured.figures {
-        let figure = lens.figure.unwrap_or("beside the figures");
-        four_graphs::add(&mut outcome, trace, figure, &format!("visual servo with {}", lens.label()))?;
-    }
-    for (poles, stairs) in &measured.stairs {
-        outcome
-            .figure(graph(poles, stairs)?, format!("Steady error over the place, pole set {}.", poles.name));
-    }
-    outcome.claims = claims(&measured)?;
-    for (poles, stairs) in &measured.stairs {
-        outcome.tables.push((format!("Steady error z_desired − z, pole set {}", poles.name), table(stairs)));
-    }
-    Ok(outcome)
-}
-
-fn measure(bench: &Bench) -> Result<Measured, Error> {
-    let behind = |poles, lens: &Lens| Case::visual(poles).with(&lens.variable(), lens.value);
-    let once = vec![(0.0, 0.0), (2.0, 0.0), (12.0, 0.5), (18.0, 0.5), (28.0, 0.0), (31.0, 0.0)];
-    let shown: Vec<Lens> = LENSES.into_iter().filter(|lens| lens.figure.is_some()).collect();
-    let large: Vec<(Poles, Lens)> = SETS
-        .into_iter()
-        .flat_map(|poles| {
-            let [k1, p1] = if poles == DAMPED { [-0.3, 0.08] } else { [-0.15, 0.06] };
-            [(poles, lens("k1", k1, None)), (poles, lens("p1", p1, None))]
-        })
-        .collect();
-    let mut cases: Vec<Case> = shown
-        .iter()
-        .map(|lens| match lens.is_shown_both_ways() {
-            true => behind(DAMPED, lens),
-            false => behind(DAMPED, lens).along(once.clone(), 31),
-        })
-        .collect();
-    let strong =
-        |(poles, lens): &(Poles, Lens)| behind(*poles, lens).finding_everything().along(once.clone(), 31);
-    cases.extend(large.iter().map(strong));
-    for poles in SETS {
-        for lens in &LENSES {
-            cases.extend([1.0, -1.0].map(|side| stairs(behind(poles, lens), side)));
-        }
-    }
-    let mut traces = run_all(bench, &cases)?.into_iter();
-    let figures = shown.into_iter().zip(traces.by_ref()).collect();
-    let large =
-        large.into_iter().zip(traces.by_ref()).map(|((poles, lens), trace)| (poles, lens, trace)).collect();
-    let mut measured = Measured {
-        stairs: Vec::new(),
-        figures,
-        large,
-        sights: still_poses::along_the_manifold(bench, &[("camera.s1", 0.1)])?,
-        limits: limits(bench)?,
-    };
-    for poles in SETS {
-        let mut of_set = Vec::new();
-        for lens in LENSES {
-            if let (Some(up), Some(down)) = (traces.next(), traces.next()) {
-                of_set.push(Stairs { lens, errors: read(&up, &down) });
-            }
-        }
-        measured.stairs.push((poles, of_set));
-    }
-    Ok(measured)
-}
-
-/// For each parameter the smallest positive value with which the damped loop falls, within 2 %.
-fn limits(bench: &Bench) -> Result<Vec<(&'static str, f64)>, Error> {
-    let limit = |&parameter: &&'static str| {
-        let course = vec![(0.0, 0.0), (2.0, 0.0), (12.0, 0.5)];
-        let mut closed = Case::visual(DAMPED).finding_everything().along(course, 20).build(bench)?;
-        let (mut stands, mut falls): (f64, f64) = (0.02, 0.4);
-        while falls > 1.02 * stands {
-            let middle = (stands * falls).sqrt();
-            closed.set(&format!("camera.{parameter}"), middle)?;
-            if closed.run()?.is_stable() { stands = middle } else { falls = middle }
-        }
-        Ok((parameter, falls))
-    };
-    ["k1", "p1", "p2", "s1", "s2"].par_iter().map(limit).collect()
-}
-
-fn graph(poles: &Poles, stairs: &[Stairs]) -> Result<String, Error> {
-    let mut graph = Graph::new(
-        format!("Steady error, {} poles", poles.name),
-        Axis::fitted("z desired"),
-        Axis::fitted("z desired − z"),
-    );
-    for stairs in stairs {
-        let points = PLACES.into_iter().zip(stairs.errors).collect();
-        let line = if stairs.lens.value > 0.0 { Line::solid } else { Line::dashed };
-        graph = graph.with(line(stairs.lens.label(), points));
-    }
-    Ok(graph.to_svg()?)
-}
-
-/// An error, or that there is none.
-fn size(error: f64) -> String {
-    if error.is_finite() { format!("{error:.3}") } else { "falls".to_owned() }
-}
-
-fn table(stairs: &[Stairs]) -> Table {
-    let head = std::iter::once("lens".to_owned()).chain(PLACES.map(|z| format!("z = {z}"))).collect();
-    let rows = stairs.iter().map(|stairs| {
-        let cells = stairs.errors.iter().map(|error| Cell::Number(size(*error)));
-        std::iter::once(Cell::Text(stairs.lens.label())).chain(cells).collect()
-    });
-    Table { head, rows: rows.collect() }
-}
 
 /// The stairs of one set of poles, by lens.
 struct Shown<'a> {
@@ -285,7 +31,8 @@ fn find<'a>(stairs: &'a [Stairs], parameter: &str, positive: bool) -> Result<&'a
     stairs.iter().find(is_meant).ok_or_else(|| Error::Mechanics(format!("no run with {parameter}")))
 }
 
-fn claims(measured: &Measured) -> Result<Vec<Claim>, Error> {
+/// The figures, C45 to C53, and Section 5 on tangential distortions.
+pub(super) fn claims(measured: &Measured) -> Result<Vec<Claim>, Error> {
     let stairs = measured.stairs.iter().find(|(poles, _)| *poles == DAMPED);
     let stairs = stairs.map(|(_, stairs)| stairs.as_slice()).unwrap_or_default();
     let shown = Shown { measured, stairs };
@@ -299,7 +46,7 @@ fn claims(measured: &Measured) -> Result<Vec<Claim>, Error> {
 }
 
 fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
-    let figure = lens.figure.unwrap_or_default();
+    let figure = lens.figure.unwrap_or_default().replace("Figure ", "F");
     let far = trace.steady_error(15.0, 18.0);
     let other = trace.steady_error(44.0, 47.0);
     let ours = match lens.is_shown_both_ways() {
@@ -307,8 +54,8 @@ fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
         false => format!("{}; z_d − z = {far:.3} at z_d = 0.5", trace.fate()),
     };
     let quantity = format!("closed loop with {}: stable, with a steady error", lens.label());
-    claim(
-        [figure, &quantity, "tracks with a steady error"],
+    Claim::new(
+        [&figure, &quantity, "tracks with a steady error"],
         ours,
         "stable; the error exceeds 0.01, three times the offset without distortion",
         trace.is_stable() && far.abs() > 0.01,
@@ -331,14 +78,14 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let (plus, minus) = (far(shown.stairs, "k1", true)?, far(shown.stairs, "k1", false)?);
     let largest = shown.of("k1", true)?.largest().max(shown.of("k1", false)?.largest());
     Ok(vec![
-        claim(
+        Claim::new(
             ["C45", "all the distortions of Figures 21-27, both signs", "stable, nonzero steady error"],
             format!("z_d − z at z_d = 0.5: {}", listed.join("; ")),
             "stable; each error exceeds 0.01, three times the offset without distortion",
             shown.stairs.iter().all(|stairs| stairs.is_stable() && stairs.at(FAR).abs() > 0.01),
             format!("shown with `damped`; stairs on which a set falls: {falling}"),
         ),
-        claim(
+        Claim::new(
             ["C46", "steady error at z_d = 0.5 for k1 = ±0.1", "about 0.1 for both signs"],
             format!("{plus:.3} and {minus:.3}"),
             "± 0.05: the paper's poles are unknown, and the error goes as the inverse square of their frequency",
@@ -350,7 +97,7 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
                 })?
             ),
         ),
-        claim(
+        Claim::new(
             ["C47", "largest steady error of a purely radial distortion", "on the order of k1"],
             format!("{largest:.3} for abs(k1) = 0.1"),
             "a factor of 1.5",
@@ -371,8 +118,8 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
 fn growth(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let grows = |stairs: &Stairs| [0, FAR].iter().all(|&end| stairs.at(end).abs() > stairs.at(UPRIGHT).abs());
     let paper = "greater in every case";
-    let tolerance = "none: the order of two averages over 4 s; they repeat to 0.002";
-    let mut claims = vec![claim(
+    let tolerance = "none: the order of two averages over 4 s; they repeat to 0.002 (p1) ... 0.005 (k1)";
+    let mut claims = vec![Claim::new(
         ["C48", "steady error at large abs(z) against z = 0, every distortion", paper],
         shown
             .stairs
@@ -400,7 +147,7 @@ fn growth(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             format!("{}: {low:.3}, {middle:.3}, {high:.3} at z = -0.5, 0, 0.5", stairs.lens.label())
         };
         let note = if parameter == "p1" { "see C48: this is the one that doesn't" } else { "" };
-        claims.push(claim(
+        claims.push(Claim::new(
             [&format!("C48.{parameter}"), &format!("steady error grows with abs(z), {parameter}"), paper],
             own.iter().map(text).collect::<Vec<_>>().join("; "),
             tolerance,
@@ -423,28 +170,28 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let same_signs = |a: &Stairs, b: &Stairs| {
         (UPRIGHT..=FAR).all(|place| a.at(place) * b.at(place) > 0.0 || place == UPRIGHT)
     };
-    let [near, far] = estimation_at(&shown.measured.sights, [0.0, 0.5])?;
+    let [near, far] = estimation_at(&shown.measured.looks, [0.0, 0.5])?;
     let range = |stairs: &Stairs| {
         let low = stairs.errors.iter().copied().fold(f64::INFINITY, f64::min);
         let high = stairs.errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         format!("{low:.3} to {high:.3}")
     };
     Ok(vec![
-        claim(
+        Claim::new(
             ["C49", "sign of the steady error under p1 > 0, and s1 > 0", "always the same"],
             format!("z_d − z over z_d = −0.5 ... 0.5: {} (p1), {} (s1)", range(p1), range(s1)),
             "exact: negative at all nine places",
             [p1, s1].iter().all(|stairs| stairs.errors.iter().all(|error| *error < 0.0)),
             "",
         ),
-        claim(
+        Claim::new(
             ["C50", "−k1 at z < 0 mirrors z > 0; p1 and −p1 exchange z and −z", "mirror images"],
             format!("largest departure {mirrored:.4} (k1 = −0.1), {swapped:.4} (p1 = ±0.015)"),
             "0.005: the lattice of pixels is no mirror image of itself under the noise of differencing",
             mirrored <= 0.005 && swapped <= 0.005,
             "",
         ),
-        claim(
+        Claim::new(
             ["C51", "s1: the error in z is largest at large z though the estimates are better there", "yes"],
             format!(
                 "abs(z_d − z) {:.3} at 0, {:.3} at 0.5; estimation error of q1 for s1 = 0.1: {near:.3} and {far:.3} rad",
@@ -455,7 +202,7 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             s1.at(FAR).abs() > s1.at(UPRIGHT).abs() && far.abs() < near.abs(),
             "",
         ),
-        claim(
+        Claim::new(
             ["C52", "s1 acts like p1, s2 like p2", "similar effects"],
             format!(
                 "ratio of the errors at z_d = 0.5: s1/p1 = {:.2}, s2/p2 = {:.2}",
@@ -472,13 +219,13 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
 }
 
 /// Estimation error of q₁ at two places, averaged over ±0.05 rad of q₂ against the lattice of pixels.
-fn estimation_at(sights: &[Sight], places: [f64; 2]) -> Result<[f64; 2], Error> {
+fn estimation_at(looks: &[Look], places: [f64; 2]) -> Result<[f64; 2], Error> {
     let place = Place::new(&Theta::TABLE_2).map_err(|error| Error::Mechanics(error.to_string()))?;
     Ok(places.map(|z| {
         let q2 = place.q2(z);
-        let near: Vec<f64> = (sights.iter())
-            .filter(|sight| (sight.pose[1] - q2).abs() <= 0.05)
-            .map(|sight| sight.error()[0])
+        let near: Vec<f64> = (looks.iter())
+            .filter(|look| look.valid && (look.pose[1] - q2).abs() <= 0.05)
+            .map(|look| look.error()[0])
             .collect();
         near.iter().sum::<f64>() / near.len() as f64
     }))
@@ -489,7 +236,7 @@ fn tangential(measured: &Measured) -> Claim {
     let texts: Vec<String> =
         measured.limits.iter().map(|(name, value)| format!("{name} {value:.3}")).collect();
     let radial = measured.limits.iter().find(|(name, _)| *name == "k1").map_or(0.0, |(_, value)| *value);
-    claim(
+    Claim::new(
         ["S5.tangential", "distortions with tangential components against a purely radial one", "very bad"],
         format!("smallest value that fells the loop on the way to z = 0.5: {}", texts.join(", ")),
         "each of p1, p2, s1, s2 fells it at a smaller value than k1",
@@ -503,7 +250,7 @@ fn larger(measured: &Measured) -> Claim {
     let texts: Vec<String> = (measured.large.iter())
         .map(|(poles, lens, trace)| format!("{}, {}: {}", poles.name, lens.label(), trace.fate()))
         .collect();
-    claim(
+    Claim::new(
         ["C53", "larger distortions force the system unstable near z = 0.5", "could easily"],
         texts.join("; "),
         "falls on the way to z = 0.5, which is reached at 12 s, or there",

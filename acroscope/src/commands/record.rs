@@ -1,0 +1,25 @@
+//! `acroscope record`: finished runs become a measured data set, to rehearse a diagnosis.
+
+use crate::cli::Record;
+use crate::error::Error;
+use diagnosis::record::{Recording, record as write};
+
+/// Writes the data set.
+pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
+    let recording = Recording {
+        scenario: arguments.scenario.clone(),
+        encoder_noise: arguments.encoder_noise,
+        encoder_rate: arguments.encoder_rate,
+        seed: arguments.seed,
+    };
+    std::fs::create_dir_all(&arguments.out).map_err(Error::file(&arguments.out))?;
+    write(&arguments.runs, &arguments.out, &recording)?;
+    if !quiet {
+        println!(
+            "{}: {} runs; diagnose it with `acroscope diagnose`",
+            arguments.out.display(),
+            arguments.runs.len()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! `acroscope reproduce` as a person types it. The packed units must be there: `cargo xtask pack`.
+
+use std::process::{Command, Output};
+
+fn acroscope(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_acroscope")).args(arguments).output().expect("the program starts")
+}
+
+#[test]
+fn paper_one_study_by_the_name_of_a_claim() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("made if it is missing");
+    let output = acroscope(&["reproduce", "C25", "--out", &out.to_string_lossy()]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.contains("statements hold") && text.contains("index.html"), "{text}");
+
+    let claims = std::fs::read_to_string(out.join("claims.json")).expect("written");
+    for key in ["id", "quantity", "paper", "ours", "tolerance", "holds"] {
+        assert!(claims.contains(&format!("\"{key}\":")), "claims.json lacks {key}");
+    }
+    assert!(claims.contains("\"id\": \"T3.k1\""), "{claims}");
+    let page = std::fs::read_to_string(out.join("index.html")).expect("written");
+    assert!(page.contains("Table 3") && !page.contains("=\"http"), "the page needs nothing from elsewhere");
+}
+
+#[test]
+fn law_an_unknown_id_ends_with_status_2_and_names_those_there_are() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = acroscope(&["reproduce", "table-9", "--out", &folder.path().to_string_lossy()]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("table-9") && text.contains("table-3"), "{text}");
+    assert!(!folder.path().join("claims.json").exists());
+}
+
+#[test]
+fn law_a_folder_that_cannot_be_made_ends_with_status_1() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("file");
+    std::fs::write(&file, "in the way").expect("writable");
+    let output = acroscope(&["reproduce", "table-3", "--out", &file.join("below").to_string_lossy()]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("below"), "{text}");
+}
+
+#[test]
+fn law_quiet_prints_errors_only() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = acroscope(&["--quiet", "reproduce", "figure-9", "--out", &folder.path().to_string_lossy()]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}

@@ -6,7 +6,7 @@
 use benches::frame::{CASES, Rig};
 use benches::ring::Ring;
 use fmi2_export::{Experiment, Log, Model, Step};
-use orchestrator::{NoRecorder, Quiet};
+use orchestrator::{NoRecorder, Quiet, Simulation};
 use plant::Plant;
 
 struct Silent;
@@ -41,11 +41,22 @@ fn plant_steps() {
     }
 }
 
+/// Short runs of the closed loop with reused units: what a run costs beyond its steps.
+fn short_runs() {
+    let scenario = benches::closed_loop::scenario("1/10", &[]);
+    let mut simulation =
+        Simulation::new(&scenario, &benches::closed_loop::units()).expect("cargo xtask pack made the units");
+    for _ in 0..20 {
+        simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
+    }
+}
+
 fn main() {
     match std::env::args().nth(1).as_deref() {
         Some("master") => master_steps(),
         Some("plant") => plant_steps(),
+        Some("runs") => short_runs(),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master or plant"),
+        None => panic!("which work? a, b16, c, d, master, plant or runs"),
     }
 }

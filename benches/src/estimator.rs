@@ -77,9 +77,12 @@ fn camera(estimator: i32, passes: i32, background: f64, foreground: f64) -> Vari
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for (estimator, name) in [(0, "binary"), (1, "grey"), (2, "ml")] {
-        for (passes, background, foreground, issue) in
-            [(0, 0.0, 255.0, Some(0.0195)), (2, 0.0, 255.0, Some(0.0355)), (0, 28.0, 228.0, None), (2, 28.0, 228.0, None)]
-        {
+        for (passes, background, foreground, issue) in [
+            (0, 0.0, 255.0, Some(0.0195)),
+            (2, 0.0, 255.0, Some(0.0355)),
+            (0, 28.0, 228.0, None),
+            (2, 28.0, 228.0, None),
+        ] {
             let variables = camera(estimator, passes, background, foreground);
             let (found, least) = (scatter(&variables), bound(&variables));
             let what = format!("{name}, σ = 15, N = {passes}, grey levels {background} to {foreground}");

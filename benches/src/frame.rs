@@ -86,7 +86,7 @@ impl Rig {
             times.0.push(start.elapsed().as_secs_f64() * 1e6);
         }
         let mut centres: Vec<(f64, f64)> = self.features.iter().map(|feature| feature.centre_px).collect();
-        centres.sort_by(|a, b| a.0.total_cmp(&b.0));
+        centres.sort_by(|a, b| a.1.total_cmp(&b.1));
         centres.into_iter().flat_map(|(u, v)| [u, v]).collect()
     }
 }
@@ -94,8 +94,9 @@ impl Rig {
 const ROUNDS: i64 = 40;
 const FRAMES: i64 = 40;
 /// The peer's pipelines, and what tells them apart.
-const PIPELINES: [(&str, &str); 3] = [
-    ("operators", "OpenCV: whole frame, randn"),
+const PIPELINES: [(&str, &str); 4] = [
+    ("operators", "OpenCV: contours of the whole frame, randn"),
+    ("labels", "OpenCV: 16-bit labels of the whole frame, randn"),
     ("boxes", "OpenCV: vision in known boxes"),
     ("table", "OpenCV: known boxes, noise by 16-bit LUT"),
 ];
@@ -107,7 +108,7 @@ pub fn rows() -> Vec<Row> {
     for case in CASES {
         let (name, _, _, target) = case;
         let noisy = matches!(name, "c" | "d");
-        let pipelines = &PIPELINES[..if noisy { 3 } else { 2 }];
+        let pipelines = &PIPELINES[..if noisy { 4 } else { 3 }];
         let (mut whole, mut boxes) = (Rig::new(case), Rig::new(case));
         let (mut ours, mut quick) = (Samples::default(), Samples::default());
         let mut theirs = vec![Samples::default(); pipelines.len()];

@@ -7,9 +7,11 @@ use crate::{Peer, Row, Samples};
 use orchestrator::{CsvRecorder, Fmu, NoRecorder, Quiet, Recorder, Simulation};
 use std::ffi::{c_int, c_uint, c_void};
 
-const STEPS: i64 = 50_000;
+const STEPS: i64 = 10_000;
 const PEER_STEPS: i64 = 2_000;
-const ROUNDS: usize = 31;
+const ROUNDS: usize = 25;
+/// Turns of C loop and our master within a round.
+const TURNS: usize = 10;
 
 type Loop = unsafe extern "C" fn(*const c_void, *const c_void, *const c_void, f64, i64) -> f64;
 type Call = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut f64) -> c_int;
@@ -47,7 +49,7 @@ pub fn rows() -> Vec<Row> {
     let units = crate::closed_loop::units();
     let folder = units.folders().first().expect("a folder of units").display().to_string();
     let mut peer = Peer::start("masters.py", &[&ring.fmu().display().to_string(), &folder]);
-    let ten = r#""*", "a.u1", "a.u2", "b.u1", "b.u2""#;
+    let ten = r#""a.y1", "a.y2", "b.y1", "b.y2", "c.y1", "c.y2", "a.u1", "a.u2", "b.u1", "b.u2""#;
     let (mut bare, mut csv) = (ring.simulation(STEPS, ""), ring.simulation(STEPS, ten));
     assert_eq!(csv.columns().len(), 10, "ten values a row");
     let mut short = ring.simulation(1000, "");
@@ -57,14 +59,16 @@ pub fn rows() -> Vec<Row> {
     let [mut fmpy, mut fmpy_csv, mut fmpy_short, mut cosim, mut cosim_csv]: [Samples; 5] = Default::default();
     let micros = 1e6 / STEPS as f64;
     for _ in 0..ROUNDS {
-        c.0.push(micros * seconds(|| limit.run(STEPS)));
-        let plain = micros * seconds(|| run(&mut bare, &mut NoRecorder));
-        let with = micros * seconds(|| run(&mut csv, &mut CsvRecorder::create(&out).expect("writable")));
-        ours.0.push(plain);
-        rows.0.push(with);
-        extra.0.push(with - plain);
-        c_short.0.push(1e3 * seconds(|| limit.run(1000)));
-        once.0.push(1e3 * seconds(|| run(&mut short, &mut NoRecorder)));
+        for _ in 0..TURNS {
+            c.0.push(micros * seconds(|| limit.run(STEPS)));
+            let plain = micros * seconds(|| run(&mut bare, &mut NoRecorder));
+            let with = micros * seconds(|| run(&mut csv, &mut CsvRecorder::create(&out).expect("writable")));
+            ours.0.push(plain);
+            rows.0.push(with);
+            extra.0.push(with - plain);
+            c_short.0.push(1e3 * seconds(|| limit.run(1000)));
+            once.0.push(1e3 * seconds(|| run(&mut short, &mut NoRecorder)));
+        }
         for (name, times) in [
             ("fmpy", &mut fmpy),
             ("fmpy_csv", &mut fmpy_csv),
@@ -88,7 +92,10 @@ pub fn rows() -> Vec<Row> {
             .note("shortest text that reads back as the same double".into()),
         row().than("libcosim, file observer", &cosim_csv).note("all twelve of its values, six digits".into()),
         row().than("FMPy, csv.writer", &fmpy_csv),
-        brief().than("C loop", &c_short).at_most(0.06),
+        brief()
+            .than("C loop", &c_short)
+            .at_most_times(1.1)
+            .note("issue: 0.06 ms where the C loop takes 0.055".into()),
         brief().than("FMPy", &fmpy_short),
     ];
     table.extend(opening());
@@ -100,7 +107,8 @@ fn opening() -> Vec<Row> {
     let units = crate::closed_loop::units();
     let mut rows = Vec::new();
     for name in ["acrobot_plant", "acrobot_camera", "acrobot_controller"] {
-        let path = units.folders().iter().map(|folder| folder.join(format!("{name}.fmu"))).find(|p| p.exists());
+        let path =
+            units.folders().iter().map(|folder| folder.join(format!("{name}.fmu"))).find(|p| p.exists());
         let path = path.unwrap_or_else(|| panic!("no {name}.fmu; cargo xtask pack makes it"));
         let [mut all, mut unpack]: [Samples; 2] = Default::default();
         for _ in 0..40 {

@@ -85,14 +85,19 @@ impl Row {
 
     fn cells(&self) -> [String; 8] {
         let ratio = self.ratio.map_or_else(String::new, |(ratio, _)| {
-            if ratio >= 1.0 { format!("{} x faster", short(ratio)) } else { format!("{} x its cost", short(1.0 / ratio)) }
+            if ratio >= 1.0 {
+                format!("{} x faster", short(ratio))
+            } else {
+                format!("{} x its cost", short(1.0 / ratio))
+            }
         });
         let target = match self.holds {
             Some(true) => format!("{} ✓", self.target),
             Some(false) => format!("{} **missed**", self.target),
             None => String::new(),
         };
-        let what = if self.unit.is_empty() { self.what.clone() } else { format!("{}, {}", self.what, self.unit) };
+        let what =
+            if self.unit.is_empty() { self.what.clone() } else { format!("{}, {}", self.what, self.unit) };
         [
             what,
             self.ours.clone(),

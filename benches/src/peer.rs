@@ -35,11 +35,7 @@ impl Peer {
             .spawn()
             .unwrap_or_else(|error| panic!("{}: {error}; scripts/bench.sh makes it", python().display()));
         let (questions, answers) = (child.stdin.take(), child.stdout.take());
-        Self {
-            child,
-            questions: questions.expect("piped"),
-            answers: BufReader::new(answers.expect("piped")),
-        }
+        Self { child, questions: questions.expect("piped"), answers: BufReader::new(answers.expect("piped")) }
     }
 
     /// Asks and waits for the answer.

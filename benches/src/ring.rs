@@ -63,11 +63,15 @@ impl Ring {
     pub fn simulation(&self, steps: i64, record: &str) -> Simulation {
         let mut text = format!("format = 1\nexperiment = {{ stop = \"{steps}/1000\" }}\n");
         for name in ["a", "b", "c"] {
-            text.push_str(&format!("[[units]]\nname = \"{name}\"\nfmu = \"ring.fmu\"\ninterval = \"1/1000\"\n"));
+            text.push_str(&format!(
+                "[[units]]\nname = \"{name}\"\nfmu = \"ring.fmu\"\ninterval = \"1/1000\"\n"
+            ));
         }
         for (from, to) in [("c", "a"), ("a", "b"), ("b", "c")] {
             for port in [1, 2] {
-                text.push_str(&format!("[[connections]]\nfrom = \"{from}.y{port}\"\nto = \"{to}.u{port}\"\n"));
+                text.push_str(&format!(
+                    "[[connections]]\nfrom = \"{from}.y{port}\"\nto = \"{to}.u{port}\"\n"
+                ));
             }
         }
         text.push_str(&format!("[record]\nvariables = [{record}]\n"));

@@ -21,8 +21,14 @@ fn one(simulation: &mut Simulation, run: usize) {
     simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
 }
 
-/// Seconds from the first run to the last, units built before.
-fn sweep(threads: usize) -> f64 {
+/// Seconds that this thread has spent on a processor.
+fn processor_time() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).map_or(f64::NAN, |ns| ns * 1e-9)
+}
+
+/// Seconds from the first run to the last, units built before, and those spent on processors.
+fn sweep(threads: usize) -> (f64, f64) {
     let (next, ready) = (AtomicUsize::new(0), Barrier::new(threads + 1));
     let ended = Mutex::new(Vec::new());
     let mut began = Instant::now();
@@ -32,6 +38,7 @@ fn sweep(threads: usize) -> f64 {
                 let mut simulation = built();
                 one(&mut simulation, 0);
                 ready.wait();
+                let spent = processor_time();
                 loop {
                     let run = next.fetch_add(1, Ordering::Relaxed);
                     if run >= RUNS {
@@ -39,23 +46,27 @@ fn sweep(threads: usize) -> f64 {
                     }
                     one(&mut simulation, run);
                 }
-                ended.lock().expect("no thread panicked").push(Instant::now());
+                let spent = processor_time() - spent;
+                ended.lock().expect("no thread panicked").push((Instant::now(), spent));
             });
         }
         ready.wait();
         began = Instant::now();
     });
-    let last = ended.into_inner().expect("no thread panicked").into_iter().max();
-    (last.expect("threads") - began).as_secs_f64()
+    let ended = ended.into_inner().expect("no thread panicked");
+    let last = ended.iter().map(|(end, _)| *end).max().expect("threads");
+    ((last - began).as_secs_f64(), ended.iter().map(|(_, spent)| spent).sum())
 }
 
 /// Two threads against one, and short runs against one long one.
 pub fn rows() -> Vec<Row> {
-    let [mut single, mut double, mut speedup, mut short, mut long]: [Samples; 5] = Default::default();
+    let [mut single, mut double, mut speedup, mut alike, mut short, mut long]: [Samples; 6] =
+        Default::default();
     let mut brief = built();
     let mut lasting = Simulation::new(&scenario("10", &[]), &units()).expect("builds");
     for _ in 0..ROUNDS {
-        let (one_thread, two_threads) = (sweep(1), sweep(2));
+        let ((one_thread, one_spent), (two_threads, two_spent)) = (sweep(1), sweep(2));
+        alike.0.push(2.0 * one_spent / two_spent);
         single.0.push(one_thread);
         double.0.push(two_threads);
         speedup.0.push(one_thread / two_threads);
@@ -67,6 +78,14 @@ pub fn rows() -> Vec<Row> {
             .than("one thread", &single)
             .at_least(1.9)
             .note(format!("round by round {}; needs two idle cores", speedup.text())),
+        Row::faster(
+            "sweep",
+            "the same by processor time: what two idle cores would give".into(),
+            "x",
+            &alike,
+        )
+        .not_below(1.9)
+        .note("2 x time of one thread by that of both: 2 if they don't hinder each other".into()),
         Row::faster("sweep", "communication point within 100 runs of 0.1 s".into(), "µs", &short)
             .than("within one run of 10 s", &long)
             .note("the short runs also pay for 100 first frames".into()),

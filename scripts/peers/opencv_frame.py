@@ -2,8 +2,9 @@
 """One camera frame with OpenCV and numpy, tuned: what Acroscope's camera is measured against.
 
 The same frames as `benches/src/frame.rs`: render three circles, defocus, noise, quantise, threshold, label, centroids;
-512 x 512, one thread. Three pipelines, each as fast as it could be made:
+512 x 512, one thread. Four pipelines, each as fast as it could be made:
 
+* `labels`: as `operators`, with connected components and 16-bit labels of the whole frame instead of contours.
 * `operators`: OpenCV's operators over the whole frame (threshold, contours, moments), circles rendered and
   defocused in boxes only, noise by `cv2.randn`.
 * `boxes`: the whole frame is made as before, but the vision looks only into boxes that it knows from the renderer.
@@ -38,7 +39,7 @@ CASES = {  # sub-frames, sigma, passes of the defocus mask, lens and sensitivity
     "c": (1, 15.0, 2, False),
     "d": (16, 15.0, 2, True),
 }
-PIPELINES = ("operators", "boxes", "table")
+PIPELINES = ("labels", "operators", "boxes", "table")
 
 
 def distorted(u, v):
@@ -175,8 +176,14 @@ class Camera:
 
     def see(self, boxes, x0, y0):
         """Centroids, right and above of the image centre."""
-        if self.pipeline == "operators":
+        if self.pipeline in ("labels", "operators"):
             cv2.threshold(self.frame, LEVEL - 1, 255, cv2.THRESH_BINARY, dst=self.mask)
+            if self.pipeline == "labels":
+                count, _, stats, centroids = cv2.connectedComponentsWithStatsWithAlgorithm(
+                    self.mask, 8, cv2.CV_16U, cv2.CCL_SPAGHETTI
+                )
+                found = zip(centroids[1:count].tolist(), stats[1:count, 4].tolist())
+                return [(x + 0.5 - HALF, HALF - 0.5 - y) for (x, y), area in found if 40 <= area <= 130]
             # Contours find the regions in a tenth of the time of labels for the whole frame.
             contours, _ = cv2.findContours(self.mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
             seen = []
@@ -224,7 +231,7 @@ def main():
         if key not in cameras:
             cameras[key] = Camera(*key)
         times, seen = cameras[key].measure(int(first), int(count))
-        print(json.dumps({"times_us": times, "values": [v for centre in sorted(seen) for v in centre]}), flush=True)
+        print(json.dumps({"times_us": times, "values": [v for centre in sorted(seen, key=lambda c: c[1]) for v in centre]}), flush=True)
 
 
 if __name__ == "__main__":

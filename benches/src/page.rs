@@ -70,13 +70,6 @@ impl Row {
         self
     }
 
-    /// Our 10th percentile must not be below this.
-    pub fn not_below(mut self, limit: f64) -> Self {
-        self.target = format!("≥ {limit}");
-        self.holds = Some(self.quiet >= limit);
-        self
-    }
-
     /// A remark.
     pub fn note(mut self, note: String) -> Self {
         self.note = note;

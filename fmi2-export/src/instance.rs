@@ -34,9 +34,9 @@ pub struct State<M: Model> {
 }
 
 impl<M: Model> State<M> {
-    fn new() -> Self {
+    fn new(model: M) -> Self {
         Self {
-            model: M::default(),
+            model,
             values: M::Variables::default(),
             mode: Mode::Instantiated,
             stale: true,
@@ -79,7 +79,7 @@ impl<M: Model> Instance<M> {
             description: M::description(),
             guid,
             log,
-            state: State::new(),
+            state: State::new(M::default()),
             no_state_before: None,
             last_step: OK,
             lent: Vec::new(),
@@ -148,7 +148,7 @@ impl<M: Model> Instance<M> {
             return Ok(());
         }
         let experiment = self.state.experiment.ok_or(Error::NoExperiment)?;
-        self.state.model = M::default();
+        self.state.model = self.state.model.renewed();
         self.state.model.initialize(&mut self.state.values, &experiment, &mut self.log)?;
         self.check_outputs()?;
         self.state.stale = false;
@@ -229,7 +229,7 @@ impl<M: Model> Instance<M> {
 
     /// `fmi2Reset`.
     pub fn reset(&mut self) -> Result<(), Error> {
-        self.state = State::new();
+        self.state = State::new(self.state.model.renewed());
         self.no_state_before = None;
         self.last_step = OK;
         Ok(())

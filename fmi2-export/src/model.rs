@@ -27,6 +27,13 @@ pub trait Model: Default + Clone + Send + Serialize + DeserializeOwned + 'static
         log: &mut dyn Log,
     ) -> Result<(), ModelError>;
 
+    /// A model as [`Default`] makes it, which may keep tables that this one has built already, if nothing that comes
+    /// out of it depends on whether it has them. A reset and each initialisation begin with it, so that a sweep
+    /// doesn't build the same tables for each of its runs.
+    fn renewed(&self) -> Self {
+        Self::default()
+    }
+
     /// Advances from `step.from` to `step.to` and writes the outputs at `step.to`.
     fn step(
         &mut self,

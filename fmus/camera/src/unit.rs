@@ -256,6 +256,10 @@ impl Model for Camera {
         Dependencies { while_stepping, at_start: None }
     }
 
+    fn renewed(&self) -> Self {
+        Self { workshop: self.workshop.clone(), ..Self::default() }
+    }
+
     fn initialize(
         &mut self,
         variables: &mut Variables,

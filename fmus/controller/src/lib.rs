@@ -141,6 +141,10 @@ impl Model for Controller {
         Dependencies { while_stepping, at_start: None }
     }
 
+    fn renewed(&self) -> Self {
+        Self { schedule: self.schedule.clone(), ..Self::default() }
+    }
+
     fn initialize(
         &mut self,
         variables: &mut Variables,

@@ -196,6 +196,12 @@ impl Model for Plant {
         derivative::dependencies(output)
     }
 
+    fn renewed(&self) -> Self {
+        // Where there is no table, the warning that says so must come again.
+        let place = self.place.as_ref().filter(|(_, place)| place.is_some()).cloned();
+        Self { place, ..Self::default() }
+    }
+
     fn initialize(
         &mut self,
         variables: &mut Variables,

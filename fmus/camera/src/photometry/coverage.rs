@@ -4,6 +4,8 @@
 //! that pixel and the rest of its height to the next; the running sum along the row is then the covered area. It is
 //! linear, so the sub-frames of an exposure are accumulated together and summed once.
 
+use super::simd;
+
 /// A rectangle of pixels in raster coordinates; ends are exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Area {
@@ -64,12 +66,9 @@ pub struct Coverage {
     rows: usize,
 }
 
-/// Edges that are worked out together, one a lane.
-const LANES: usize = 4;
-
 /// What edges shorter than a pixel add: three cells from a column on in their upper row, and in the row below.
-#[derive(Debug, Clone, Copy, Default)]
-struct Edges {
+#[derive(Debug, Clone, Copy)]
+struct Edges<const LANES: usize> {
     row: [i32; LANES],
     upper_column: [i32; LANES],
     lower_column: [i32; LANES],
@@ -77,14 +76,16 @@ struct Edges {
     lower: [[f32; LANES]; 3],
 }
 
-impl Edges {
-    /// Edges between the vertices of `xs` and `ys` (one more than there are lanes), relative to (x0, y0). Written
-    /// lane by lane without branches, so that the compiler makes vector code of it.
-    #[inline]
-    fn new(xs: &[f32; LANES + 1], ys: &[f32; LANES + 1], (x0, y0): (f32, f32)) -> Self {
-        let mut edges = Self::default();
+impl<const LANES: usize> Edges<LANES> {
+    /// Edges from the vertices `a` to the vertices `b`, given as (x, y) and relative to (x0, y0). Written lane by lane
+    /// without branches, so that the compiler makes vector code of it; `always`, so that it makes it for the machine
+    /// that the caller was compiled for.
+    #[inline(always)]
+    fn new(a: [&[f32; LANES]; 2], b: [&[f32; LANES]; 2], (x0, y0): (f32, f32)) -> Self {
+        let (none, zero) = ([0; LANES], [[0.0; LANES]; 3]);
+        let mut edges = Self { row: none, upper_column: none, lower_column: none, upper: zero, lower: zero };
         for lane in 0..LANES {
-            let (xa, ya, xb, yb) = (xs[lane] - x0, ys[lane] - y0, xs[lane + 1] - x0, ys[lane + 1] - y0);
+            let (xa, ya, xb, yb) = (a[0][lane] - x0, a[1][lane] - y0, b[0][lane] - x0, b[1][lane] - y0);
             let down = ya < yb;
             let sign = if down { 1.0 } else { -1.0 };
             let (top_x, top) = (if down { xa } else { xb }, if down { ya } else { yb });
@@ -112,7 +113,7 @@ const TINY: f32 = 1e-30;
 
 /// What a part of an edge within a row, from x = a to b and `height` high (signed), adds to three cells. The covered
 /// share of the first pixel is the mean of (border − x)₊ along the part, of the first two that of min(1, border + 1 − x).
-#[inline]
+#[inline(always)]
 fn part(a: f32, b: f32, height: f32) -> (i32, [f32; 3]) {
     let (left, right) = if a < b { (a, b) } else { (b, a) };
     let column = left as i32;
@@ -142,7 +143,7 @@ impl Coverage {
     /// edge is a pixel long and that no vertex is outside the area; then it goes faster.
     pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32), short_inside: bool) {
         if short_inside {
-            return self.add_short(xs, ys, (x0, y0));
+            return simd::add_short(self, xs, ys, (x0, y0));
         }
         for (x, y) in xs.windows(2).zip(ys.windows(2)) {
             self.edge(x[0] - x0, y[0] - y0, x[1] - x0, y[1] - y0);
@@ -150,13 +151,33 @@ impl Coverage {
     }
 
     /// A polygon of short edges inside the area: an edge shorter than a pixel lies in at most two rows, and its part
-    /// within a row in at most two columns.
-    fn add_short(&mut self, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
-        let mut start = 0;
-        while let (Some(x), Some(y)) =
-            (xs[start..].first_chunk::<{ LANES + 1 }>(), ys[start..].first_chunk::<{ LANES + 1 }>())
+    /// within a row in at most two columns. The bits don't depend on the number of lanes: edges are worked out each
+    /// for itself and added one after the other.
+    #[inline(always)]
+    pub(super) fn add_short<const LANES: usize>(&mut self, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+        let start = self.add_edges::<LANES>(xs, ys, origin, 0);
+        let start = self.add_edges::<4>(xs, ys, origin, start);
+        // The number of edges is a multiple of four for the outlines there are.
+        for (x, y) in xs[start..].windows(2).zip(ys[start..].windows(2)) {
+            self.edge(x[0] - origin.0, y[0] - origin.1, x[1] - origin.0, y[1] - origin.1);
+        }
+    }
+
+    /// Adds short edges from the vertex `start` on, as many as fill the lanes; returns the first vertex left over.
+    #[inline(always)]
+    fn add_edges<const LANES: usize>(
+        &mut self,
+        xs: &[f32],
+        ys: &[f32],
+        origin: (f32, f32),
+        mut start: usize,
+    ) -> usize {
+        let lanes =
+            |of: &[f32], at: usize| of.get(at..).and_then(|rest| rest.first_chunk::<LANES>().copied());
+        while let (Some(xa), Some(ya), Some(xb), Some(yb)) =
+            (lanes(xs, start), lanes(ys, start), lanes(xs, start + 1), lanes(ys, start + 1))
         {
-            let edges = Edges::new(x, y, origin);
+            let edges = Edges::new([&xa, &ya], [&xb, &yb], origin);
             for lane in 0..LANES {
                 let upper = edges.row[lane] as usize * self.stride;
                 let cells = [
@@ -173,10 +194,7 @@ impl Coverage {
             }
             start += LANES;
         }
-        // The number of edges is a multiple of the lanes for the outlines there are.
-        for (x, y) in xs[start..].windows(2).zip(ys[start..].windows(2)) {
-            self.edge(x[0] - origin.0, y[0] - origin.1, x[1] - origin.0, y[1] - origin.1);
-        }
+        start
     }
 
     /// The covered share of each pixel of a row, `share` times the sum over the polygons, as a running sum.
@@ -270,6 +288,41 @@ impl Coverage {
                 sum += *cell;
                 *cell = (sum * share).clamp(0.0, 1.0);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Coverage;
+    use crate::geometry::{Outline, UnitCircle};
+    use crate::photometry::simd;
+
+    #[test]
+    fn law_lanes_change_no_bit() {
+        // Circles of numbers of vertices that eight lanes divide, and that they don't.
+        for radius in [2.0, 3.3, 5.12, 7.9] {
+            let circle = UnitCircle::for_radius_px(radius);
+            let made = [0, 1, 2].map(|which| {
+                let mut outline = Outline::default();
+                let mut coverage = Coverage::default();
+                coverage.begin(24, 24);
+                for i in 0..40 {
+                    let at = |k: f64| 10.5 + 3.0 * libm::sin(k * f64::from(i));
+                    outline.clear();
+                    outline.add_disc(&circle, (at(1.7), at(2.3)), (radius, radius));
+                    let (xs, ys) = (&outline.xs, &outline.ys);
+                    match which {
+                        0 => coverage.add_short::<4>(xs, ys, (0.0, 0.0)),
+                        1 => coverage.add_short::<8>(xs, ys, (0.0, 0.0)),
+                        _ => simd::add_short(&mut coverage, xs, ys, (0.0, 0.0)),
+                    }
+                }
+                coverage.cells.iter().map(|cell| cell.to_bits()).collect::<Vec<u32>>()
+            });
+            assert!(made[0].iter().any(|bits| *bits != 0));
+            assert_eq!(made[0], made[1], "radius {radius}");
+            assert_eq!(made[0], made[2], "radius {radius}");
         }
     }
 }

@@ -1,5 +1,7 @@
-//! The AVX2 and AVX-512 paths of [`super::quantise`], chosen at run time. All `unsafe` of the camera is in this file.
+//! The AVX2 and AVX-512 paths of [`super::quantise`] and the AVX2 one of [`super::coverage`], chosen at run time. All
+//! `unsafe` of the camera is in this file.
 
+use super::coverage::Coverage;
 use super::quantise::{Span, portable};
 
 /// A way to quantise a span.
@@ -35,8 +37,19 @@ pub fn best() -> Path {
     portable
 }
 
+/// [`Coverage::add_short`], compiled for the machine that it runs on.
+pub(super) fn add_short(coverage: &mut Coverage, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2, which is all that the function needs.
+        return unsafe { x86::add_short(coverage, xs, ys, origin) };
+    }
+    coverage.add_short::<4>(xs, ys, origin);
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
+    use super::super::coverage::Coverage;
     use super::super::noise::{Keys, ROUNDS, TABLE_A, TABLE_B, WEIGHTS};
     use super::super::plane::BLOCK;
     use super::Span;
@@ -53,6 +66,12 @@ mod x86 {
                 None => clean(span, picture, mask, blocks),
             }
         }
+    }
+
+    /// The same source as everywhere, with eight lanes. Without fused multiply-add, which would change bits.
+    #[target_feature(enable = "avx2")]
+    pub fn add_short(coverage: &mut Coverage, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+        coverage.add_short::<8>(xs, ys, origin);
     }
 
     /// Whether the machine has what [`avx512`] uses.

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Measures speed beside the peers in one run, prints the table and writes docs/speed.md. Installs what it needs.
+# Arguments: sections (frame, master, loop, sweep, estimator); with any, the page is not written.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if [ -z "${ACROSCOPE_PYTHON:-}" ]; then
+    [ -x .venv/bin/python ] || python3 -m venv .venv
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+fi
+[ -n "${ACROSCOPE_FMUS:-}" ] || cargo xtask pack
+exec cargo bench --quiet -p benches -- "$@"

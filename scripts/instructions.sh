@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Counts the instructions of fixed work with callgrind and compares them with benches/instructions.txt: a regression
+# shows on any machine, however busy. `--update` writes the counts anew. Needs valgrind; some 30 s after the build.
+#
+# The tolerance is 3 %: the same program counts the same to 0.01 %, but another version of the C library or of the
+# compiler moves single functions by a percent or two. Valgrind hides AVX-512, so that it is the AVX2 paths that count.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+file=benches/instructions.txt
+tolerance_percent=3
+works=(a b16 c d master plant)
+# Short runs of the closed loop need the packed units (cargo xtask pack).
+if [ -n "${ACROSCOPE_FMUS:-}" ] || [ -d target/fmus ]; then works+=(runs); fi
+
+cargo build --quiet --release -p benches --bin counted
+count() {
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null target/release/counted "$1" 2>&1 |
+        sed -n 's/.*Collected : \([0-9]*\).*/\1/p'
+}
+
+if [ "${1:-}" = --update ]; then
+    {
+        echo "# Instructions of benches/src/counted.rs; written by scripts/instructions.sh --update"
+        for work in "${works[@]}"; do echo "$work $(count "$work")"; done
+    } | tee "$file"
+    exit
+fi
+
+failed=0
+for work in "${works[@]}"; do
+    expected=$(awk -v work="$work" '$1 == work { print $2 }' "$file")
+    found=$(count "$work")
+    awk -v work="$work" -v found="$found" -v expected="$expected" -v most="$tolerance_percent" 'BEGIN {
+        change = 100 * (found / expected - 1)
+        printf "%-8s %12d, expected %12d: %+.2f %%\n", work, found, expected, change
+        if (change > most) { print "  more than " most " % more: a regression"; exit 1 }
+        if (change < -most) print "  much less: scripts/instructions.sh --update keeps what was gained"
+    }' || failed=1
+done
+exit $failed

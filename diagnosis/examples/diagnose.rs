@@ -11,7 +11,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let found = diagnosis::diagnose(Path::new(set), &units, &options, &mut |text| eprintln!("{text}"))?;
     found.write(Path::new(out))?;
     for effect in &found.effects {
-        println!("{} {:?} {:.6} {:?} p {:.4}", effect.name, effect.class, effect.value, effect.ci95, effect.probability);
+        println!(
+            "{} {:?} {:.6} {:?} p {:.4}",
+            effect.name, effect.class, effect.value, effect.ci95, effect.probability
+        );
     }
     println!("{:?} gap {:?}", found.verdict, found.gap);
     println!("unknown {:?}", found.unknown);

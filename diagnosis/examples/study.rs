@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Cuts::Torque => vec![],
         Cuts::TorqueRate => vec![],
     }));
-    let mut cut = PlantCut::new(&data, &model, list.clone())?.ok_or("no plant log")?;
+    let mut cut = PlantCut::new(&data, &model, list.clone(), false)?.ok_or("no plant log")?;
     println!("set up {:?}", start.elapsed());
     if std::env::args().nth(2).is_some() {
         use diagnosis::residual::{Cut, Probe};
@@ -46,7 +46,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("led {}", cut.led());
         if cut.led() > 0.5 {
             let mut weak = diagnosis::residual::weak::Weak::new(cut);
-            let result = study(&mut weak, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
+            let result =
+                study(&mut weak, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
             show(&result, &list, start);
             return Ok(());
         }
@@ -54,24 +55,48 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let result = study(&mut cut, &list, &point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
     show(&result, &list, start);
     let motions = cut.motion(&result.last.point, 1.0 / 120.0)?;
-    let mut image = diagnosis::residual::image::ImageCut::new(&data, &model, list.clone(), diagnosis::residual::image::Pose::Logged(motions, 1e-4), 720)?.ok_or("no camera")?;
-    let result = study(&mut image, &list, &result.last.point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
+    let mut image = diagnosis::residual::image::ImageCut::new(
+        &data,
+        &model,
+        list.clone(),
+        diagnosis::residual::image::Pose::Logged(motions, 1e-4),
+        720,
+    )?
+    .ok_or("no camera")?;
+    let result =
+        study(&mut image, &list, &result.last.point, &mut |text| println!("  {text} {:?}", start.elapsed()))?;
     show(&result, &list, start);
     Ok(())
 }
 
-fn show(result: &diagnosis::selection::Study, list: &[diagnosis::candidates::Candidate], start: std::time::Instant) {
+fn show(
+    result: &diagnosis::selection::Study,
+    list: &[diagnosis::candidates::Candidate],
+    start: std::time::Instant,
+) {
     println!("{:?}; blocks {}", start.elapsed(), result.last.blocks.len());
     for step in &result.steps {
-        println!("p {:.5} deviance {:.1?} held out {:.1?} rest {:.3?} dropped {:?}", step.p_value, step.deviance, step.held_out, step.rest, step.dropped);
+        println!(
+            "p {:.5} deviance {:.1?} held out {:.1?} rest {:.3?} dropped {:?}",
+            step.p_value, step.deviance, step.held_out, step.rest, step.dropped
+        );
         for hit in &step.best {
-            println!("    {} gain {:.1} t {:.2} by {:.5}", list[hit.candidate].name, hit.gain, hit.statistic, hit.displacement);
+            println!(
+                "    {} gain {:.1} t {:.2} by {:.5}",
+                list[hit.candidate].name, hit.gain, hit.statistic, hit.displacement
+            );
         }
     }
     for (name, evaluation) in [("nominal", &result.nominal), ("last", &result.last)] {
-        println!("{name} sigmas {:?} seen {:?} softness {}", evaluation.sigmas, evaluation.seen, evaluation.softness);
+        println!(
+            "{name} sigmas {:?} seen {:?} softness {}",
+            evaluation.sigmas, evaluation.seen, evaluation.softness
+        );
         println!("   chi2 {:.1} / {:.1}", evaluation.total.square, evaluation.total.freedom);
-        println!("   torque rms, floor {:?}", torque::rms(&torque::torques(&evaluation.blocks, &[], &[], &result.folds.of)));
+        println!(
+            "   torque rms, floor {:?}",
+            torque::rms(&torque::torques(&evaluation.blocks, &[], &[], &result.folds.of))
+        );
     }
     let free: Vec<usize> = result.active.clone();
     let covariance = result.last.covariance(&free);

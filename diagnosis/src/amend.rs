@@ -21,7 +21,9 @@ pub fn amended(
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     for (index, candidate) in list.iter().enumerate() {
         if point[index] != candidate.off && candidate.side != Side::Clock {
-            scenario.set(candidate.name, &written(candidate, candidate.value(point[index]))).map_err(failed)?;
+            scenario
+                .set(candidate.name, &written(candidate, candidate.value(point[index])))
+                .map_err(failed)?;
         }
     }
     for effect in effects.iter().filter(|effect| effect.name == "camera.drop_rate") {

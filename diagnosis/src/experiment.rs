@@ -9,7 +9,8 @@ use crate::diagnosis::{Effect, NextExperiment};
 /// An experiment for the first class that is open.
 pub fn next(list: &[Candidate], effects: &[Effect], encoders: bool) -> Option<NextExperiment> {
     let open = effects.iter().find(|effect| effect.class.len() > 1)?;
-    let side = |name: &String| list.iter().find(|candidate| candidate.name == *name).map(|candidate| candidate.side);
+    let side =
+        |name: &String| list.iter().find(|candidate| candidate.name == *name).map(|candidate| candidate.side);
     let camera = open.class.iter().filter(|name| side(name) == Some(Side::Camera)).count();
     let what = if camera < open.class.len() && !encoders {
         "Log both angles by encoders (or motion capture) beside the picture and repeat the runs: what acts before the \

@@ -16,7 +16,8 @@ const LISTED: f64 = 0.02;
 pub fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
     let (nominal, last, folds) = (study.nominal.under(&study.last), &study.last, &study.folds);
     let places = last.places(free);
-    let shifts = if free.is_empty() { vec![DVector::zeros(0); folds.count] } else { last.shifts(folds, free) };
+    let shifts =
+        if free.is_empty() { vec![DVector::zeros(0); folds.count] } else { last.shifts(folds, free) };
     let (before, after, floor, signal, unit) = if torque {
         let (before, floor) = rms(&torques(&nominal.blocks, &[], &[], &folds.of));
         let (after, _) = rms(&torques(&last.blocks, &places, &shifts, &folds.of));
@@ -30,7 +31,8 @@ pub fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap 
     let closed = (before > ABOVE * floor)
         .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
         .map(|closed| closed.min(1.0));
-    let held_out_runs = if folds.count == runs.len() { runs.to_vec() } else { vec!["parts of the only run".into()] };
+    let held_out_runs =
+        if folds.count == runs.len() { runs.to_vec() } else { vec!["parts of the only run".into()] };
     Gap { before, after, floor, closed, held_out_runs, signal: signal.into(), unit: unit.into() }
 }
 
@@ -137,7 +139,8 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
         let mut base = 0.0;
         let mut run = usize::MAX;
         let mut end = 0.0;
-        let lacking = if torque { torques(&evaluation.blocks, &[], &[], &study.folds.of) } else { Vec::new() };
+        let lacking =
+            if torque { torques(&evaluation.blocks, &[], &[], &study.folds.of) } else { Vec::new() };
         let mut points = Vec::new();
         for (index, block) in evaluation.blocks.iter().enumerate() {
             if block.run != run {
@@ -146,7 +149,8 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
             }
             end = block.to + 1.0;
             if torque {
-                let own: Vec<f64> = lacking.iter().filter(|t| t.block == index).map(|t| t.torque[1]).collect();
+                let own: Vec<f64> =
+                    lacking.iter().filter(|t| t.block == index).map(|t| t.torque[1]).collect();
                 let middle = base + 0.5 * (block.from + block.to);
                 points.push((middle, own.iter().sum::<f64>() / own.len().max(1) as f64));
             } else {
@@ -160,8 +164,12 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
         points
     };
     Trace {
-        title: if torque { "Torque that the model lacks at the joint" } else { "Centroid of the tip, u3: measured - rendered" }
-            .into(),
+        title: if torque {
+            "Torque that the model lacks at the joint"
+        } else {
+            "Centroid of the tip, u3: measured - rendered"
+        }
+        .into(),
         unit: if torque { "N·m" } else { "px" }.into(),
         before: of(&study.nominal),
         after: of(&study.last),

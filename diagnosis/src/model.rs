@@ -29,7 +29,8 @@ impl Model {
         let file = find(&data.path, &data.manifest.scenario, scenarios)?;
         let mut scenario = Scenario::load(&file).map_err(model)?;
         let manifest = data.path.join("dataset.toml");
-        let set_error = |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
+        let set_error =
+            |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
         for (name, value) in &data.manifest.set {
             let text = match value {
                 toml::Value::String(text) => text.clone(),
@@ -48,12 +49,18 @@ impl Model {
             }
             let mut values = BTreeMap::new();
             for (name, given) in &unit.set {
-                let kind = fmu.description().variables.iter().find(|variable| variable.name == *name).map(|v| v.kind);
+                let kind = fmu
+                    .description()
+                    .variables
+                    .iter()
+                    .find(|variable| variable.name == *name)
+                    .map(|v| v.kind);
                 let full = format!("{}.{name}", unit.name);
                 let Some(kind) = kind else {
                     return Err(set_error(&full, format!("{} has no such variable", unit.fmu.value)));
                 };
-                let value = read(kind, &given.value).ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
+                let value = read(kind, &given.value)
+                    .ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
                 if let Some(number) = value.as_f64() {
                     numbers.insert(full, number);
                 }
@@ -62,7 +69,9 @@ impl Model {
             benches.insert(unit.name.clone(), Arc::new(Bench::new(fmu, &values)?));
         }
         let mut bench = |name: &str| {
-            benches.remove(name).ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
+            benches
+                .remove(name)
+                .ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
         };
         Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers })
     }
@@ -103,7 +112,10 @@ fn find(data: &Path, name: &str, scenarios: &[PathBuf]) -> Result<PathBuf, Error
             Err(Error::Manifest {
                 path: data.join("dataset.toml"),
                 line: 1,
-                problem: format!("scenario `{name}` is neither a file nor a shipped scenario; looked at {}", list.join(", ")),
+                problem: format!(
+                    "scenario `{name}` is neither a file nor a shipped scenario; looked at {}",
+                    list.join(", ")
+                ),
             })
         }
     }
@@ -112,6 +124,7 @@ fn find(data: &Path, name: &str, scenarios: &[PathBuf]) -> Result<PathBuf, Error
 fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
     let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
     let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());
-    let path = found.ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
+    let path = found
+        .ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
     units.open(&path).map_err(model)
 }

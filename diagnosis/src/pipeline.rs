@@ -2,11 +2,11 @@
 
 use crate::amend;
 use crate::candidates::{CLOCK, Candidate, Cuts, Motion, Side, candidates};
-use crate::experiment;
 use crate::counting::losses;
 use crate::dataset::DataSet;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
+use crate::experiment;
 use crate::gap;
 use crate::model::Model;
 use crate::residual::chain::Chain;
@@ -59,7 +59,12 @@ struct Part {
 ///
 /// # Errors
 /// The data set or the nominal model can't be used, or a unit failed.
-pub fn diagnose(path: &Path, units: &UnitPath, options: &Options, tell: &mut dyn FnMut(&str)) -> Result<Diagnosis, Error> {
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Diagnosis, Error> {
     let data = DataSet::load(path)?;
     let model = Model::load(&data, units, &options.scenarios)?;
     let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
@@ -83,11 +88,14 @@ fn plant_part(
     parts: &mut Vec<Part>,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
     rows.linearise(point, &[], false)?;
-    let weak = rows.led() > MOSTLY_LED;
-    let (mut weak, mut rows) = if weak { (Some(Weak::new(rows)), None) } else { (None, Some(rows)) };
+    let short = if rows.led() > MOSTLY_LED { PlantCut::new(data, model, list.clone(), true)? } else { None };
+    let (mut weak, mut rows) = match short {
+        Some(short) => (Some(Weak::new(short)), None),
+        None => (None, Some(rows)),
+    };
     let cut: &mut dyn Cut = match (&mut weak, &mut rows) {
         (Some(weak), _) => weak,
         (_, Some(rows)) => rows,
@@ -95,7 +103,11 @@ fn plant_part(
     };
     let part = part(cut, list, point, true, tell)?;
     *point = part.study.last.point.clone();
-    let sigma = if weak.is_some() { 1e-3 } else { part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)) };
+    let sigma = if weak.is_some() {
+        1e-3
+    } else {
+        part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b))
+    };
     parts.push(part);
     let cut = weak.map(|weak| weak.rows).or(rows);
     let motions = cut.map(|mut cut| {
@@ -140,7 +152,11 @@ fn camera_part(
             Ok(())
         }
         Err(error) if !parts.is_empty() => {
-            notices.push(Notice { file: "camera.csv".into(), line: 0, message: format!("not compared: {error}") });
+            notices.push(Notice {
+                file: "camera.csv".into(),
+                line: 0,
+                message: format!("not compared: {error}"),
+            });
             Ok(())
         }
         Err(error) => Err(error),
@@ -171,7 +187,10 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
         part.classes.retain(|(index, _)| !gone.contains(index));
     }
     if let Some(late) = late {
-        let message = format!("stamped {:.2} ms late against the other logs: taken as its clock, not as an effect", 1e3 * late);
+        let message = format!(
+            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+            1e3 * late
+        );
         notices.push(Notice { file: "plant.csv".into(), line: 0, message });
     }
 }
@@ -199,12 +218,15 @@ fn ceilings(data: &DataSet, cuts: Cuts) -> Vec<f64> {
         match cuts {
             Cuts::Torque => sizes.extend(tau.iter().map(|tau| tau.abs()).filter(|tau| tau.is_finite())),
             Cuts::TorqueRate => {
-                sizes.extend(tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()));
+                sizes.extend(
+                    tau.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|jump| jump.is_finite()),
+                );
             }
         }
     }
     sizes.sort_by(f64::total_cmp);
-    let quantile = |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
+    let quantile =
+        |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
     let levels: Vec<f64> = match cuts {
         Cuts::Torque => [0.995, 0.97, 0.9, 0.75, 0.5].iter().map(|share| quantile(*share)).collect(),
         // a large step of the torque then takes 2 to 80 ms
@@ -336,7 +358,9 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
             }
         };
         let size = match (candidate.is_discrete(), size) {
-            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => Some(size.ceil().max(1.0)),
+            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
+                Some(size.ceil().max(1.0))
+            }
             (true, Some(size)) => (size <= 1.0).then_some(1.0),
             (_, size) => size,
         };

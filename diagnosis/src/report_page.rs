@@ -31,7 +31,10 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     page.table(&gaps(diagnosis));
     for trace in &diagnosis.traces {
         if let Some(svg) = drawn(trace) {
-            page.figure(&svg?, "Runs one after the other. Before: the nominal model; after: the amended one.");
+            page.figure(
+                &svg?,
+                "Runs one after the other. Before: the nominal model; after: the amended one.",
+            );
         }
     }
     if !diagnosis.place.is_empty() {
@@ -62,10 +65,16 @@ fn summary(diagnosis: &Diagnosis) -> String {
         Verdict::None => "Nothing is missing from the nominal model that this data could show.".into(),
         Verdict::Named => format!("The nominal model lacks: {}.", names.join(", ")),
         Verdict::Ambiguous => {
-            format!("The nominal model lacks: {}; at least one of them goes by several names that this data can't tell apart.", names.join(", "))
+            format!(
+                "The nominal model lacks: {}; at least one of them goes by several names that this data can't tell apart.",
+                names.join(", ")
+            )
         }
         Verdict::Unknown if names.is_empty() => "Something is missing that no listed effect gives.".into(),
-        Verdict::Unknown => format!("The nominal model lacks {}, and something besides that no listed effect gives.", names.join(", ")),
+        Verdict::Unknown => format!(
+            "The nominal model lacks {}, and something besides that no listed effect gives.",
+            names.join(", ")
+        ),
     }
 }
 
@@ -119,8 +128,9 @@ fn drawn(trace: &Trace) -> Option<Result<String, Error>> {
     if trace.before.is_empty() {
         return None;
     }
-    let graph = Graph::new(&trace.title, Axis::fitted("time in s"), Axis::fitted(format!("rest in {}", trace.unit)))
-        .with(Line::dots("before", trace.before.clone()))
-        .with(Line::dots("after", trace.after.clone()));
+    let graph =
+        Graph::new(&trace.title, Axis::fitted("time in s"), Axis::fitted(format!("rest in {}", trace.unit)))
+            .with(Line::dots("before", trace.before.clone()))
+            .with(Line::dots("after", trace.after.clone()));
     Some(graph.to_svg().map_err(|error| Error::Model(error.to_string())))
 }

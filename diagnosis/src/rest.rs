@@ -29,7 +29,8 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
         .flat_map(|block| &block.cells)
         .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
         .collect();
-    let deviance = |size: f64| bare.iter().map(|cell| reduce(cell, size)).map(|r| r.square + r.log_det).sum::<f64>();
+    let deviance =
+        |size: f64| bare.iter().map(|cell| reduce(cell, size)).map(|r| r.square + r.log_det).sum::<f64>();
     let size = evaluation.softness;
     let discrepancy = if size > 0.0 { deviance(0.0) - deviance(size) } else { 0.0 };
     let mut sums = vec![(0.0, 0.0, 0.0); signals.len()];
@@ -78,8 +79,8 @@ const TORQUE_RATIO: f64 = 1.4;
 /// Scatter and correlation of a rest too quick for the torques.
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
-/// Variance of block means: the pixel lattice alone reaches about 2.5 while the arm stands.
-const MEANS: f64 = 6.0;
+/// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest.
+const MEANS: f64 = 2.5;
 
 /// The rest in words, if it is more than noise.
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
@@ -137,10 +138,18 @@ fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'st
         (&["dq1"], "odd in dq1, growing with speed", dq1),
         (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, growing with speed", slip),
         (&["dq1"], "odd in dq1, of constant size: sticking", sign(dq1)),
-        (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, of constant size: sticking or play", sign(slip)),
+        (
+            &["dq1", "dq2"],
+            "odd in the joint's rate dq2 - dq1, of constant size: sticking or play",
+            sign(slip),
+        ),
         (&["dq1"], "odd in dq1, with the square of speed: drag", dq1 * dq1.abs()),
         (&["dq1", "dq2"], "odd in the joint's rate, with the square of speed: drag", slip * slip.abs()),
-        (&["dq1", "dq2"], "strongest at small rates of the joint: Stribeck or sticking", sign(slip) / (1.0 + slip * slip / 0.04)),
+        (
+            &["dq1", "dq2"],
+            "strongest at small rates of the joint: Stribeck or sticking",
+            sign(slip) / (1.0 + slip * slip / 0.04),
+        ),
     ]
 }
 
@@ -159,7 +168,9 @@ fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
             .collect();
         let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
         squares[link] = total;
-        let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else { continue };
+        let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else {
+            continue;
+        };
         for place in 0..count {
             let (mut xy, mut xx) = (0.0, 0.0);
             let mut name = None;
@@ -183,13 +194,19 @@ fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
         lacking.iter().map(|t| (t.torque.iter().map(|x| x * x).sum::<f64>(), t.block)).collect();
     sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let few = sizes.len().div_ceil(20);
-    let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>() / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
+    let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
+        / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
     let link = if squares[0] > squares[1] { 0 } else { 1 };
-    let signal = |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
+    let signal =
+        |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
     match best {
         _ if held > 0.8 => {
             let block = &study.last.blocks[sizes[0].1];
-            let shape = format!("an event, {:.0} % of it in few windows around {:.1} s: a push from outside", 100.0 * held, block.from);
+            let shape = format!(
+                "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
+                100.0 * held,
+                block.from
+            );
             (signal(link), vec!["time".into()], shape)
         }
         Some((share, link, variables, shape)) if share > 0.15 => (
@@ -217,7 +234,8 @@ fn image_shape(study: &Study, signal: usize) -> (Vec<String>, String) {
         for cell in &block.cells {
             let Some(row) = cell.signal.iter().position(|s| *s == signal) else { continue };
             let [q1, q2, dq1, dq2] = block.state;
-            let (u, v) = (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
+            let (u, v) =
+                (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
             let speed = if signal < 4 { dq1 } else { dq1 + dq2 };
             let time = cell.time[row];
             rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time]));

@@ -14,14 +14,18 @@ const LEAST_MOTION: f64 = 0.02;
 
 /// Puts aside what can't be used.
 pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
-    for (table, file) in
-        [(&mut run.camera, "camera.csv"), (&mut run.controller, "controller.csv"), (&mut run.plant, "plant.csv")]
-    {
+    for (table, file) in [
+        (&mut run.camera, "camera.csv"),
+        (&mut run.controller, "controller.csv"),
+        (&mut run.plant, "plant.csv"),
+    ] {
         if let Some(rows) = table.as_ref().map(Table::len).filter(|rows| *rows < FEWEST_ROWS) {
             notices.push(Notice {
                 file: format!("{}/{file}", run.name),
                 line: 0,
-                message: format!("{rows} rows are too few ({FEWEST_ROWS} or more are needed); file put aside"),
+                message: format!(
+                    "{rows} rows are too few ({FEWEST_ROWS} or more are needed); file put aside"
+                ),
             });
             *table = None;
         }

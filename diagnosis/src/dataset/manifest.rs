@@ -24,10 +24,13 @@ impl Manifest {
     /// # Errors
     /// The file can't be read, isn't TOML, or lacks something; the message names the line.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
         let line_of = |key: &str| {
-            text.lines().position(|line| line.trim_start().trim_start_matches('"').starts_with(key)).map_or(1, |i| i + 1)
+            text.lines()
+                .position(|line| line.trim_start().trim_start_matches('"').starts_with(key))
+                .map_or(1, |i| i + 1)
         };
         let root: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let at = error.span().map_or(0, |span| span.start);
@@ -35,13 +38,20 @@ impl Manifest {
         })?;
         match root.get("format").and_then(Value::as_integer) {
             Some(1) => {}
-            Some(other) => return Err(wrong(line_of("format"), format!("format = {other}: this program reads format 1"))),
+            Some(other) => {
+                return Err(wrong(
+                    line_of("format"),
+                    format!("format = {other}: this program reads format 1"),
+                ));
+            }
             None => return Err(wrong(1, "`format = 1` is missing".into())),
         }
         let scenario = match root.get("scenario") {
             Some(Value::String(name)) => name.clone(),
             Some(_) => return Err(wrong(line_of("scenario"), "scenario must be a string".into())),
-            None => return Err(wrong(1, "`scenario = \"visual-servo\"` (the nominal model) is missing".into())),
+            None => {
+                return Err(wrong(1, "`scenario = \"visual-servo\"` (the nominal model) is missing".into()));
+            }
         };
         let mut set = BTreeMap::new();
         flatten(root.get("set"), "", &mut set);

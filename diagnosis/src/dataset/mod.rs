@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// Columns that `camera.csv` may hold: the camera's outputs.
 pub const CAMERA_COLUMNS: &[&str] = &[
-    "u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "frame", "t_mid", "q1_est", "q2_est",
-    "dq1_est", "dq2_est",
+    "u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "frame", "t_mid", "q1_est",
+    "q2_est", "dq1_est", "dq2_est",
 ];
 /// Columns that `controller.csv` may hold.
 pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];

@@ -78,8 +78,11 @@ pub fn load(
 }
 
 fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
-    let mut reader =
-        csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).has_headers(true).from_reader(text.as_bytes());
+    let mut reader = csv::ReaderBuilder::new()
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .has_headers(true)
+        .from_reader(text.as_bytes());
     let headers = reader.headers().ok()?.clone();
     if headers.get(0) != Some("time") {
         let found = headers.get(0).unwrap_or("").to_owned();
@@ -110,7 +113,10 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
         }
         if let Some(last) = table.time.last() {
             if time < *last {
-                notes.many(&format!("time runs back (from {last} to {time} s at the first such line); row ignored"), line);
+                notes.many(
+                    &format!("time runs back (from {last} to {time} s at the first such line); row ignored"),
+                    line,
+                );
                 continue;
             }
             if time == *last {
@@ -129,7 +135,10 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
                 text => match text.parse::<f64>() {
                     Ok(value) if value.is_finite() => value,
                     _ => {
-                        notes.many(&format!("column `{name}` is not a finite number; taken as not measured"), line);
+                        notes.many(
+                            &format!("column `{name}` is not a finite number; taken as not measured"),
+                            line,
+                        );
                         f64::NAN
                     }
                 },
@@ -163,7 +172,8 @@ impl Notes<'_> {
 
     fn finish(self) {
         for (message, line, count) in self.counts {
-            let message = if count > 1 { format!("{message} ({count} such rows, this is the first)") } else { message };
+            let message =
+                if count > 1 { format!("{message} ({count} such rows, this is the first)") } else { message };
             self.into.push(Notice { file: self.file.clone(), line, message });
         }
     }

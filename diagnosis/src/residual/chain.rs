@@ -16,6 +16,10 @@ use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
+fn candidates_step(candidates: &[Candidate]) -> f64 {
+    candidates.first().and_then(|candidate| candidate.steps.first()).copied().unwrap_or(1.0)
+}
+
 /// Three standard deviations of an angle read off a picture, rad.
 const NEAR: f64 = 3e-3;
 
@@ -33,26 +37,36 @@ impl Chain {
     ///
     /// # Errors
     /// A unit lacks a variable or failed.
-    pub fn new(data: &DataSet, model: &Model, candidates: Arc<Vec<Candidate>>) -> Result<Option<Self>, Error> {
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
         let most = usize::MAX;
-        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Free, most)? else { return Ok(None) };
+        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Free, most)? else {
+            return Ok(None);
+        };
         let mut seen = data.clone();
         for (index, run) in seen.runs.iter_mut().enumerate() {
             let frames: Vec<_> = image.frames.iter().filter(|frame| frame.run == index).collect();
-            let column = |angle: usize| frames.iter().map(|frame| frame.shot.end[angle]).collect::<Vec<f64>>();
+            let column =
+                |angle: usize| frames.iter().map(|frame| frame.shot.end[angle]).collect::<Vec<f64>>();
             run.plant = (!frames.is_empty()).then(|| {
                 let columns = vec![("q1".to_owned(), column(0)), ("q2".to_owned(), column(1))];
                 Table::new(frames.iter().map(|frame| frame.time).collect(), columns)
             });
         }
         seen.manifest.noise.retain(|name, _| !name.starts_with("plant."));
-        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone())? else { return Ok(None) };
+        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone(), false)? else {
+            return Ok(None);
+        };
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let mut chain = Self { image, plant, candidates, signals };
-        chain.linearise(&off, &[], false)?;
+        let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
+        chain.linearise(&off, &first, false)?;
         chain.image.forget();
         Ok(Some(chain))
     }
@@ -66,7 +80,9 @@ impl Chain {
         for frame in &mut self.image.frames {
             let row = rows[frame.run];
             rows[frame.run] += 1;
-            let Some(angles) = read[frame.run].get(row).filter(|angles| angles[0].is_finite()) else { continue };
+            let Some(angles) = read[frame.run].get(row).filter(|angles| angles[0].is_finite()) else {
+                continue;
+            };
             (frame.shot.end[0], frame.shot.end[1]) = (angles[0], angles[1]);
             let Some(motion) = motions.get(frame.run) else { continue };
             let Some(end) = motion.at(frame.time - delay) else { continue };
@@ -82,11 +98,13 @@ impl Chain {
     fn poses(&mut self, blocks: &[Block], probes: &[Probe]) -> Poses {
         let runs = 1 + self.image.frames.iter().map(|frame| frame.run).max().unwrap_or(0);
         let mut poses = Poses::new(runs);
-        let mut cells = blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
+        let mut cells =
+            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
         for frame in &self.image.frames {
             let mut angles = [f64::NAN; 2];
             let mut moves = DMatrix::zeros(2, probes.len());
-            let here = cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
+            let here =
+                cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
             if let Some((shift, map)) = here.and_then(|(_, cell)| pose_shift(cell)) {
                 angles = [frame.shot.end[0] + shift[0], frame.shot.end[1] + shift[1]];
                 if let Some((_, cell)) = here {
@@ -119,17 +137,23 @@ impl Cut for Chain {
         let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
         let more = self.plant.linearise(point, probes, quick)?;
-        if !quick {
+        // only where a new look begins: frames that move change the lattice, and comparisons with it
+        if !quick && !probes.is_empty() {
             self.smooth(point, &read)?;
         }
         let offset = self.image.signals().len();
-        blocks.extend(more.into_iter().map(|block| Block {
-            cells: block
-                .cells
-                .into_iter()
-                .map(|cell| Cell { signal: cell.signal.iter().map(|signal| signal + offset).collect(), ..cell })
-                .collect(),
-            ..block
+        blocks.extend(more.into_iter().map(|block| {
+            Block {
+                cells: block
+                    .cells
+                    .into_iter()
+                    .map(|cell| Cell {
+                        signal: cell.signal.iter().map(|signal| signal + offset).collect(),
+                        ..cell
+                    })
+                    .collect(),
+                ..block
+            }
         }));
         Ok(blocks)
     }

@@ -79,7 +79,8 @@ impl ImageCut {
         for (run, log) in data.runs.iter().enumerate() {
             let Some(camera) = &log.camera else { continue };
             for row in 0..camera.len() {
-                let seen: Seen = std::array::from_fn(|s| camera.column(COLUMNS[s]).map_or(f64::NAN, |c| c[row]));
+                let seen: Seen =
+                    std::array::from_fn(|s| camera.column(COLUMNS[s]).map_or(f64::NAN, |c| c[row]));
                 if seen[..6].iter().all(|value| value.is_finite()) {
                     let shot = Shot { before: [0.0; 4], end: [0.0; 4] };
                     frames.push(Frame { run, time: camera.time[row], seen, shot, known: false });
@@ -90,8 +91,12 @@ impl ImageCut {
             free_poses(&mut frames);
         }
         let every = frames.len().div_ceil(most.max(1)).max(1);
-        let frames: Vec<Frame> =
-            frames.into_iter().enumerate().filter(|(place, _)| place % every == 0).map(|(_, frame)| frame).collect();
+        let frames: Vec<Frame> = frames
+            .into_iter()
+            .enumerate()
+            .filter(|(place, _)| place % every == 0)
+            .map(|(_, frame)| frame)
+            .collect();
         if frames.is_empty() {
             return Ok(None);
         }
@@ -141,7 +146,8 @@ impl ImageCut {
                 let end = motion.at(frame.time - delay);
                 frame.known = end.is_some();
                 if let Some(end) = end {
-                    let before = motion.at(frame.time - delay - interval).unwrap_or_else(|| back(&end, interval));
+                    let before =
+                        motion.at(frame.time - delay - interval).unwrap_or_else(|| back(&end, interval));
                     frame.shot = Shot { before, end };
                 }
             }
@@ -162,9 +168,13 @@ impl ImageCut {
                         turned[angle] += by;
                         turned
                     };
-                    shots.iter().map(|shot| Shot { before: turn(&shot.before), end: turn(&shot.end) }).collect()
+                    shots
+                        .iter()
+                        .map(|shot| Shot { before: turn(&shot.before), end: turn(&shot.end) })
+                        .collect()
                 };
-                let (up, down) = (self.studio.take(&settings, &moved(TURN))?, self.studio.take(&settings, &moved(-TURN))?);
+                let (up, down) =
+                    (self.studio.take(&settings, &moved(TURN))?, self.studio.take(&settings, &moved(-TURN))?);
                 turns.push(slopes(&up, &down, 2.0 * TURN));
             }
             let second = turns.pop().unwrap_or_default();
@@ -182,7 +192,8 @@ impl ImageCut {
         let settings = self.settings(point, Some(probe))?;
         let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
         let still = self.settings(point, None)?;
-        let column = slopes(&self.studio.take(&settings, &shots)?, &self.studio.take(&still, &shots)?, probe.by);
+        let column =
+            slopes(&self.studio.take(&settings, &shots)?, &self.studio.take(&still, &shots)?, probe.by);
         self.kept.insert(key, column.clone());
         Ok(column)
     }
@@ -227,7 +238,8 @@ impl Cut for ImageCut {
                 continue;
             }
             let rows: Vec<usize> = (0..9).filter(|s| frame.seen[*s].is_finite()).collect();
-            let pose = DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
+            let pose =
+                DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
             let none = DMatrix::zeros(rows.len(), 0);
             let mut matrix = DMatrix::zeros(rows.len(), probes.len());
             for (place, column) in columns.iter().enumerate() {
@@ -267,7 +279,9 @@ impl Cut for ImageCut {
             }
         }
         if blocks.is_empty() {
-            return Err(Error::Model("the camera unit finds its circles in none of the measured poses".into()));
+            return Err(Error::Model(
+                "the camera unit finds its circles in none of the measured poses".into(),
+            ));
         }
         Ok(blocks)
     }
@@ -301,8 +315,11 @@ fn free_poses(frames: &mut [Frame]) {
     let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
     for place in 0..frames.len() {
         let before = if place > 0 && frames[place - 1].run == frames[place].run { place - 1 } else { place };
-        let after =
-            if place + 1 < frames.len() && frames[place + 1].run == frames[place].run { place + 1 } else { place };
+        let after = if place + 1 < frames.len() && frames[place + 1].run == frames[place].run {
+            place + 1
+        } else {
+            place
+        };
         let span = frames[after].time - frames[before].time;
         let rate = |angle: usize| {
             if span > 0.0 { (poses[after][angle] - poses[before][angle]) / span } else { 0.0 }

@@ -57,11 +57,13 @@ impl Studio {
         for (reference, name) in outputs.iter_mut().zip(COLUMNS) {
             *reference = bench.reference(name)?;
         }
-        let inputs = [bench.reference("q1")?, bench.reference("q2")?, bench.reference("dq1")?, bench.reference("dq2")?];
-        let fixed = vec![
-            bench.setting("T_delay", 0.0)?,
-            bench.setting("drop_rate", 0.0)?,
+        let inputs = [
+            bench.reference("q1")?,
+            bench.reference("q2")?,
+            bench.reference("dq1")?,
+            bench.reference("dq2")?,
         ];
+        let fixed = vec![bench.setting("T_delay", 0.0)?, bench.setting("drop_rate", 0.0)?];
         let interlaced = model.number("camera.interlaced").unwrap_or(0.0) > 0.5;
         let rate = model.number("camera.omega_cam").unwrap_or(30.0) * if interlaced { 2.0 } else { 1.0 };
         let valid = bench.reference("valid")?;
@@ -125,7 +127,9 @@ impl Studio {
         let mut all = settings.to_vec();
         all.extend(self.fixed.iter().cloned());
         if let Some(first) = shots.first() {
-            all.extend(self.inputs.iter().zip(first.before).map(|(input, value)| (*input, Value::Real(value))));
+            all.extend(
+                self.inputs.iter().zip(first.before).map(|(input, value)| (*input, Value::Real(value))),
+            );
         }
         self.bench.run(&all, 0.0, |instance| {
             let failed = |error: orchestrator::Error| Error::Model(error.to_string());
@@ -141,7 +145,9 @@ impl Studio {
                 let mut valid = [0];
                 instance.get_real(&self.outputs, &mut found).map_err(failed)?;
                 instance.get_boolean(&[self.valid], &mut valid).map_err(failed)?;
-                seen.push((valid[0] != 0 && found.iter().all(|value: &f64| value.is_finite())).then_some(found));
+                seen.push(
+                    (valid[0] != 0 && found.iter().all(|value: &f64| value.is_finite())).then_some(found),
+                );
             }
             Ok(seen)
         })

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it where rows are plenty: an arm that swings
-/// with friction unknown leaves the data sooner.
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it on demand where rows are plenty: an arm
+/// that swings with friction unknown leaves the data sooner.
 const WINDOW: f64 = 0.5;
 const SHORT_WINDOW: f64 = 0.25;
 const PLENTY: f64 = 36.0;
@@ -121,12 +121,17 @@ impl PlantCut {
     ///
     /// # Errors
     /// The plant unit lacks a variable.
-    pub fn new(data: &DataSet, model: &Model, candidates: Arc<Vec<Candidate>>) -> Result<Option<Self>, Error> {
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+        short: bool,
+    ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, &mut windows);
+            cut_run(index, run, contact, short, &mut windows);
         }
         if windows.is_empty() {
             return Ok(None);
@@ -141,7 +146,16 @@ impl PlantCut {
         let runs = Arc::new(data.runs.clone());
         let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
         let through = Some(Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
-        Ok(Some(Self { bench: model.plant.clone(), ports, candidates, runs, windows, signals, through, clock }))
+        Ok(Some(Self {
+            bench: model.plant.clone(),
+            ports,
+            candidates,
+            runs,
+            windows,
+            signals,
+            through,
+            clock,
+        }))
     }
 
     fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
@@ -196,7 +210,14 @@ impl PlantCut {
     }
 
     /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
-    fn seen_column(&self, window: &Window, layout: &Layout, base: &[[f64; 5]], place: usize, candidate: usize) -> Vec<f64> {
+    fn seen_column(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        base: &[[f64; 5]],
+        place: usize,
+        candidate: usize,
+    ) -> Vec<f64> {
         let Some(through) = &self.through else { return vec![0.0; layout.len()] };
         (layout.bins.iter())
             .map(|(signal, rows)| {
@@ -204,7 +225,9 @@ impl PlantCut {
                     if through.index == Some(candidate) {
                         -base[*row][2 + *signal]
                     } else {
-                        through.poses.moves[window.run].get(window.rows[*row]).map_or(0.0, |moves| moves[(*signal, place)])
+                        through.poses.moves[window.run]
+                            .get(window.rows[*row])
+                            .map_or(0.0, |moves| moves[(*signal, place)])
                     }
                 };
                 rows.iter().map(of).sum::<f64>() / rows.len() as f64
@@ -245,10 +268,18 @@ impl PlantCut {
                 // back to where the window before ended
                 let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
-                let times: Vec<f64> =
-                    (0..=count).map(|k| from + (window.drive.end() - from) * k as f64 / count as f64).collect();
+                let times: Vec<f64> = (0..=count)
+                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
+                    .collect();
                 let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
-                let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &window.pushes(&window.leads))?;
+                let rows = simulate(
+                    &self.bench,
+                    &self.ports,
+                    &settings,
+                    &drive,
+                    &window.start,
+                    &window.pushes(&window.leads),
+                )?;
                 let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
                 Ok::<_, Error>((window.run, times, states))
             })
@@ -261,7 +292,14 @@ impl PlantCut {
 
     /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
-    fn settle(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn settle(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
             self.nuisance_columns(window, layout, settings, led, &mut fit)?;
@@ -290,7 +328,14 @@ impl PlantCut {
     }
 
     /// As `settle`, with the columns that are there: one simulation a step.
-    fn chord(&self, window: &Window, layout: &Layout, settings: &[Setting], led: bool, from: Fit) -> Result<Fit, Error> {
+    fn chord(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..if led { 1 } else { 4 } {
             let Some((start, leads)) = next(&fit, led) else { break };
@@ -305,13 +350,28 @@ impl PlantCut {
         Ok(fit)
     }
 
-    fn fit(&self, window: &Window, layout: &Layout, settings: &[Setting], start: State, leads: Vec<f64>) -> Result<Fit, Error> {
-        let base = simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+    fn fit(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        start: State,
+        leads: Vec<f64>,
+    ) -> Result<Fit, Error> {
+        let base =
+            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
         let cell = layout.cell(self, window, &base);
         Ok(Fit { start, leads, base, cell })
     }
 
-    fn nuisance_columns(&self, window: &Window, layout: &Layout, settings: &[Setting], soft: bool, fit: &mut Fit) -> Result<(), Error> {
+    fn nuisance_columns(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        soft: bool,
+        fit: &mut Fit,
+    ) -> Result<(), Error> {
         let pushes = window.pushes(&fit.leads);
         let mut hard = DMatrix::zeros(layout.len(), 4);
         for place in 0..4 {
@@ -334,12 +394,20 @@ impl PlantCut {
         Ok(())
     }
 
-    fn window(&self, window: &Window, point: &[f64], probes: &[Probe], quick: bool) -> Result<(State, Vec<f64>, Block), Error> {
+    fn window(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<(State, Vec<f64>, Block), Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
         let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
         let mut fit;
-        if let Some((hard, soft)) = window.kept.as_ref().filter(|(hard, _)| quick && hard.nrows() == layout.len()) {
+        if let Some((hard, soft)) =
+            window.kept.as_ref().filter(|(hard, _)| quick && hard.nrows() == layout.len())
+        {
             fit = begin;
             (fit.cell.hard, fit.cell.soft) = (hard.clone(), soft.clone());
             let led = window.leads.iter().any(|lead| *lead != 0.0);
@@ -381,7 +449,13 @@ impl PlantCut {
                 *sum += value / base.len() as f64;
             }
         }
-        let block = Block { run: window.run, from: cell.time.first().copied().unwrap_or(from), to, cells: vec![cell], state };
+        let block = Block {
+            run: window.run,
+            from: cell.time.first().copied().unwrap_or(from),
+            to,
+            cells: vec![cell],
+            state,
+        };
         Ok((start, leads, block))
     }
 }
@@ -408,7 +482,8 @@ impl Cut for PlantCut {
         if let Some(clock) = self.clock {
             self.shift(point[clock]);
         }
-        let done: Vec<_> = self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
+        let done: Vec<_> =
+            self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let (start, leads, block) = result?;
@@ -543,7 +618,7 @@ impl Layout {
 }
 
 /// Cuts one run into windows.
-fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
+fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
@@ -551,10 +626,11 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
     if usable.len() < ROWS as usize {
         return;
     }
-    let mut gaps: Vec<f64> = usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    let mut gaps: Vec<f64> =
+        usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let short = if PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
+    let short = if short && PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
     let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
     let usable = thinned(&plant.time, usable);
     let mut from = 0;
@@ -573,7 +649,8 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
             let earliest = plant.time[usable[0]];
             let start = (begin - PREROLL).max(earliest);
             let end = times[times.len() - 1];
-            let edges: Vec<f64> = (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
+            let edges: Vec<f64> =
+                (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
             into.push(Window {
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),

@@ -62,7 +62,8 @@ impl Drive {
                 Some(last) if time - last.time < 1e-9 => last.wanted |= wanted,
                 _ => {
                     // a row's torque is held from its own time, also when a wanted time is a rounding away from it
-                    let held = |name| run.controller.as_ref().map_or(0.0, |log| log.held(name, time + 1e-9, 0.0));
+                    let held =
+                        |name| run.controller.as_ref().map_or(0.0, |log| log.held(name, time + 1e-9, 0.0));
                     events.push(Event { time, tau: held("tau"), tau_1: held("tau_1"), wanted });
                 }
             }
@@ -132,7 +133,13 @@ impl Ports {
         let reference = |name: &str| plant.reference(name);
         Ok(Self {
             inputs: [reference("tau")?, reference("tau_1")?],
-            outputs: [reference("q1")?, reference("q2")?, reference("dq1")?, reference("dq2")?, reference("tau_applied")?],
+            outputs: [
+                reference("q1")?,
+                reference("q2")?,
+                reference("dq1")?,
+                reference("dq2")?,
+                reference("tau_applied")?,
+            ],
             starts: [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?],
             contact: reference("q2_max")?,
         })
@@ -211,7 +218,8 @@ pub struct Motion {
 impl Motion {
     /// State at a time, if a stretch covers it.
     pub fn at(&self, time: f64) -> Option<State> {
-        let place = self.stretches.partition_point(|(times, _)| times.last().is_some_and(|last| *last < time - 1e-9));
+        let place =
+            self.stretches.partition_point(|(times, _)| times.last().is_some_and(|last| *last < time - 1e-9));
         let (times, states) = self.stretches.get(place)?;
         if times.is_empty() || time < times[0] - 1e-9 {
             return None;

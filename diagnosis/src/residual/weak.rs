@@ -57,8 +57,12 @@ impl Cut for Weak {
                 *cell = self.turned(cell);
             }
         }
-        let mut sizes: Vec<f64> =
-            blocks.iter().flat_map(|block| &block.cells).flat_map(|cell| &cell.residual).map(|x| x.abs()).collect();
+        let mut sizes: Vec<f64> = blocks
+            .iter()
+            .flat_map(|block| &block.cells)
+            .flat_map(|cell| &cell.residual)
+            .map(|x| x.abs())
+            .collect();
         sizes.sort_by(f64::total_cmp);
         let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {

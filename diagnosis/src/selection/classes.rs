@@ -13,8 +13,8 @@ use nalgebra::DVector;
 
 /// Predicted loss beyond which an alternative isn't even fitted.
 const HOPELESS: f64 = 30.0;
-/// Loss up to which the data can't tell: odds of 1 to 20.
-pub const CLASS: f64 = 6.0;
+/// Loss up to which the data can't tell: odds of 1 to 10.
+pub const CLASS: f64 = 4.5;
 
 /// A candidate in the place of another.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,12 @@ pub fn alternatives(
 ) -> Result<Vec<Alternative>, Error> {
     let temper = temper(last, active, effect, candidates);
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
+    let mut linear: Vec<(usize, f64, f64)> = Vec::new();
+    let settled = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
+        Evaluation::at(cut, &fit.point, &[], false)
+    };
     let reference = refit(cut, candidates, &last.point, active)?;
+    let reference = settled(cut, reference)?;
     let mut all = vec![(effect, reference.point[effect], reference.deviance())];
     for (index, candidate) in candidates.iter().enumerate() {
         if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
@@ -49,6 +54,16 @@ pub fn alternatives(
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
         if predicted / temper > HOPELESS {
             continue;
+        }
+        // pictures change by whole pixels while a lens is fitted, which outweighs small differences; and they are
+        // linear in a lens
+        let pictured =
+            |index: usize| candidates[index].side == Side::Camera && !candidates[index].is_discrete();
+        if pictured(index) && pictured(effect) {
+            if let Some((loss, x)) = linear_loss(last, &others, effect, index, candidates) {
+                linear.push((index, x, loss));
+                continue;
+            }
         }
         let mut set = others.clone();
         set.push(index);
@@ -64,10 +79,13 @@ pub fn alternatives(
             }
         }
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
+            let fit = settled(cut, fit)?;
             all.push((index, fit.point[index], fit.deviance()));
         }
     }
     let lowest = all.iter().map(|(_, _, deviance)| *deviance).fold(f64::INFINITY, f64::min);
+    let own = all[0].2 - lowest;
+    all.extend(linear.into_iter().map(|(index, x, loss)| (index, x, lowest + own + loss)));
     let mut alternatives: Vec<Alternative> = all
         .into_iter()
         .map(|(candidate, x, deviance)| Alternative { candidate, x, loss: (deviance - lowest) / temper })
@@ -116,7 +134,11 @@ fn predicted_loss(
             let there = across(column);
             let product = gram[(own, column)] - weights.dot(&there);
             let theirs = gram[(column, column)]
-                - if places.is_empty() { 0.0 } else { solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there)) };
+                - if places.is_empty() {
+                    0.0
+                } else {
+                    solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there))
+                };
             let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
             let loss = size * size * length * (1.0 - cosine.min(1.0));
             // columns are tangents and bend over a finite size
@@ -125,7 +147,43 @@ fn predicted_loss(
         .min_by(f64::total_cmp)
 }
 
-fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize, candidates: &[Candidate]) -> Vec<f64> {
+/// The exact linear loss of a replacement, and the value that the other would take.
+fn linear_loss(
+    last: &Evaluation,
+    others: &[usize],
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Option<(f64, f64)> {
+    let own = *last.places(&[effect]).first()?;
+    let other = last.probes.iter().position(|probe| probe.candidate == index)?;
+    let rest = last.places(others);
+    let cleaned = |a: usize, b: usize| {
+        let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
+        let weights = if rest.is_empty() {
+            Some(DVector::zeros(0))
+        } else {
+            solve(&submatrix(&last.total.gram, &rest), &across(a))
+        };
+        weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
+    };
+    let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
+    let size = last.point[effect] - candidates[effect].off;
+    // the rest itself also has an opinion: what the other would take of it
+    let score = last.total.score[other];
+    let value = (size * ab + score) / bb;
+    let loss = size * size * aa - (size * ab + score) * (size * ab + score) / bb;
+    let x = candidates[index].off + value;
+    (x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss.max(0.0), x))
+}
+
+fn starts(
+    candidate: &Candidate,
+    last: &Evaluation,
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Vec<f64> {
     if candidate.is_discrete() || matches!(candidate.motion, Motion::Ceiling { .. }) {
         return candidate.steps.iter().map(|step| candidate.off + step).collect();
     }
@@ -137,7 +195,9 @@ fn starts(candidate: &Candidate, last: &Evaluation, effect: usize, index: usize,
             let size = last.point[effect] - candidates[effect].off;
             candidate.off + size * gram[(own, column)] / gram[(column, column)]
         }
-        (Some(column), None) => candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)],
+        (Some(column), None) => {
+            candidate.off + subvector(&last.total.score, &[column])[0] / last.total.gram[(column, column)]
+        }
         _ => candidate.off + candidate.steps[0],
     };
     let within = x.clamp(candidate.range.0, candidate.range.1);

@@ -30,7 +30,10 @@ impl Folds {
         let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
         runs.dedup();
         if runs.len() > 1 {
-            let of = blocks.iter().map(|block| runs.iter().position(|run| *run == block.run).unwrap_or(0)).collect();
+            let of = blocks
+                .iter()
+                .map(|block| runs.iter().position(|run| *run == block.run).unwrap_or(0))
+                .collect();
             return Self { of, count: runs.len() };
         }
         let of = (0..blocks.len()).map(|place| place * PARTS / blocks.len().max(1)).collect();
@@ -227,7 +230,9 @@ fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
         }
     }
     (0..sigmas.len())
-        .map(|s| if freedom[s] > 3.0 { sigmas[s] * (sum[s] / freedom[s]).sqrt().max(1e-6) } else { sigmas[s] })
+        .map(
+            |s| if freedom[s] > 3.0 { sigmas[s] * (sum[s] / freedom[s]).sqrt().max(1e-6) } else { sigmas[s] },
+        )
         .collect()
 }
 
@@ -281,7 +286,12 @@ fn likely_size(blocks: &[Block]) -> f64 {
 }
 
 /// Columns for a first look at everything: each candidate's steps, and a derivative for the active ones first.
-pub fn all_probes(candidates: &[Candidate], point: &[f64], sees: &dyn Fn(&Candidate) -> bool, active: &[usize]) -> Vec<Probe> {
+pub fn all_probes(
+    candidates: &[Candidate],
+    point: &[f64],
+    sees: &dyn Fn(&Candidate) -> bool,
+    active: &[usize],
+) -> Vec<Probe> {
     let mut probes = Vec::new();
     for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| sees(candidate)) {
         if active.contains(&index) {

@@ -22,6 +22,10 @@ const MOST: usize = 6;
 /// How many of the screen's best are refitted, and how good they must be against the best.
 const SHORTLIST: usize = 4;
 const WORTH: f64 = 0.5;
+/// Differences of deviance below this are the pixel lattice's, which moves while a lens is fitted.
+const LATTICE: f64 = 60.0;
+/// A fall of the deviance beyond which the lattice doesn't matter, and columns bend.
+const LARGE: f64 = 4000.0;
 /// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
 const HANDICAP: f64 = 10.0;
 /// An active effect below this many standard errors is dropped again.
@@ -119,18 +123,33 @@ pub fn study(
                 with.push(hit.candidate);
                 if let Ok(trial) = refit(cut, candidates, &point, &with) {
                     // a composite likelihood's gain counts as much as its blocks agree
-                    let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+                    let temper =
+                        if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
                     let nuisance = candidates[hit.candidate].side == Side::Clock;
                     let handicap = if nuisance { HANDICAP } else { 0.0 };
-                    trials.push((hit.candidate, (last.deviance() - trial.deviance()) * temper - handicap, trial));
+                    trials.push((
+                        hit.candidate,
+                        (last.deviance() - trial.deviance()) * temper - handicap,
+                        trial,
+                    ));
                 }
             }
         }
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        if let Some(best) = trials.first().map(|trial| trial.1).filter(|fall| *fall < LARGE) {
+            let pictured = |index: usize| candidates[index].side == Side::Camera;
+            let close =
+                trials.iter().take_while(|trial| pictured(trial.0) && trial.1 > best - LATTICE).count();
+            let gain = |index: usize| {
+                found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
+            };
+            trials[..close].sort_by(|a, b| gain(b.0).total_cmp(&gain(a.0)));
+        }
         let mut accepted = None;
         for (candidate, _, trial) in trials {
             let before = last.under(&trial);
-            let held_out = (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
+            let held_out =
+                (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
             let share = 1.0 - trial.total.square / before.total.square;
             let enough = share >= LEAST_SHARE || last.total.square < 1.5 * last.total.freedom;
             if held_out.1 < held_out.0 && enough {
@@ -222,12 +241,15 @@ fn prune(
     loop {
         let fit = refit(cut, candidates, point, active)?;
         point.clone_from(&fit.point);
-        let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let free: Vec<usize> =
+            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
         let Some(covariance) = fit.covariance(&free) else { return Ok(dropped) };
         let weakest = free
             .iter()
             .enumerate()
-            .map(|(i, index)| ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index))
+            .map(|(i, index)| {
+                ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index)
+            })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match weakest {
             Some((size, index)) if size < KEEP => {

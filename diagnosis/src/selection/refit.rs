@@ -45,7 +45,12 @@ pub fn refit(
     Ok(best)
 }
 
-fn judge(cut: &mut dyn Cut, candidates: &[Candidate], point: &[f64], free: &[usize]) -> Result<Evaluation, Error> {
+fn judge(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    point: &[f64],
+    free: &[usize],
+) -> Result<Evaluation, Error> {
     let probes: Vec<Probe> = free
         .iter()
         .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
@@ -55,7 +60,12 @@ fn judge(cut: &mut dyn Cut, candidates: &[Candidate], point: &[f64], free: &[usi
 
 /// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
 /// others are solved for again.
-fn propose(best: &Evaluation, candidates: &[Candidate], free: &[usize], damping: f64) -> Option<(Vec<f64>, f64)> {
+fn propose(
+    best: &Evaluation,
+    candidates: &[Candidate],
+    free: &[usize],
+    damping: f64,
+) -> Option<(Vec<f64>, f64)> {
     let mut moving: Vec<usize> = (0..free.len()).collect();
     let mut next = best.point.clone();
     for _ in 0..=free.len() {

@@ -74,7 +74,8 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         scores.total[column] = score;
         scores.deviation[column] = squares.max(length).sqrt();
         errors[column] = 1.0 / length.sqrt();
-        scores.sided[column] = sided(&candidates[probe.candidate], evaluation.point[probe.candidate], probe.by);
+        scores.sided[column] =
+            sided(&candidates[probe.candidate], evaluation.point[probe.candidate], probe.by);
         gains[column] = score * score / length;
         displacements[column] = shift;
     }
@@ -85,8 +86,13 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         if statistic == 0.0 {
             continue;
         }
-        let hit =
-            Hit { candidate: probe.candidate, column, gain: gains[column], statistic, displacement: displacements[column] };
+        let hit = Hit {
+            candidate: probe.candidate,
+            column,
+            gain: gains[column],
+            statistic,
+            displacement: displacements[column],
+        };
         match hits.iter_mut().find(|known| known.candidate == probe.candidate) {
             Some(known) if known.gain < hit.gain => *known = hit,
             Some(_) => {}

@@ -36,7 +36,10 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         }
     }
     match (gap.closed, left) {
-        (_, Some(left)) => lines.push(format!("But more than noise remains: {} - {}. {}.", left.signal, left.shape, left.nearest)),
+        (_, Some(left)) => lines.push(format!(
+            "But more than noise remains: {} - {}. {}.",
+            left.signal, left.shape, left.nearest
+        )),
         (Some(closed), None) => lines.push(format!(
             "On runs left out the gap goes from {:.3} to {:.3} {}: {:.0} % of it is closed.",
             gap.before,

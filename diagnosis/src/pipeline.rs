@@ -101,6 +101,10 @@ fn plant_part(
         (_, Some(rows)) => rows,
         _ => return Ok(None),
     };
+    if cut.outweighed() {
+        // windows that are led need more rounds to settle than one look gives
+        cut.linearise(point, &[], false)?;
+    }
     let part = part(cut, list, point, true, tell)?;
     *point = part.study.last.point.clone();
     let sigma = if weak.is_some() {

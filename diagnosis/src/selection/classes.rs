@@ -169,10 +169,10 @@ fn linear_loss(
     };
     let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
     let size = last.point[effect] - candidates[effect].off;
-    // the rest itself also has an opinion: what the other would take of it
-    let score = last.total.score[other];
-    let value = (size * ab + score) / bb;
-    let loss = size * size * aa - (size * ab + score) * (size * ab + score) / bb;
+    // the rest itself also has an opinion: what each would still take of it
+    let (own_asks, other_asks) = (size * aa + last.total.score[own], size * ab + last.total.score[other]);
+    let value = other_asks / bb;
+    let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
     let x = candidates[index].off + value;
     (x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss.max(0.0), x))
 }

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Cuts::Torque => vec![],
         Cuts::TorqueRate => vec![],
     }));
-    let mut cut = PlantCut::new(&data, &model, list.clone())?.ok_or("no plant log")?;
+    let mut cut = PlantCut::new(&data, &model, list.clone(), false)?.ok_or("no plant log")?;
     println!("set up {:?}", start.elapsed());
     if std::env::args().nth(2).is_some() {
         use diagnosis::residual::{Cut, Probe};

@@ -86,16 +86,23 @@ fn plant_part(
     parts: &mut Vec<Part>,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
     rows.linearise(point, &[], false)?;
-    let weak = rows.led() > MOSTLY_LED;
-    let (mut weak, mut rows) = if weak { (Some(Weak::new(rows)), None) } else { (None, Some(rows)) };
+    let short = if rows.led() > MOSTLY_LED { PlantCut::new(data, model, list.clone(), true)? } else { None };
+    let (mut weak, mut rows) = match short {
+        Some(short) => (Some(Weak::new(short)), None),
+        None => (None, Some(rows)),
+    };
     let cut: &mut dyn Cut = match (&mut weak, &mut rows) {
         (Some(weak), _) => weak,
         (_, Some(rows)) => rows,
         _ => return Ok(None),
     };
+    if cut.outweighed() {
+        // windows that are led need more rounds to settle than one look gives
+        cut.linearise(point, &[], false)?;
+    }
     let part = part(cut, list, point, true, tell)?;
     *point = part.study.last.point.clone();
     let sigma = if weak.is_some() {

@@ -79,8 +79,8 @@ const TORQUE_RATIO: f64 = 1.4;
 /// Scatter and correlation of a rest too quick for the torques.
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
-/// Variance of block means: the pixel lattice alone reaches about 2.5 while the arm stands.
-const MEANS: f64 = 6.0;
+/// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest.
+const MEANS: f64 = 2.5;
 
 /// The rest in words, if it is more than noise.
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {

@@ -16,6 +16,10 @@ use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
+fn candidates_step(candidates: &[Candidate]) -> f64 {
+    candidates.first().and_then(|candidate| candidate.steps.first()).copied().unwrap_or(1.0)
+}
+
 /// Three standard deviations of an angle read off a picture, rad.
 const NEAR: f64 = 3e-3;
 
@@ -53,13 +57,16 @@ impl Chain {
             });
         }
         seen.manifest.noise.retain(|name, _| !name.starts_with("plant."));
-        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone())? else { return Ok(None) };
+        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone(), false)? else {
+            return Ok(None);
+        };
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let mut chain = Self { image, plant, candidates, signals };
-        chain.linearise(&off, &[], false)?;
+        let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
+        chain.linearise(&off, &first, false)?;
         chain.image.forget();
         Ok(Some(chain))
     }
@@ -130,7 +137,8 @@ impl Cut for Chain {
         let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
         let more = self.plant.linearise(point, probes, quick)?;
-        if !quick {
+        // only where a new look begins: frames that move change the lattice, and comparisons with it
+        if !quick && !probes.is_empty() {
             self.smooth(point, &read)?;
         }
         let offset = self.image.signals().len();

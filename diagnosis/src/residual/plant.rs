@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it where rows are plenty: an arm that swings
-/// with friction unknown leaves the data sooner.
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it on demand where rows are plenty: an arm
+/// that swings with friction unknown leaves the data sooner.
 const WINDOW: f64 = 0.5;
 const SHORT_WINDOW: f64 = 0.25;
 const PLENTY: f64 = 36.0;
@@ -125,12 +125,13 @@ impl PlantCut {
         data: &DataSet,
         model: &Model,
         candidates: Arc<Vec<Candidate>>,
+        short: bool,
     ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, &mut windows);
+            cut_run(index, run, contact, short, &mut windows);
         }
         if windows.is_empty() {
             return Ok(None);
@@ -617,7 +618,7 @@ impl Layout {
 }
 
 /// Cuts one run into windows.
-fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
+fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
@@ -629,7 +630,7 @@ fn cut_run(index: usize, run: &Run, contact: f64, into: &mut Vec<Window>) {
         usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let short = if PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
+    let short = if short && PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
     let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
     let usable = thinned(&plant.time, usable);
     let mut from = 0;

@@ -72,12 +72,20 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
         .collect()
 }
 
+/// Torques beyond this many typical sizes come from windows in which the plant could not be led along the log.
+const WILD: f64 = 10.0;
+
 /// Root mean square of torques and of what noise gives, both links together.
 pub fn rms(torques: &[Torque]) -> (f64, f64) {
     let usable: Vec<&Torque> = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite())).collect();
-    let n = (2 * usable.len()).max(1) as f64;
+    let mut sizes: Vec<f64> = usable.iter().flat_map(|t| t.torque).map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    let limit = WILD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745;
+    let tame: Vec<&Torque> =
+        usable.into_iter().filter(|t| t.torque.iter().all(|x| x.abs() <= limit)).collect();
+    let n = (2 * tame.len()).max(1) as f64;
     let mean = |f: &dyn Fn(&Torque) -> [f64; 2]| {
-        (usable.iter().map(|t| f(t).iter().map(|x| x * x).sum::<f64>()).sum::<f64>() / n).sqrt()
+        (tame.iter().map(|t| f(t).iter().map(|x| x * x).sum::<f64>()).sum::<f64>() / n).sqrt()
     };
     (mean(&|t| t.torque), mean(&|t| t.floor))
 }

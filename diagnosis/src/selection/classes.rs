@@ -13,8 +13,8 @@ use nalgebra::DVector;
 
 /// Predicted loss beyond which an alternative isn't even fitted.
 const HOPELESS: f64 = 30.0;
-/// Loss up to which the data can't tell: odds of 1 to 20.
-pub const CLASS: f64 = 6.0;
+/// Loss up to which the data can't tell: odds of 1 to 10.
+pub const CLASS: f64 = 4.5;
 
 /// A candidate in the place of another.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,12 @@ pub fn alternatives(
 ) -> Result<Vec<Alternative>, Error> {
     let temper = temper(last, active, effect, candidates);
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
+    let mut linear: Vec<(usize, f64, f64)> = Vec::new();
+    let settled = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
+        Evaluation::at(cut, &fit.point, &[], false)
+    };
     let reference = refit(cut, candidates, &last.point, active)?;
+    let reference = settled(cut, reference)?;
     let mut all = vec![(effect, reference.point[effect], reference.deviance())];
     for (index, candidate) in candidates.iter().enumerate() {
         if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
@@ -49,6 +54,16 @@ pub fn alternatives(
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
         if predicted / temper > HOPELESS {
             continue;
+        }
+        // pictures change by whole pixels while a lens is fitted, which outweighs small differences; and they are
+        // linear in a lens
+        let pictured =
+            |index: usize| candidates[index].side == Side::Camera && !candidates[index].is_discrete();
+        if pictured(index) && pictured(effect) {
+            if let Some((loss, x)) = linear_loss(last, &others, effect, index, candidates) {
+                linear.push((index, x, loss));
+                continue;
+            }
         }
         let mut set = others.clone();
         set.push(index);
@@ -64,10 +79,13 @@ pub fn alternatives(
             }
         }
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
+            let fit = settled(cut, fit)?;
             all.push((index, fit.point[index], fit.deviance()));
         }
     }
     let lowest = all.iter().map(|(_, _, deviance)| *deviance).fold(f64::INFINITY, f64::min);
+    let own = all[0].2 - lowest;
+    all.extend(linear.into_iter().map(|(index, x, loss)| (index, x, lowest + own + loss)));
     let mut alternatives: Vec<Alternative> = all
         .into_iter()
         .map(|(candidate, x, deviance)| Alternative { candidate, x, loss: (deviance - lowest) / temper })
@@ -127,6 +145,36 @@ fn predicted_loss(
             if nonlinear { 0.1 * loss } else { 0.5 * loss }
         })
         .min_by(f64::total_cmp)
+}
+
+/// The exact linear loss of a replacement, and the value that the other would take.
+fn linear_loss(
+    last: &Evaluation,
+    others: &[usize],
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Option<(f64, f64)> {
+    let own = *last.places(&[effect]).first()?;
+    let other = last.probes.iter().position(|probe| probe.candidate == index)?;
+    let rest = last.places(others);
+    let cleaned = |a: usize, b: usize| {
+        let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
+        let weights = if rest.is_empty() {
+            Some(DVector::zeros(0))
+        } else {
+            solve(&submatrix(&last.total.gram, &rest), &across(a))
+        };
+        weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
+    };
+    let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
+    let size = last.point[effect] - candidates[effect].off;
+    // the rest itself also has an opinion: what each would still take of it
+    let (own_asks, other_asks) = (size * aa + last.total.score[own], size * ab + last.total.score[other]);
+    let value = other_asks / bb;
+    let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
+    let x = candidates[index].off + value;
+    (x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss.max(0.0), x))
 }
 
 fn starts(

@@ -22,6 +22,10 @@ const MOST: usize = 6;
 /// How many of the screen's best are refitted, and how good they must be against the best.
 const SHORTLIST: usize = 4;
 const WORTH: f64 = 0.5;
+/// Differences of deviance below this are the pixel lattice's, which moves while a lens is fitted.
+const LATTICE: f64 = 60.0;
+/// A fall of the deviance beyond which the lattice doesn't matter, and columns bend.
+const LARGE: f64 = 4000.0;
 /// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
 const HANDICAP: f64 = 10.0;
 /// An active effect below this many standard errors is dropped again.
@@ -132,6 +136,15 @@ pub fn study(
             }
         }
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        if let Some(best) = trials.first().map(|trial| trial.1).filter(|fall| *fall < LARGE) {
+            let pictured = |index: usize| candidates[index].side == Side::Camera;
+            let close =
+                trials.iter().take_while(|trial| pictured(trial.0) && trial.1 > best - LATTICE).count();
+            let gain = |index: usize| {
+                found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
+            };
+            trials[..close].sort_by(|a, b| gain(b.0).total_cmp(&gain(a.0)));
+        }
         let mut accepted = None;
         for (candidate, _, trial) in trials {
             let before = last.under(&trial);

@@ -1,0 +1,101 @@
+//! Bad data gets a message with file and line, and what is usable is used.
+
+mod common;
+
+use common::{Folder, manifest};
+use diagnosis::dataset::DataSet;
+use diagnosis::{Error, Notice};
+use std::fmt::Write as _;
+
+fn plant(rows: usize, scale: f64) -> String {
+    let mut text = "time,q1,q2\n".to_owned();
+    for row in 0..rows {
+        let time = row as f64 / 30.0;
+        let _ = writeln!(text, "{time},{},{}", scale * 0.1 * time.sin(), scale * 0.8 * time.cos());
+    }
+    text
+}
+
+fn torque(rows: usize) -> String {
+    let mut text = "time,tau\n".to_owned();
+    for row in 0..rows {
+        let _ = writeln!(text, "{},0.1", row as f64 / 30.0);
+    }
+    text
+}
+
+fn load(plant: &str, name: &str) -> Result<DataSet, Error> {
+    let folder = Folder::new(name);
+    folder.put("dataset.toml", &manifest(1));
+    folder.put("run-01/plant.csv", plant);
+    folder.put("run-01/controller.csv", &torque(60));
+    DataSet::load(folder.path())
+}
+
+fn notice<'a>(notices: &'a [Notice], words: &str) -> &'a Notice {
+    notices
+        .iter()
+        .find(|notice| notice.message.contains(words))
+        .unwrap_or_else(|| panic!("no {words}: {notices:?}"))
+}
+
+#[test]
+fn every_good_row_is_kept() {
+    let set = load(&plant(60, 1.0), "good").expect("it is good");
+    assert_eq!(set.notices, []);
+    assert_eq!(set.runs[0].plant.as_ref().map(|log| log.len()), Some(60));
+}
+
+#[test]
+fn every_row_that_runs_back_is_named_and_ignored() {
+    let mut lines: Vec<String> = plant(60, 1.0).lines().map(str::to_owned).collect();
+    lines.swap(20, 21);
+    let set = load(&lines.join("\n"), "back").expect("the rest is usable");
+    assert_eq!(notice(&set.notices, "runs back").line, 22);
+    assert_eq!(set.runs[0].plant.as_ref().map(|log| log.len()), Some(59));
+}
+
+#[test]
+fn every_cell_that_is_no_number_counts_as_not_measured() {
+    let good = plant(60, 1.0);
+    let text = good
+        .lines()
+        .enumerate()
+        .map(|(line, text)| if line == 10 { "0.3,NaN,0.5".to_owned() } else { text.to_owned() });
+    let set = load(&text.collect::<Vec<_>>().join("\n"), "nan").expect("the rest is usable");
+    let found = notice(&set.notices, "not a finite number");
+    assert_eq!((found.file.as_str(), found.line), ("run-01/plant.csv", 11));
+}
+
+#[test]
+fn every_log_in_degrees_is_put_aside() {
+    let error = load(&plant(60, 57.3), "degrees").expect_err("nothing else is there");
+    assert!(error.is_input());
+    assert!(error.to_string().contains("degrees") && error.to_string().contains("plant.csv:"), "{error}");
+}
+
+#[test]
+fn every_missing_column_and_short_run_is_named() {
+    let renamed = plant(60, 1.0).replacen("q2", "angle", 1);
+    let error = load(&renamed, "column").expect_err("a plant without q2 says nothing").to_string();
+    assert!(error.contains("run-01/plant.csv:1: column `q2` is missing"), "{error}");
+    let error = load(&plant(3, 1.0), "short").expect_err("three rows say nothing").to_string();
+    assert!(error.contains("3 rows are too few"), "{error}");
+}
+
+#[test]
+fn every_mistake_in_the_manifest_has_a_line() {
+    let folder = Folder::new("manifest");
+    for (text, line) in [
+        ("format = 2\nscenario = \"a\"", 1),
+        ("format = 1\nscenario = 3", 2),
+        ("format = 1\nscenario = \"a\"\n[noise]\n\"plant.q1\" = -1.0\n[[run]]\ndir = \"r\"", 4),
+        ("format = 1\nscenario = \"a\"\n[[run]]\n", 3),
+    ] {
+        folder.put("dataset.toml", text);
+        match DataSet::load(folder.path()) {
+            Err(Error::Manifest { line: found, .. }) => assert_eq!(found, line, "{text}"),
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Data sets for tests: written by hand, or recorded from a simulation with an effect switched on.
+
+use diagnosis::statistics::random::Random;
+use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The repository.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The packed units; `cargo xtask pack` makes them.
+pub fn units() -> UnitPath {
+    UnitPath::new().with(root().join("target/fmus"))
+}
+
+/// Options of a test.
+pub fn options() -> diagnosis::Options {
+    diagnosis::Options::default()
+}
+
+/// A folder that goes with the test.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("diagnosis-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(path.join("run-01")).expect("a temporary folder can be made");
+        Self(path)
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub fn put(&self, name: &str, text: &str) {
+        let path = self.0.join(name);
+        std::fs::create_dir_all(path.parent().expect("a file lies in a folder")).expect("it can be made");
+        std::fs::write(path, text).expect("a temporary file can be written");
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A head with so many runs.
+pub fn manifest(runs: usize) -> String {
+    let mut text =
+        "format = 1\nscenario = \"visual-servo\"\n[set]\n\"camera.sigma\" = 4.0\n[noise]\n\"plant.q1\" = 2e-4\n\"plant.q2\" = 2e-4\n"
+            .to_owned();
+    for run in 1..=runs {
+        let _ = writeln!(text, "[[run]]\ndir = \"run-{run:02}\"");
+    }
+    text
+}
+
+/// Runs visual-servo with `set` and writes what encoders (2e-4 rad) and the camera saw, two runs of 12 s from
+/// different starts.
+pub fn recorded(name: &str, set: &[(&str, &str)]) -> Folder {
+    let folder = Folder::new(name);
+    folder.put("dataset.toml", &manifest(2));
+    for (run, start) in [(1_u64, "0.1"), (2, "0.2")] {
+        let mut scenario = Scenario::load(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
+        for (name, value) in set.iter().chain(&[("plant.q2_0", start), ("camera.sigma", "4.0")]) {
+            scenario.set(name, value).expect("the names are right");
+        }
+        scenario.set_stop("12").expect("a time");
+        let mut simulation = Simulation::new(&scenario, &units()).expect("cargo xtask pack was run");
+        let mut memory = MemoryRecorder::new();
+        simulation.run(&mut memory, &mut Quiet).expect("it runs");
+        write_run(&folder, run, &memory);
+    }
+    folder
+}
+
+fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder) {
+    let series = |name: &str| memory.series(name).expect("all outputs are recorded").to_vec();
+    let names = ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid"];
+    let seen: Vec<Vec<f64>> = names.iter().map(|name| series(&format!("camera.{name}"))).collect();
+    let (frame, tau, q1, q2) =
+        (series("camera.frame"), series("controller.tau"), series("plant.q1"), series("plant.q2"));
+    let mut random = Random::new(run);
+    let mut camera = format!("time,{}\n", names.join(","));
+    let (mut controller, mut plant) = ("time,tau\n".to_owned(), "time,q1,q2\n".to_owned());
+    for (row, time) in memory.times().iter().enumerate() {
+        if row == 0 || frame[row] != frame[row - 1] {
+            let cells: Vec<String> = seen.iter().map(|column| column[row].to_string()).collect();
+            let _ = writeln!(camera, "{time},{}", cells.join(","));
+            let _ = writeln!(controller, "{time},{}", tau[row]);
+        }
+        if row % 20 == 0 {
+            let (a, b) = (q1[row] + 2e-4 * random.normal(), q2[row] + 2e-4 * random.normal());
+            let _ = writeln!(plant, "{time},{a},{b}");
+        }
+    }
+    folder.put(&format!("run-{run:02}/camera.csv"), &camera);
+    folder.put(&format!("run-{run:02}/controller.csv"), &controller);
+    folder.put(&format!("run-{run:02}/plant.csv"), &plant);
+}

@@ -94,10 +94,10 @@ impl Bench {
         instance.enter_initialization().map_err(failed)?;
         instance.exit_initialization().map_err(failed)?;
         let result = job(&mut instance);
-        if result.is_ok() {
-            if let Ok(mut pool) = self.pool.lock() {
-                pool.push(instance);
-            }
+        if result.is_ok()
+            && let Ok(mut pool) = self.pool.lock()
+        {
+            pool.push(instance);
         }
         result
     }

@@ -157,7 +157,7 @@ fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
     let lacking = torques(&study.last.blocks, &[], &[], &study.folds.of);
     let mut best: Option<(f64, usize, &'static [&'static str], &'static str)> = None;
     let mut squares = [0.0; 2];
-    for link in 0..2 {
+    for (link, square) in squares.iter_mut().enumerate() {
         let values: Vec<(f64, [f64; 4], f64)> = lacking
             .iter()
             .filter(|t| t.floor[link].is_finite())
@@ -167,7 +167,7 @@ fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
             })
             .collect();
         let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
-        squares[link] = total;
+        *square = total;
         let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else {
             continue;
         };
@@ -182,10 +182,10 @@ fn torque_shape(study: &Study) -> (String, Vec<String>, String) {
                 name = Some((variables, shape));
             }
             let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
-            if let Some((variables, shape)) = name {
-                if best.is_none_or(|(known, ..)| share > known) {
-                    best = Some((share, link, variables, shape));
-                }
+            if let Some((variables, shape)) = name
+                && best.is_none_or(|(known, ..)| share > known)
+            {
+                best = Some((share, link, variables, shape));
             }
         }
     }

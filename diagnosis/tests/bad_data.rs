@@ -1,5 +1,6 @@
 //! Bad data gets a message with file and line, and what is usable is used.
 
+#[allow(dead_code)] // each test file uses a part of it
 mod common;
 
 use common::{Folder, manifest};

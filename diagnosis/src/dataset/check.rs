@@ -40,12 +40,12 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
             run.camera = None;
         }
     }
-    if let Some(controller) = &run.controller {
-        if controller.column("tau").is_none() {
-            let message = "column `tau` is missing; the plant can't be driven, file put aside".to_owned();
-            notices.push(Notice { file: file("controller.csv"), line: 1, message });
-            run.controller = None;
-        }
+    if let Some(controller) = &run.controller
+        && controller.column("tau").is_none()
+    {
+        let message = "column `tau` is missing; the plant can't be driven, file put aside".to_owned();
+        notices.push(Notice { file: file("controller.csv"), line: 1, message });
+        run.controller = None;
     }
     if let Some(plant) = &run.plant {
         let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());

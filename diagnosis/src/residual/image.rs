@@ -48,6 +48,9 @@ pub enum Pose {
     Free,
 }
 
+/// Settings and shots, and the frames they gave.
+type Made = (Vec<crate::bench::Setting>, Vec<Shot>, Vec<Option<Seen>>);
+
 /// Motion in, picture out.
 pub struct ImageCut {
     studio: Studio,
@@ -62,7 +65,7 @@ pub struct ImageCut {
     turns: Option<Vec<[Option<Seen>; 2]>>,
     kept: BTreeMap<(usize, u64), Vec<Option<Seen>>>,
     /// The last frames, with what they were made from: a candidate of the plant leaves them as they are.
-    made: Option<(Vec<crate::bench::Setting>, Vec<Shot>, Vec<Option<Seen>>)>,
+    made: Option<Made>,
 }
 
 impl ImageCut {

@@ -309,10 +309,10 @@ impl PlantCut {
                 let part = |from: f64, to: f64| from + length * (to - from);
                 let start: State = std::array::from_fn(|place| part(fit.start[place], whole[place]));
                 let leads = fit.leads.iter().zip(&leads).map(|(from, to)| part(*from, *to)).collect();
-                if let Ok(trial) = self.fit(window, layout, settings, start, leads) {
-                    if square(&trial.cell) < square(&fit.cell) {
-                        break Some(trial);
-                    }
+                if let Ok(trial) = self.fit(window, layout, settings, start, leads)
+                    && square(&trial.cell) < square(&fit.cell)
+                {
+                    break Some(trial);
                 }
                 length *= 0.25;
                 if length < 0.01 {

@@ -59,11 +59,12 @@ pub fn alternatives(
         // linear in a lens
         let pictured =
             |index: usize| candidates[index].side == Side::Camera && !candidates[index].is_discrete();
-        if pictured(index) && pictured(effect) {
-            if let Some((loss, x)) = linear_loss(last, &others, effect, index, candidates) {
-                linear.push((index, x, loss));
-                continue;
-            }
+        if pictured(index)
+            && pictured(effect)
+            && let Some((loss, x)) = linear_loss(last, &others, effect, index, candidates)
+        {
+            linear.push((index, x, loss));
+            continue;
         }
         let mut set = others.clone();
         set.push(index);
@@ -72,10 +73,10 @@ pub fn alternatives(
             let mut point = last.point.clone();
             point[effect] = candidates[effect].off;
             point[index] = x;
-            if let Ok(fit) = refit(cut, candidates, &point, &set) {
-                if best.as_ref().is_none_or(|known| fit.deviance() < known.deviance()) {
-                    best = Some(fit);
-                }
+            if let Ok(fit) = refit(cut, candidates, &point, &set)
+                && best.as_ref().is_none_or(|known| fit.deviance() < known.deviance())
+            {
+                best = Some(fit);
             }
         }
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {

@@ -60,7 +60,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         let Some(weights) = weights else { continue };
         let length = total.gram[(column, column)] - weights.dot(&across);
         // a column that active ones explain to rounding has nothing of its own
-        if !(length > 1e-7 * total.gram[(column, column)]) {
+        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] {
             continue;
         }
         let score = total.score[column] - weights.dot(&score_a);

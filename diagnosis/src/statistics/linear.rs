@@ -117,7 +117,7 @@ impl Basis {
         self.project(&mut vector);
         self.project(&mut vector);
         let after = vector.norm();
-        if !(after > RANK_TOLERANCE * before) {
+        if after.is_nan() || after <= RANK_TOLERANCE * before {
             return false;
         }
         self.log_det += 2.0 * libm::log(after);

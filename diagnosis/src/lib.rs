@@ -2,7 +2,7 @@
 //!
 //! The way of a diagnosis, a room each:
 //! 1. [`dataset`] reads a folder and puts aside what can't be used.
-//! 2. [`model`] loads the nominal scenario; [`bench`](crate::bench) holds its units, reached through FMI only.
+//! 2. [`model`] loads the nominal scenario; [`mod@bench`] holds its units, reached through FMI only.
 //! 3. [`residual`] cuts the loop at every interface and compares, with the columns of all [`candidates`].
 //! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
 //! 5. [`rest`] says whether what remains is noise, [`gap`] how far it closed, [`amend`] writes the better model.

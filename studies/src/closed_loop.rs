@@ -6,7 +6,7 @@ use orchestrator::{Comparison, Ended, MemoryRecorder, Place, Quiet, Scenario, Si
 use rayon::prelude::*;
 use std::fmt::Display;
 
-/// A named choice of closed-loop poles: s² + 2ζωs + ω² twice. The paper's own set is that of its reference [27],
+/// A named choice of closed-loop poles: s² + 2ζωs + ω² twice. The paper's own set is that of its reference 27,
 /// which is not available.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Poles {

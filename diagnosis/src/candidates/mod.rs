@@ -1,6 +1,6 @@
 //! What may be missing: every candidate is an FMU parameter with an off value.
 //!
-//! The list (in [`list`]) is data: a name, how the parameter moves, and a phrase a person would use. Nothing here
+//! The list (in `list.rs`) is data: a name, how the parameter moves, and a phrase a person would use. Nothing here
 //! says what a candidate does; its signature comes from moving it in the unit itself.
 
 mod list;

@@ -195,13 +195,15 @@ fn rest(evaluation: &Evaluation) -> f64 {
     evaluation.total.square / evaluation.total.freedom.max(1.0)
 }
 
+/// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
+/// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
+/// large it is, so below the threshold it still competes by its gain.
 fn shortlist(found: &Screen, refused: &[usize], threshold: f64, outweighed: bool) -> Vec<Hit> {
-    let mut hits: Vec<Hit> = found
-        .hits
-        .iter()
-        .filter(|hit| !refused.contains(&hit.candidate) && hit.statistic > threshold)
-        .cloned()
-        .collect();
+    let mut hits: Vec<Hit> =
+        found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
+    if outweighed || !hits.iter().any(|hit| hit.statistic > threshold) {
+        hits.retain(|hit| hit.statistic > threshold);
+    }
     let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
     hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     let best = hits.first().map_or(0.0, worth);

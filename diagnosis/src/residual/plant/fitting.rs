@@ -1,0 +1,209 @@
+//! Fits a window: its start state and leading torques, by Gauss-Newton through the unit, and the columns that are left.
+
+use super::*;
+
+/// A window, simulated.
+#[derive(Clone)]
+pub(super) struct Fit {
+    pub(super) start: State,
+    pub(super) leads: Vec<f64>,
+    pub(super) base: Vec<[f64; 5]>,
+    pub(super) cell: Cell,
+}
+
+impl PlantCut {
+    /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
+    /// closer. What is left then is so small that the linear projection takes care of it.
+    pub(super) fn settle(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
+        let mut fit = from;
+        for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
+            self.nuisance_columns(window, layout, settings, led, &mut fit)?;
+            let Some((whole, leads)) = next(&fit, led) else { break };
+            let mut length = 1.0;
+            let better = loop {
+                let part = |from: f64, to: f64| from + length * (to - from);
+                let start: State = std::array::from_fn(|place| part(fit.start[place], whole[place]));
+                let leads = fit.leads.iter().zip(&leads).map(|(from, to)| part(*from, *to)).collect();
+                if let Ok(trial) = self.fit(window, layout, settings, start, leads)
+                    && square(&trial.cell) < square(&fit.cell)
+                {
+                    break Some(trial);
+                }
+                length *= 0.25;
+                if length < 0.01 {
+                    break None;
+                }
+            };
+            let Some(better) = better else { break };
+            let (hard, soft) = (fit.cell.hard, fit.cell.soft);
+            fit = better;
+            (fit.cell.hard, fit.cell.soft) = (hard, soft);
+        }
+        Ok(fit)
+    }
+
+    /// As `settle`, with the columns that are there: one simulation a step.
+    pub(super) fn chord(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        led: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
+        let mut fit = from;
+        for _ in 0..if led { 1 } else { 4 } {
+            let Some((start, leads)) = next(&fit, led) else { break };
+            let Ok(trial) = self.fit(window, layout, settings, start, leads) else { break };
+            if square(&trial.cell) >= square(&fit.cell) {
+                break;
+            }
+            let (hard, soft) = (fit.cell.hard, fit.cell.soft);
+            fit = trial;
+            (fit.cell.hard, fit.cell.soft) = (hard, soft);
+        }
+        Ok(fit)
+    }
+
+    pub(super) fn fit(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        start: State,
+        leads: Vec<f64>,
+    ) -> Result<Fit, Error> {
+        let base =
+            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+        let cell = layout.cell(self, window, &base);
+        Ok(Fit { start, leads, base, cell })
+    }
+
+    pub(super) fn nuisance_columns(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        soft: bool,
+        fit: &mut Fit,
+    ) -> Result<(), Error> {
+        let pushes = window.pushes(&fit.leads);
+        let mut hard = DMatrix::zeros(layout.len(), 4);
+        for place in 0..4 {
+            let mut moved = fit.start;
+            moved[place] += NUDGE[place];
+            let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
+            layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+        }
+        fit.cell.hard = hard;
+        if soft {
+            let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
+            for place in 0..fit.leads.len() {
+                let mut more = pushes.clone();
+                more.push(window.push(place, PUSH));
+                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &fit.start, &more)?;
+                layout.column(&fit.base, &rows, PUSH, &mut columns, place);
+            }
+            fit.cell.soft = columns;
+        }
+        Ok(())
+    }
+
+    pub(super) fn window(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<(State, Vec<f64>, Block), Error> {
+        let settings = self.settings(point, None)?;
+        let layout = Layout::of(self, window);
+        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let mut fit;
+        if let Some((hard, soft)) =
+            window.kept.as_ref().filter(|(hard, _)| quick && hard.nrows() == layout.len())
+        {
+            fit = begin;
+            (fit.cell.hard, fit.cell.soft) = (hard.clone(), soft.clone());
+            let led = window.leads.iter().any(|lead| *lead != 0.0);
+            fit = self.chord(window, &layout, &settings, led, fit)?;
+        } else {
+            let led_before = window.leads.iter().any(|lead| *lead != 0.0);
+            fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
+            if led_before || square(&fit.cell) > LED * LED * layout.len() as f64 {
+                // from the first guess again: a state that was fitted without leads may be far away
+                let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+                fit = self.settle(window, &layout, &settings, true, again)?;
+            }
+            self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
+        }
+        let Fit { start, leads, base, mut cell } = fit;
+        // the model itself has no leads: what they did is part of the rest
+        let missing = &cell.soft * DVector::from_column_slice(&leads);
+        cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, lead)| *rest += lead);
+        let pushes = window.pushes(&leads);
+        let (from, to) = (window.drive.start(), window.drive.end());
+        let mut columns = DMatrix::zeros(layout.len(), probes.len());
+        for (place, probe) in probes.iter().enumerate() {
+            let candidate = &self.candidates[probe.candidate];
+            if candidate.side != Side::Plant && self.sees(candidate) {
+                let column = self.seen_column(window, &layout, &base, place, probe.candidate);
+                (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
+            } else if self.sees(candidate) {
+                let moved = self.settings(point, Some(*probe))?;
+                // a value that the plant can't follow has no column
+                if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
+                    layout.column(&base, &rows, probe.by, &mut columns, place);
+                }
+            }
+        }
+        cell.columns = columns;
+        let mut state = [0.0; 4];
+        for row in &base {
+            for (sum, value) in state.iter_mut().zip(row) {
+                *sum += value / base.len() as f64;
+            }
+        }
+        let block = Block {
+            run: window.run,
+            from: cell.time.first().copied().unwrap_or(from),
+            to,
+            cells: vec![cell],
+            state,
+        };
+        Ok((start, leads, block))
+    }
+}
+
+pub(super) fn square(cell: &Cell) -> f64 {
+    cell.residual.iter().zip(&cell.sigma).map(|(rest, sigma)| (rest / sigma).powi(2)).sum()
+}
+
+/// Start state and leads after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
+/// deviation. Leads are free while they are looked for.
+pub(super) fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
+    let mut cell = fit.cell.clone();
+    if !led {
+        cell.soft = DMatrix::zeros(cell.residual.len(), 0);
+    }
+    let shift = nuisances(&cell, if led { crate::selection::FREE } else { 0.0 });
+    let hard = cell.hard.ncols();
+    let moved = &cell.hard * shift.rows(0, hard) + &cell.soft * shift.rows(hard, shift.len() - hard);
+    let size = moved.iter().zip(&cell.sigma).map(|(moved, sigma)| (moved / sigma).powi(2)).sum::<f64>();
+    if size < 0.01 * cell.residual.len() as f64 {
+        return None;
+    }
+    let start = std::array::from_fn(|place| fit.start[place] + shift[place]);
+    let mut leads = fit.leads.clone();
+    if led {
+        leads.iter_mut().enumerate().for_each(|(place, lead)| *lead += shift[hard + place]);
+    }
+    Some((start, leads))
+}

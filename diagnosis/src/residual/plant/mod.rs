@@ -1,0 +1,331 @@
+//! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
+
+use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
+use super::{Block, Cut, Probe, Signal};
+use crate::bench::{Bench, Setting};
+use crate::candidates::{Candidate, Side};
+use crate::dataset::{DataSet, Run};
+use crate::error::Error;
+use crate::model::Model;
+use crate::statistics::linear::{Cell, nuisances};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+mod fitting;
+mod layout;
+mod window;
+
+use layout::Layout;
+use window::{Window, cut_run};
+
+/// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it on demand where rows are plenty: an arm
+/// that swings with friction unknown leaves the data sooner.
+const WINDOW: f64 = 0.5;
+const SHORT_WINDOW: f64 = 0.25;
+const PLENTY: f64 = 36.0;
+/// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
+const ROWS: f64 = 12.0;
+const LONGEST: f64 = 1.0;
+/// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
+const BINS: usize = 25;
+/// Parts of a window that each get a torque the model may lack.
+const PARTS: usize = 2;
+/// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
+/// everything is linearised about the motion that was measured and not about one that the lacking model invents.
+const LED: f64 = 4.0;
+/// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
+const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
+const PUSH: f64 = 1e-3;
+/// Columns of `plant.csv` in the order of the simulated outputs.
+pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
+const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
+/// Standard deviations to begin with where none is stated.
+const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
+/// A window starts from a straight line through rows this far around, s.
+const AROUND: f64 = 0.03;
+
+/// Poses that were read off pictures.
+#[derive(Debug, Clone, Default)]
+pub struct Poses {
+    /// Per run and row: q1, q2; `NaN` where the picture says nothing.
+    pub angles: Vec<Vec<[f64; 2]>>,
+    /// Per run and row: how each probe would move them, per unit.
+    pub moves: Vec<Vec<DMatrix<f64>>>,
+}
+
+impl Poses {
+    /// None yet.
+    pub fn new(runs: usize) -> Self {
+        Self { angles: vec![Vec::new(); runs], moves: vec![Vec::new(); runs] }
+    }
+
+    /// The next row of a run.
+    pub fn push(&mut self, run: usize, angles: [f64; 2], moves: &DMatrix<f64>) {
+        self.angles[run].push(angles);
+        self.moves[run].push(moves.clone());
+    }
+}
+
+/// What lies between the motion and a log that a camera made.
+struct Through {
+    index: Option<usize>,
+    delay: f64,
+    poses: Poses,
+}
+
+/// Torque in, motion out.
+pub struct PlantCut {
+    bench: Arc<Bench>,
+    ports: Ports,
+    candidates: Arc<Vec<Candidate>>,
+    runs: Arc<Vec<Run>>,
+    windows: Vec<Window>,
+    signals: Vec<Signal>,
+    through: Option<Through>,
+    clock: Option<usize>,
+}
+
+impl PlantCut {
+    /// Windows over all runs that have a torque and a motion; `None` if there is none.
+    ///
+    /// # Errors
+    /// The plant unit lacks a variable.
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+        short: bool,
+    ) -> Result<Option<Self>, Error> {
+        let ports = Ports::of(&model.plant)?;
+        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let mut windows = Vec::new();
+        for (index, run) in data.runs.iter().enumerate() {
+            cut_run(index, run, contact, short, &mut windows);
+        }
+        if windows.is_empty() {
+            return Ok(None);
+        }
+        let signals = (0..COLUMNS.len())
+            .map(|place| {
+                let name = format!("plant.{}", COLUMNS[place]);
+                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+                Signal { name, unit: UNITS[place], known, sigma: known.unwrap_or(FIRST_GUESS[place]) }
+            })
+            .collect();
+        let runs = Arc::new(data.runs.clone());
+        let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
+        let through = Some(Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
+        Ok(Some(Self {
+            bench: model.plant.clone(),
+            ports,
+            candidates,
+            runs,
+            windows,
+            signals,
+            through,
+            clock,
+        }))
+    }
+
+    fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+        settings(&self.bench, &self.candidates, Side::Plant, point, moved)
+    }
+
+    /// The log is none of encoders but what a camera with this delay saw.
+    pub fn see_through(&mut self, delay: f64) {
+        let poses = Poses::new(self.runs.len());
+        self.clock = None;
+        self.through = Some(Through { index: None, delay: 0.0, poses });
+        self.shift(delay);
+    }
+
+    /// Other poses for the log's rows, and another delay of the camera (its candidate and value).
+    pub fn replace(&mut self, poses: Poses, delay: Option<(usize, f64)>) {
+        for (run, angles) in Arc::make_mut(&mut self.runs).iter_mut().zip(&poses.angles) {
+            let Some(log) = &mut run.plant else { continue };
+            for (place, name) in ["q1", "q2"].iter().enumerate() {
+                if let Some(column) = log.column_mut(name) {
+                    column.iter_mut().zip(angles).for_each(|(value, angles)| *value = angles[place]);
+                }
+            }
+        }
+        if let Some(through) = &mut self.through {
+            through.poses = poses;
+            through.index = delay.map(|(index, _)| index);
+        }
+        if let Some((_, delay)) = delay {
+            self.shift(delay);
+        }
+    }
+
+    /// Moves the log to when the exposures ended.
+    fn shift(&mut self, delay: f64) {
+        let Some(through) = &mut self.through else { return };
+        let by = through.delay - delay;
+        if by == 0.0 {
+            return;
+        }
+        through.delay = delay;
+        for log in Arc::make_mut(&mut self.runs).iter_mut().filter_map(|run| run.plant.as_mut()) {
+            log.time.iter_mut().for_each(|time| *time += by);
+        }
+        for window in &mut self.windows {
+            let run = &self.runs[window.run];
+            let Some(log) = &run.plant else { continue };
+            let times: Vec<f64> = window.rows.iter().map(|row| log.time[*row]).collect();
+            window.edges.iter_mut().for_each(|edge| *edge += by);
+            window.drive = Drive::new(run, window.drive.start() + by, &times, &window.edges);
+        }
+    }
+
+    /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
+    fn seen_column(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        base: &[[f64; 5]],
+        place: usize,
+        candidate: usize,
+    ) -> Vec<f64> {
+        let Some(through) = &self.through else { return vec![0.0; layout.len()] };
+        (layout.bins.iter())
+            .map(|(signal, rows)| {
+                let of = |row: &usize| {
+                    if through.index == Some(candidate) {
+                        -base[*row][2 + *signal]
+                    } else {
+                        through.poses.moves[window.run]
+                            .get(window.rows[*row])
+                            .map_or(0.0, |moves| moves[(*signal, place)])
+                    }
+                };
+                rows.iter().map(of).sum::<f64>() / rows.len() as f64
+            })
+            .collect()
+    }
+
+    /// Share of windows in which the plant must be led to stay with the log.
+    pub fn led(&self) -> f64 {
+        let led = self.windows.iter().filter(|window| window.leads.iter().any(|lead| *lead != 0.0)).count();
+        led as f64 / self.windows.len().max(1) as f64
+    }
+
+    /// Keeps at most so many windows, evenly spread.
+    pub fn thin(&mut self, most: usize) {
+        let every = self.windows.len().div_ceil(most.max(1)).max(1);
+        let mut place = 0;
+        self.windows.retain(|_| {
+            place += 1;
+            (place - 1) % every == 0
+        });
+    }
+
+    /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
+    /// next). Call after `linearise` at the same point.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn motion(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
+        let settings = self.settings(point, None)?;
+        let mut motions = vec![Motion::default(); self.runs.len()];
+        let stretches: Vec<_> = self
+            .windows
+            .par_iter()
+            .map(|window| {
+                let log = &self.runs[window.run];
+                let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
+                // back to where the window before ended
+                let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
+                let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
+                let times: Vec<f64> = (0..=count)
+                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
+                    .collect();
+                let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
+                let rows = simulate(
+                    &self.bench,
+                    &self.ports,
+                    &settings,
+                    &drive,
+                    &window.start,
+                    &window.pushes(&window.leads),
+                )?;
+                let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
+                Ok::<_, Error>((window.run, times, states))
+            })
+            .collect::<Result<_, _>>()?;
+        for (run, times, states) in stretches {
+            motions[run].stretches.push((times, states));
+        }
+        Ok(motions)
+    }
+}
+
+impl Cut for PlantCut {
+    fn name(&self) -> &'static str {
+        "plant: torque in, motion out"
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn sees(&self, candidate: &Candidate) -> bool {
+        match candidate.side {
+            Side::Plant => true,
+            Side::Clock => self.clock.is_some(),
+            Side::Camera => self.through.is_some() && self.clock.is_none(),
+            _ => false,
+        }
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        if let Some(clock) = self.clock {
+            self.shift(point[clock]);
+        }
+        let done: Vec<_> =
+            self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
+        let mut blocks = Vec::with_capacity(done.len());
+        for (window, result) in self.windows.iter_mut().zip(done) {
+            let (start, leads, block) = result?;
+            window.start = start;
+            window.leads = leads;
+            if !quick {
+                window.kept = block.cells.first().map(|cell| (cell.hard.clone(), cell.soft.clone()));
+            }
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
+    fn discrepancy_unit(&self) -> &'static str {
+        "N·m"
+    }
+}
+
+/// Parameter values of one unit at a point, one candidate moved on.
+///
+/// # Errors
+/// The unit lacks a candidate's variable.
+pub fn settings(
+    bench: &Bench,
+    candidates: &[Candidate],
+    side: Side,
+    point: &[f64],
+    moved: Option<Probe>,
+) -> Result<Vec<Setting>, Error> {
+    let mut all = Vec::new();
+    for (index, candidate) in candidates.iter().enumerate() {
+        if candidate.side != side {
+            continue;
+        }
+        let by = moved.filter(|probe| probe.candidate == index).map_or(0.0, |probe| probe.by);
+        let x = (point[index] + by).clamp(candidate.range.0, candidate.range.1);
+        if x != candidate.off {
+            let variable = candidate.name.split_once('.').map_or(candidate.name, |(_, variable)| variable);
+            all.push(bench.setting(variable, candidate.value(x))?);
+        }
+    }
+    Ok(all)
+}

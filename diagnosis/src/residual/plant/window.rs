@@ -1,0 +1,113 @@
+//! Windows of a log: where they begin and end, which rows count, and a guess of the state at their begin.
+
+use super::*;
+
+pub(super) struct Window {
+    pub(super) run: usize,
+    pub(super) drive: Drive,
+    /// Rows of `plant.csv` that are scored.
+    pub(super) rows: Vec<usize>,
+    pub(super) start: State,
+    /// Edges of the parts, s.
+    pub(super) edges: Vec<f64>,
+    /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
+    pub(super) leads: Vec<f64>,
+    /// Columns of the nuisances, from the last full look.
+    pub(super) kept: Option<(DMatrix<f64>, DMatrix<f64>)>,
+}
+
+impl Window {
+    pub(super) fn pushes(&self, leads: &[f64]) -> Vec<Push> {
+        (leads.iter().enumerate())
+            .filter(|(_, size)| **size != 0.0)
+            .map(|(place, size)| self.push(place, *size))
+            .collect()
+    }
+
+    pub(super) fn push(&self, place: usize, size: f64) -> Push {
+        Push { joint: place % 2 == 1, from: self.edges[place / 2], to: self.edges[place / 2 + 1], size }
+    }
+}
+
+/// Cuts one run into windows.
+pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: &mut Vec<Window>) {
+    let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
+    let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
+    let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
+    let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() && q2[*row].is_finite()).collect();
+    if usable.len() < ROWS as usize {
+        return;
+    }
+    let mut gaps: Vec<f64> =
+        usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let typical = gaps[gaps.len() / 2];
+    let short = if short && PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
+    let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let usable = thinned(&plant.time, usable);
+    let mut from = 0;
+    while from < usable.len() {
+        let begin = plant.time[usable[from]];
+        let mut to = from;
+        while to < usable.len()
+            && plant.time[usable[to]] < begin + length - 0.5 * typical
+            && (to == from || plant.time[usable[to]] - plant.time[usable[to - 1]] < (5.0 * typical).max(0.1))
+        {
+            to += 1;
+        }
+        let rows = usable[from..to].to_vec();
+        if rows.len() >= 6 {
+            let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
+            let earliest = plant.time[usable[0]];
+            let start = (begin - PREROLL).max(earliest);
+            let end = times[times.len() - 1];
+            let edges: Vec<f64> =
+                (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
+            into.push(Window {
+                run: index,
+                drive: Drive::new(run, start, &times, &edges),
+                rows,
+                start: guess(&plant.time, q1, q2, start),
+                edges,
+                leads: vec![0.0; 2 * PARTS],
+                kept: None,
+            });
+        }
+        from = to.max(from + 1);
+    }
+}
+
+/// Rows at least `DENSE` apart.
+pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
+    for row in rows {
+        if kept.last().is_none_or(|last| time[row] - time[*last] > DENSE) {
+            kept.push(row);
+        }
+    }
+    kept
+}
+
+/// A state to begin with: straight lines through the rows around.
+pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
+    let place = time.partition_point(|t| *t < at).min(time.len() - 1);
+    let (mut from, mut to) = (place.saturating_sub(1), (place + 2).min(time.len()));
+    while from > 0 && at - time[from] < AROUND {
+        from -= 1;
+    }
+    while to < time.len() && time[to - 1] - at < AROUND {
+        to += 1;
+    }
+    let line = |values: &[f64]| {
+        let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();
+        let n = rows.len().max(1) as f64;
+        let mean = |f: &dyn Fn(usize) -> f64| rows.iter().map(|row| f(*row)).sum::<f64>() / n;
+        let (t, x) = (mean(&|row| time[row] - at), mean(&|row| values[row]));
+        let tt = mean(&|row| (time[row] - at - t).powi(2));
+        let tx = mean(&|row| (time[row] - at - t) * (values[row] - x));
+        let slope = if tt > 0.0 { tx / tt } else { 0.0 };
+        (x - slope * t, slope)
+    };
+    let ((a, da), (b, db)) = (line(q1), line(q2));
+    [a, b, da, db]
+}

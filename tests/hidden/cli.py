@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import subprocess
 import time
 import tomllib
@@ -54,6 +55,7 @@ def _parser():
     p.add_argument("sets")
     p.add_argument("diagnoses")
     p.add_argument("--command-line", default="cargo acroscope", help="what comes before `diagnose SET --out DIR`")
+    p.add_argument("--jobs", type=int, default=1, help="sets at once, one thread each (default 1, with all cores)")
     p = sub.add_parser("follow", help="make the sets of the experiments that diagnoses of the part `classes` proposed")
     p.add_argument("diagnoses")
     p.add_argument("truths", help="answers of the sets that were diagnosed")
@@ -132,16 +134,25 @@ def _one(args):
     _write_all([spec], args)
 
 
+def _diagnosed(row, args, threads):
+    out = Path(args.diagnoses) / row["dir"]
+    out.mkdir(parents=True, exist_ok=True)
+    command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
+    start = time.time()
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **threads})
+    (out / "seconds.txt").write_text(f"{time.time() - start:.2f}\n")
+    if done.returncode != 0:
+        print(f"{row['dir']}: exit {done.returncode}: {done.stderr.strip()[-300:]}")
+
+
 def _diagnose(args):
-    for row in tomllib.loads((Path(args.sets) / "manifest.toml").read_text()).get("set", []):
-        out = Path(args.diagnoses) / row["dir"]
-        out.mkdir(parents=True, exist_ok=True)
-        command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
-        start = time.time()
-        done = subprocess.run(command, capture_output=True, text=True)
-        (out / "seconds.txt").write_text(f"{time.time() - start:.2f}\n")
-        if done.returncode != 0:
-            print(f"{row['dir']}: exit {done.returncode}: {done.stderr.strip()[-300:]}")
+    """One after the other with all cores each (seconds as the user sees them), or `--jobs` at once with one thread each."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    rows = tomllib.loads((Path(args.sets) / "manifest.toml").read_text()).get("set", [])
+    threads = {"RAYON_NUM_THREADS": "1"} if args.jobs > 1 else {}
+    with ThreadPoolExecutor(args.jobs) as pool:
+        list(pool.map(lambda row: _diagnosed(row, args, threads), rows))
     return 0
 
 

@@ -71,6 +71,53 @@ impl Bench {
         Ok((*reference, value))
     }
 
+    /// Does something with an instance that stays in initialization mode, where start values and inputs may be set
+    /// again and again and outputs follow (FMI 2.0, section 4.2.4).
+    ///
+    /// # Errors
+    /// The unit refused something.
+    pub fn initialising<R>(
+        &self,
+        settings: &[Setting],
+        job: impl FnOnce(&mut Instance) -> Result<R, Error>,
+    ) -> Result<R, Error> {
+        let mut instance = self.instance(settings)?;
+        instance.setup_experiment(0.0, None).map_err(failed)?;
+        instance.enter_initialization().map_err(failed)?;
+        let result = job(&mut instance);
+        self.keep(instance, result.is_ok());
+        result
+    }
+
+    fn instance(&self, settings: &[Setting]) -> Result<Instance, Error> {
+        let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
+        let mut instance = match kept {
+            Some(instance) => instance,
+            None => self.fmu.instantiate("bench").map_err(failed)?,
+        };
+        instance.reset().map_err(failed)?;
+        for (reference, value) in self.nominal.iter().chain(settings) {
+            instance.set(*reference, value).map_err(failed)?;
+        }
+        Ok(instance)
+    }
+
+    fn keep(&self, instance: Instance, sound: bool) {
+        if sound && let Ok(mut pool) = self.pool.lock() {
+            pool.push(instance);
+        }
+    }
+
+    /// Nominal value of a real variable; 0 where neither scenario nor unit says.
+    pub fn nominal(&self, reference: u32) -> f64 {
+        let given = self.nominal.iter().find(|(known, _)| *known == reference).map(|(_, value)| value);
+        let start = || {
+            let variables = &self.fmu.description().variables;
+            variables.iter().find(|v| v.reference == reference && v.kind == Kind::Real)?.start.as_ref()
+        };
+        given.or_else(start).and_then(Value::as_f64).unwrap_or(0.0)
+    }
+
     /// Runs something on an instance that was set up with the nominal parameters and `settings`, at `start`.
     ///
     /// # Errors
@@ -81,24 +128,12 @@ impl Bench {
         start: f64,
         job: impl FnOnce(&mut Instance) -> Result<R, Error>,
     ) -> Result<R, Error> {
-        let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
-        let mut instance = match kept {
-            Some(instance) => instance,
-            None => self.fmu.instantiate("bench").map_err(failed)?,
-        };
-        instance.reset().map_err(failed)?;
-        for (reference, value) in self.nominal.iter().chain(settings) {
-            instance.set(*reference, value).map_err(failed)?;
-        }
+        let mut instance = self.instance(settings)?;
         instance.setup_experiment(start, None).map_err(failed)?;
         instance.enter_initialization().map_err(failed)?;
         instance.exit_initialization().map_err(failed)?;
         let result = job(&mut instance);
-        if result.is_ok()
-            && let Ok(mut pool) = self.pool.lock()
-        {
-            pool.push(instance);
-        }
+        self.keep(instance, result.is_ok());
         result
     }
 }

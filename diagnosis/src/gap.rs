@@ -54,7 +54,7 @@ fn centroid_rms(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fol
     for (block, fold) in blocks.iter().zip(folds) {
         for cell in &block.cells {
             let moved = shifted(cell, places, shifts.get(*fold));
-            let (rest, ..) = projected(&moved, 0.0);
+            let rest = projected(&moved, 0.0).rest;
             for row in (0..cell.residual.len()).filter(|row| cell.signal[*row] < 6) {
                 sum += (rest[row] * cell.sigma[row]).powi(2);
                 count += 1.0;
@@ -74,7 +74,7 @@ pub fn places(study: &Study, signals: &[Signal]) -> Vec<(f64, Where)> {
         let mut own = vec![0.0; signals.len()];
         let mut rows = vec![0.0; signals.len()];
         for cell in &block.cells {
-            let (rest, ..) = projected(&shifted(cell, &[], None), 0.0);
+            let rest = projected(&shifted(cell, &[], None), 0.0).rest;
             for row in 0..cell.residual.len() {
                 own[cell.signal[row]] += rest[row] * rest[row];
                 rows[cell.signal[row]] += 1.0;

@@ -42,6 +42,8 @@ impl Default for Options {
 const MOSTLY_LED: f64 = 0.5;
 /// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
 const MOTION_STEP: f64 = 1.0 / 120.0;
+/// How well it is known where the model had to be led along the log, rad.
+const COARSE_MOTION: f64 = 1e-3;
 /// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
 const MOTION_SHARE: f64 = 0.5;
 
@@ -88,35 +90,50 @@ fn plant_part(
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
+    rows.find_jitter(point)?;
     rows.linearise(point, &[], false)?;
-    let short = if rows.led() > MOSTLY_LED { PlantCut::new(data, model, list.clone(), true)? } else { None };
-    let (mut weak, mut rows) = match short {
-        Some(short) => (Some(Weak::new(short)), None),
-        None => (None, Some(rows)),
-    };
-    let cut: &mut dyn Cut = match (&mut weak, &mut rows) {
-        (Some(weak), _) => weak,
-        (_, Some(rows)) => rows,
-        _ => return Ok(None),
-    };
-    if cut.outweighed() {
-        // windows that are led need more rounds to settle than one look gives
-        cut.linearise(point, &[], false)?;
+    let mut start = Vec::new();
+    let mut coarse = None;
+    if rows.led() > MOSTLY_LED
+        && !switch_leads(&mut rows, list, point)?
+        && let Some(mut weak) = Weak::new(data, model, list.clone())?
+    {
+        let part = part(&mut weak, list, point, &[], true, tell)?;
+        point.clone_from(&part.study.last.point);
+        start.clone_from(&part.study.active);
+        rows.afresh();
+        rows.linearise(point, &[], false)?;
+        coarse = Some(part);
     }
-    let part = part(cut, list, point, true, tell)?;
-    *point = part.study.last.point.clone();
-    let sigma = if weak.is_some() {
-        1e-3
-    } else {
-        part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b))
+    let part = match coarse {
+        Some(part) if rows.led() > MOSTLY_LED => part,
+        _ => part(&mut rows, list, point, &start, true, tell)?,
+    };
+    point.clone_from(&part.study.last.point);
+    let sigma = match part.study.outweighed {
+        true => COARSE_MOTION,
+        false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
     };
     parts.push(part);
-    let cut = weak.map(|weak| weak.rows).or(rows);
-    let motions = cut.map(|mut cut| {
-        cut.linearise(point, &[], false)?;
-        cut.motion(point, MOTION_STEP)
-    });
-    Ok(motions.transpose()?.map(|motions| (motions, MOTION_SHARE * sigma)))
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        return Ok(None);
+    }
+    rows.linearise(point, &[], false)?;
+    Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
+}
+
+/// Whether a switch of the model lets the plant follow the log by itself. Leaves the windows at the nominal model.
+fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
+    let mut leads = false;
+    for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
+        let mut other = point.to_vec();
+        other[index] += candidate.steps[0];
+        rows.afresh();
+        leads |= rows.linearise(&other, &[], false).is_ok() && rows.led() < MOSTLY_LED;
+    }
+    rows.afresh();
+    rows.linearise(point, &[], false)?;
+    Ok(leads)
 }
 
 #[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
@@ -147,7 +164,7 @@ fn camera_part(
         _ => return Ok(()),
     };
     tell("camera: frames rendered again at the measured pose");
-    match part(cut, list, point, false, tell) {
+    match part(cut, list, point, &[], false, tell) {
         Ok(part) => {
             *point = part.study.last.point.clone();
             parts.push(part);
@@ -201,13 +218,14 @@ fn part(
     cut: &mut dyn Cut,
     list: &[Candidate],
     point: &[f64],
+    known: &[usize],
     torque: bool,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Part, Error> {
-    let study = study(cut, list, point, tell)?;
+    let study = study(cut, list, point, known, tell)?;
     let mut classes = Vec::new();
     for effect in &study.active {
-        classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect)?));
+        classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
     }
     Ok(Part { study, signals: cut.signals().to_vec(), classes, torque })
 }
@@ -230,7 +248,10 @@ fn ceilings(data: &DataSet, cuts: Cuts) -> Vec<f64> {
     let quantile =
         |share: f64| sizes.get(((sizes.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
     let levels: Vec<f64> = match cuts {
-        Cuts::Torque => [0.995, 0.97, 0.9, 0.75, 0.5].iter().map(|share| quantile(*share)).collect(),
+        Cuts::Torque => {
+            let top = [0.97, 0.9].map(|share| share * quantile(1.0));
+            [0.999, 0.995, 0.97, 0.9, 0.75, 0.5].map(quantile).into_iter().chain(top).collect()
+        }
         // a large step of the torque then takes 2 to 80 ms
         Cuts::TorqueRate => [0.002, 0.006, 0.02, 0.08].iter().map(|time| quantile(0.95) / time).collect(),
     };

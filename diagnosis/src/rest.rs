@@ -66,7 +66,7 @@ fn whitened(block: &Block, signal: usize) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
         let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-        let (rest, ..) = projected(&bare, 0.0);
+        let rest = projected(&bare, 0.0).rest;
         rows.extend((0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| rest[row]));
     }
     rows
@@ -76,6 +76,8 @@ fn whitened(block: &Block, signal: usize) -> Vec<f64> {
 const TORQUE_EVIDENCE: f64 = 20.0;
 /// Lacking torque over what noise alone gives.
 const TORQUE_RATIO: f64 = 1.4;
+/// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
+const STAMPS: f64 = 3.0;
 /// Scatter and correlation of a rest too quick for the torques.
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
@@ -89,7 +91,9 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     if torque {
         let quick = rest.signals.iter().position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
-        if rest.discrepancy < TORQUE_EVIDENCE && quick.is_none() && size < TORQUE_RATIO * floor {
+        let stamps = STAMPS * study.explained;
+        let evident = rest.discrepancy >= TORQUE_EVIDENCE && rest.size > stamps;
+        if !evident && quick.is_none() && size < TORQUE_RATIO * floor.hypot(stamps) {
             return None;
         }
         let (signal, depends_on, shape) = torque_shape(study);

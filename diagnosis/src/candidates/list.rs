@@ -9,11 +9,15 @@ const fn real(
     range: (f64, f64),
     phrase: &'static str,
 ) -> Entry {
-    Entry { name, side, motion: Motion::Real { steps, range }, phrase }
+    Entry { name, side, motion: Motion::Real { steps, range }, bends: false, phrase }
 }
 
 const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
-    Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, phrase }
+    Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, bends: false, phrase }
+}
+
+const fn bent(entry: Entry) -> Entry {
+    Entry { bends: true, ..entry }
 }
 
 /// Not a variable of a unit: how late the plant's log is stamped, s.
@@ -31,17 +35,17 @@ const HUNDREDTH: &[f64] = &[0.01];
 pub const LIST: &[Entry] = &[
     real("plant.b_roll", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction of the first link (rolling)"),
     real("plant.b_joint", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction at the joint"),
-    real("plant.fc_roll", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction of the first link (rolling)"),
-    real("plant.fc_joint", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction at the joint"),
+    bent(real("plant.fc_roll", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
+    bent(real("plant.fc_joint", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction at the joint")),
     real("plant.I_rotor", Side::Plant, &[1e-4], (0.0, BIG), "rotor inertia at the joint"),
-    Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, phrase: "torque saturation" },
-    Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, phrase: "limit on the rate of the torque" },
+    Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
+    Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
     real("plant.T_act", Side::Plant, &[4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
     real("plant.tau_bias", Side::Plant, &[5e-3], (-BIG, BIG), "constant torque bias"),
     real("plant.k_tau", Side::Plant, HUNDREDTH, PART, "torque gain"),
     real("plant.slope", Side::Plant, &[5e-3], (-1.0, 1.0), "inclined ground"),
-    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, phrase: "velocity terms of the equations of motion" },
+    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },
     share("plant.theta_1", HUNDREDTH, PART, "inertia of the first link"),
     share("plant.theta_2", HUNDREDTH, PART, "inertia coupling of rolling and first link"),
     share("plant.theta_5", HUNDREDTH, PART, "inertia of the second link"),
@@ -56,14 +60,14 @@ pub const LIST: &[Entry] = &[
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
     real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
     real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
-    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { most: 4 }, phrase: "defocus" },
+    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { most: 4 }, bends: true, phrase: "defocus" },
     real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis"),
     real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
     real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),
     real("camera.u0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along u"),
     real("camera.v0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along v"),
     real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
-    real("camera.E_t", Side::Camera, &[0.2, 0.7], (0.0, 1.0), "exposure time"),
+    real("camera.E_t", Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time"),
     real(CLOCK, Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
     // below 0 only to tell a clock that is off: no camera is that quick
     real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results"),

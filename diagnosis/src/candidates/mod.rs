@@ -73,6 +73,8 @@ pub struct Entry {
     pub side: Side,
     /// How it moves.
     pub motion: Motion,
+    /// Its size changes what it does, not only how much: columns tell little of it before it is fitted.
+    pub bends: bool,
     /// What a person would call it.
     pub phrase: &'static str,
 }
@@ -96,6 +98,8 @@ pub struct Candidate {
     pub steps: Vec<f64>,
     /// Smallest and largest x.
     pub range: (f64, f64),
+    /// Its size changes what it does, not only how much.
+    pub bends: bool,
 }
 
 impl Candidate {
@@ -165,8 +169,8 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         if steps.is_empty() {
             continue;
         }
-        let Entry { name, side, motion, phrase } = *entry;
-        found.push(Candidate { name, side, phrase, motion, off, steps, range });
+        let Entry { name, side, motion, bends, phrase } = *entry;
+        found.push(Candidate { name, side, phrase, motion, off, steps, range, bends });
     }
     found
 }

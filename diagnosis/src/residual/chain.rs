@@ -23,6 +23,11 @@ fn candidates_step(candidates: &[Candidate]) -> f64 {
 /// Three standard deviations of an angle read off a picture, rad.
 const NEAR: f64 = 3e-3;
 
+/// Frames to either side over which a change of poses is averaged: a lens or mount that moves shifts poses smoothly.
+const BESIDE: usize = 7;
+/// A change of poses below this moves no pixel that matters, rad.
+const STILL: f64 = 1e-4;
+
 /// Picture and torque.
 pub struct Chain {
     /// The picture with free poses.
@@ -94,6 +99,46 @@ impl Chain {
         Ok(())
     }
 
+    /// Lets the poses follow a camera that was moved, so that frames are rendered where this camera has them: the
+    /// pixel lattice is part of the model only there.
+    fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
+        let blocks = self.image.linearise(point, &[], true)?;
+        let mut cells =
+            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
+        let shifts: Vec<Option<[f64; 2]>> = (self.image.frames.iter())
+            .map(|frame| {
+                let here =
+                    cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
+                here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
+            })
+            .collect();
+        let frames = &mut self.image.frames;
+        let runs: Vec<usize> = frames.iter().map(|frame| frame.run).collect();
+        let smooth: Vec<[f64; 2]> = (0..shifts.len())
+            .map(|place| {
+                let near = place.saturating_sub(BESIDE)..(place + BESIDE + 1).min(shifts.len());
+                let near: Vec<[f64; 2]> = near
+                    .filter(|other| runs[*other] == runs[place])
+                    .filter_map(|other| shifts[other])
+                    .collect();
+                [0, 1].map(|angle| {
+                    near.iter().map(|shift| shift[angle]).sum::<f64>() / near.len().max(1) as f64
+                })
+            })
+            .collect();
+        let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
+        if size < STILL * STILL * smooth.len() as f64 {
+            return Ok(());
+        }
+        for (frame, shift) in frames.iter_mut().zip(&smooth) {
+            for angle in 0..2 {
+                frame.shot.end[angle] += shift[angle];
+                frame.shot.before[angle] += shift[angle];
+            }
+        }
+        Ok(())
+    }
+
     /// Poses of all frames from the picture, and how each probe would move them.
     fn poses(&mut self, blocks: &[Block], probes: &[Probe]) -> Poses {
         let runs = 1 + self.image.frames.iter().map(|frame| frame.run).max().unwrap_or(0);
@@ -131,6 +176,7 @@ impl Cut for Chain {
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        self.follow(point)?;
         let mut blocks = self.image.linearise(point, probes, quick)?;
         let poses = self.poses(&blocks, probes);
         let read = if quick { Vec::new() } else { poses.angles.clone() };
@@ -140,6 +186,9 @@ impl Cut for Chain {
         // only where a new look begins: frames that move change the lattice, and comparisons with it
         if !quick && !probes.is_empty() {
             self.smooth(point, &read)?;
+        }
+        if !quick {
+            self.image.mark();
         }
         let offset = self.image.signals().len();
         blocks.extend(more.into_iter().map(|block| {
@@ -156,6 +205,23 @@ impl Cut for Chain {
             }
         }));
         Ok(blocks)
+    }
+
+    fn lattice(&self) -> bool {
+        true
+    }
+
+    fn back(&mut self) {
+        self.image.back();
+        self.plant.back();
+    }
+
+    fn afresh(&mut self) {
+        self.plant.afresh();
+    }
+
+    fn explained(&self) -> f64 {
+        self.plant.explained()
     }
 
     fn discrepancy_unit(&self) -> &'static str {

@@ -15,6 +15,7 @@ use crate::dataset::DataSet;
 use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::Cell;
+use crate::statistics::random::Random;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,6 +24,14 @@ use std::sync::Arc;
 const BLOCK: f64 = 0.5;
 /// Angle over which the picture's change with pose is taken: two pixels at the joint.
 const TURN: f64 = 0.012;
+/// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
+/// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
+/// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
+/// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
+const DITHER: [f64; 2] = [0.02, 0.01];
+const DITHER_SEED: u64 = 0x0ac0_d17e;
+/// Step of E_t that shows its blur.
+const BLURRING: f64 = 0.2;
 /// Standard deviations to begin with, px.
 const FIRST_GUESS: [f64; 9] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0];
 
@@ -59,6 +68,7 @@ pub struct ImageCut {
     pub frames: Vec<Frame>,
     pose: Pose,
     delay: Option<usize>,
+    exposure: Option<usize>,
     nominal_delay: f64,
     signals: Vec<Signal>,
     /// Change of the picture with q1 and q2, kept: it hardly depends on small effects.
@@ -66,6 +76,10 @@ pub struct ImageCut {
     kept: BTreeMap<(usize, u64), Vec<Option<Seen>>>,
     /// The last frames, with what they were made from: a candidate of the plant leaves them as they are.
     made: Option<Made>,
+    /// Frames beside the poses, without a candidate moved.
+    still: Vec<Made>,
+    /// Poses at the last look that was not quick.
+    looked: Option<Vec<Shot>>,
 }
 
 impl ImageCut {
@@ -105,21 +119,32 @@ impl ImageCut {
         if frames.is_empty() {
             return Ok(None);
         }
-        let free = matches!(pose, Pose::Free);
         let signals = (0..9)
             .map(|s| {
                 let name = format!("camera.{}", COLUMNS[s]);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                // a pose that is read off the same picture follows the lattice, and areas rendered there are biased
-                let known = if free && s >= 6 { known.or(Some(3.0 * FIRST_GUESS[s])) } else { known };
                 Signal { name, unit: "px", known, sigma: known.unwrap_or(FIRST_GUESS[s]) }
             })
             .collect();
-        let delay = candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
+        let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
+        let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
         let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
         let studio = Studio::new(model)?;
-        let (turns, kept, made) = (None, BTreeMap::new(), None);
-        Ok(Some(Self { studio, candidates, frames, pose, delay, nominal_delay, signals, turns, kept, made }))
+        Ok(Some(Self {
+            studio,
+            candidates,
+            frames,
+            pose,
+            delay,
+            exposure,
+            nominal_delay,
+            signals,
+            turns: None,
+            kept: BTreeMap::new(),
+            made: None,
+            still: Vec::new(),
+            looked: None,
+        }))
     }
 
     /// Delay of the camera at a point, s.
@@ -130,6 +155,11 @@ impl ImageCut {
     /// Interval between frames, s.
     pub fn interval(&self) -> f64 {
         self.studio.interval()
+    }
+
+    /// Poses as they are now are those to come back to.
+    pub fn mark(&mut self) {
+        self.looked = Some(self.frames.iter().map(|frame| frame.shot).collect());
     }
 
     /// Forgets kept columns, since the frames have moved.
@@ -197,16 +227,67 @@ impl ImageCut {
         Ok(base)
     }
 
+    /// What a little more exposure does. Its middle comes earlier, a delay of E_t / (2 omega_cam), whose column is
+    /// smooth; and it blurs, which grows with the square of E_t and of which a small step shows the pixel lattice only:
+    /// that part is taken from a large step.
+    fn short_exposure(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
+        let nominal = self.candidates[probe.candidate].off;
+        let large = self.column(point, Probe { by: BLURRING, ..probe })?;
+        let share = (probe.by + 2.0 * point[probe.candidate]) / (BLURRING + 2.0 * nominal);
+        let earlier = 0.5 * self.interval();
+        let turns = self.turns.as_deref().unwrap_or(&[]);
+        Ok((self.frames.iter().zip(turns).zip(large))
+            .map(|((frame, turn), large)| {
+                let (Some(one), Some(two), Some(large)) = (turn[0], turn[1], large) else { return None };
+                Some(std::array::from_fn(|s| {
+                    let late = -earlier * (one[s] * frame.shot.end[2] + two[s] * frame.shot.end[3]);
+                    late + share * (large[s] - late)
+                }))
+            })
+            .collect())
+    }
+
+    /// Shots a little beside the frames' poses.
+    fn beside(&self, side: f64) -> Vec<Shot> {
+        let moved = |state: &State, by: &[f64; 2]| {
+            [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
+        };
+        let mut random = Random::new(DITHER_SEED);
+        self.frames
+            .iter()
+            .map(|frame| {
+                let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
+                Shot { before: moved(&frame.shot.before, &by), end: moved(&frame.shot.end, &by) }
+            })
+            .collect()
+    }
+
     fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
         let key = (probe.candidate, probe.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
             return Ok(kept.clone());
         }
-        let settings = self.settings(point, Some(probe))?;
-        let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
-        let still = self.settings(point, None)?;
-        let column =
-            slopes(&self.studio.take(&settings, &shots)?, &self.studio.take(&still, &shots)?, probe.by);
+        let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
+        let mut sides = Vec::with_capacity(2);
+        for side in [1.0, -1.0] {
+            let shots = self.beside(side);
+            let here = match self.still.iter().find(|known| known.0 == still && known.1 == shots) {
+                Some(known) => known.2.clone(),
+                None => {
+                    let here = self.studio.take(&still, &shots)?;
+                    self.still.retain(|known| known.0 == still);
+                    self.still.push((still.clone(), shots.clone(), here.clone()));
+                    here
+                }
+            };
+            sides.push(slopes(&self.studio.take(&moved, &shots)?, &here, probe.by));
+        }
+        let column = (sides[0].iter().zip(&sides[1]))
+            .map(|pair| match pair {
+                (Some(a), Some(b)) => Some(std::array::from_fn(|s| 0.5 * (a[s] + b[s]))),
+                (a, b) => a.or(*b),
+            })
+            .collect::<Vec<_>>();
         self.kept.insert(key, column.clone());
         Ok(column)
     }
@@ -237,6 +318,8 @@ impl Cut for ImageCut {
             let seen = self.sees(&self.candidates[probe.candidate]);
             columns.push(if !seen || Some(probe.candidate) == self.delay {
                 None
+            } else if Some(probe.candidate) == self.exposure && probe.by.abs() < BLURRING {
+                Some(self.short_exposure(point, *probe)?)
             } else {
                 Some(self.column(point, *probe)?)
             });
@@ -297,6 +380,16 @@ impl Cut for ImageCut {
             ));
         }
         Ok(blocks)
+    }
+
+    fn lattice(&self) -> bool {
+        true
+    }
+
+    fn back(&mut self) {
+        if let Some(shots) = &self.looked {
+            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+        }
     }
 
     fn discrepancy_unit(&self) -> &'static str {

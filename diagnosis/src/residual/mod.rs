@@ -4,14 +4,17 @@
 //! nuisances and of the candidates, all by moving things in the units themselves.
 //!
 //! - [`plant`]: commanded torque in, motion out, in short windows with free start states (multiple shooting).
-//! - [`weak`]: the same as torques, for logs that the model misses by far more than their noise.
+//! - [`weak`]: accelerations at measured states, read as torques, for logs that the model misses by far more than
+//!   their noise.
 //! - [`image`]: motion in, picture out, frame by frame.
 //! - [`chain`]: commanded torque in, picture out, where no encoder was logged.
 
+mod actuator;
 pub mod chain;
 pub mod image;
 pub mod picture;
 pub mod plant;
+mod smooth;
 pub mod torque;
 pub mod trajectory;
 pub mod weak;
@@ -71,9 +74,22 @@ pub trait Cut: Send + Sync {
     /// # Errors
     /// A unit failed.
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error>;
+    /// Puts the nuisances back to where the last look that was not quick left them, so that a fit that went astray
+    /// doesn't spoil the next one.
+    fn back(&mut self);
+    /// Whether pictures are compared, whose pixel lattice moves with every refit.
+    fn lattice(&self) -> bool {
+        false
+    }
+    /// Forgets the nuisances: the next look begins from the data again.
+    fn afresh(&mut self) {}
     /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.
     fn outweighed(&self) -> bool {
         false
+    }
+    /// Size of the discrepancy that scattering time stamps of the torque explain.
+    fn explained(&self) -> f64 {
+        0.0
     }
     /// What a size of 1 of the model discrepancy means, for people.
     fn discrepancy_unit(&self) -> &'static str;

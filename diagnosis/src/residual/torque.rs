@@ -34,7 +34,7 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
             }
             let (at, solved, floor) = if cell.floor.is_empty() {
                 (
-                    cell.hard.ncols(),
+                    cell.hard.ncols() + cell.discrepancy,
                     nuisances(&moved, crate::selection::FREE).as_slice().to_vec(),
                     deviations(cell),
                 )
@@ -55,14 +55,17 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
     all
 }
 
-/// Standard deviations of the nuisances that the rows' noise gives.
+/// Standard deviations of the nuisances that the rows' noise gives; the discrepancy is free.
 pub fn deviations(cell: &Cell) -> Vec<f64> {
     let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + cell.soft.ncols());
     let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
         let value = if column < hard { cell.hard[(row, column)] } else { cell.soft[(row, column - hard)] };
         value / cell.sigma[row]
     });
-    let normal = white.tr_mul(&white);
+    let mut normal = white.tr_mul(&white);
+    for place in hard..hard + cell.discrepancy {
+        normal[(place, place)] += 1.0;
+    }
     (0..all)
         .map(|place| {
             let mut unit = DVector::zeros(all);

@@ -7,6 +7,7 @@
 use crate::bench::{Bench, Setting, step};
 use crate::dataset::Run;
 use crate::error::Error;
+use orchestrator::fmu::Instance;
 
 /// Time before the scored rows of a window, s: longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
@@ -90,7 +91,7 @@ impl Drive {
 }
 
 /// Mean of a held column over a stretch of time.
-fn average(log: &crate::dataset::Table, name: &str, from: f64, to: f64) -> f64 {
+pub fn average(log: &crate::dataset::Table, name: &str, from: f64, to: f64) -> f64 {
     let (first, last) = (log.time.partition_point(|t| *t <= from), log.time.partition_point(|t| *t < to));
     let mut sum = 0.0;
     let mut at = from;
@@ -122,6 +123,7 @@ pub struct Ports {
     outputs: [u32; 5],
     starts: [u32; 4],
     contact: u32,
+    bias: u32,
 }
 
 impl Ports {
@@ -142,6 +144,7 @@ impl Ports {
             ],
             starts: [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?],
             contact: reference("q2_max")?,
+            bias: reference("tau_bias")?,
         })
     }
 }
@@ -159,45 +162,49 @@ pub fn simulate(
     pushes: &[Push],
 ) -> Result<Vec<[f64; 5]>, Error> {
     let real = |reference: u32, value: f64| (reference, orchestrator::Value::Real(value));
+    // what the model lacks at the joint goes past the actuator: neither delayed nor cut by it
+    let bias = settings.iter().rev().find(|(reference, _)| *reference == ports.bias);
+    let bias = bias.and_then(|(_, value)| value.as_f64()).unwrap_or_else(|| plant.nominal(ports.bias));
     let torque = |event: &Event| {
-        let (mut tau, mut tau_1) = (event.tau, event.tau_1);
-        for push in pushes {
-            if event.time < push.from - 1e-9 || event.time >= push.to - 1e-9 {
-                continue;
-            }
-            if push.joint {
-                tau += push.size;
-            } else {
-                tau_1 += push.size;
-            }
+        let (mut joint, mut link) = (0.0, event.tau_1);
+        for push in pushes.iter().filter(|push| event.time >= push.from - 1e-9 && event.time < push.to - 1e-9)
+        {
+            *if push.joint { &mut joint } else { &mut link } += push.size;
         }
-        [tau, tau_1]
+        ([event.tau, link], joint)
     };
     let first = torque(&drive.events[0]);
     let mut all = settings.to_vec();
     all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
-    all.extend(ports.inputs.iter().zip(first).map(|(reference, value)| real(*reference, value)));
+    all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
+    all.push(real(ports.bias, bias + first.1));
     // rows at which the links touch are not scored, and a trial state must not be held
     all.push(real(ports.contact, 1e9));
     plant.run(&all, drive.start(), |instance| {
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
         let mut rows = Vec::new();
-        let mut outputs = [0.0; 5];
         let mut last = first;
-        if drive.events[0].wanted {
+        let row = |instance: &mut Instance, joint: f64| {
+            let mut outputs = [0.0; 5];
             instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
-            rows.push(outputs);
+            outputs[4] -= joint;
+            Ok::<_, Error>(outputs)
+        };
+        if drive.events[0].wanted {
+            rows.push(row(instance, first.1)?);
         }
         for pair in drive.events.windows(2) {
             let now = torque(&pair[0]);
-            if now != last {
-                instance.set_real(&ports.inputs, &now).map_err(failed)?;
-                last = now;
+            if now.0 != last.0 {
+                instance.set_real(&ports.inputs, &now.0).map_err(failed)?;
             }
+            if now.1 != last.1 {
+                instance.set_real(&[ports.bias], &[bias + now.1]).map_err(failed)?;
+            }
+            last = now;
             step(instance, pair[0].time, pair[1].time - pair[0].time)?;
             if pair[1].wanted {
-                instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
-                rows.push(outputs);
+                rows.push(row(instance, now.1)?);
             }
         }
         if rows.iter().flatten().all(|value: &f64| value.is_finite()) {

@@ -1,38 +1,138 @@
 //! The plant's cut as torques: for machines that the model misses by far more than the encoders' noise.
 //!
-//! There, the rows of a window say less than they seem to: what the model lacks is no white noise on angles, and the
-//! fastest windows would outvote all others. Each window is turned into the few torques that the model lacks in it,
-//! and these count alike. (Weak form: Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; the test
-//! functions here are the plant's own responses.)
+//! There a plant that is driven by the torque alone leaves the log within a window, and what the model lacks is no
+//! white noise on angles. So the unit is asked at the *measured* state, without any stepping: which accelerations does
+//! it give? Against a test function φ that vanishes with its slopes at the ends of a stretch, ∫φ″q dt of the log is
+//! ∫φ q̈ dt of the truth, and no log is differentiated twice. The difference, turned into torques by the unit's own
+//! sensitivity to tau_1 and tau, is what the model lacks there.
+//! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
+//! Trans. Control Syst. Technol. 21 (2013) 428.
 
-use super::plant::PlantCut;
-use super::torque::deviations;
+use super::actuator::{Actuator, DYNAMIC};
+use super::plant::settings;
+use super::smooth::{Node, Stretch, stretches};
 use super::{Block, Cut, Probe, Signal};
+use crate::bench::{Bench, Setting};
 use crate::candidates::{Candidate, Side};
+use crate::dataset::DataSet;
 use crate::error::Error;
-use crate::selection::FREE;
-use crate::statistics::linear::{Cell, nuisances};
-use nalgebra::DMatrix;
+use crate::model::Model;
+use crate::statistics::linear::Cell;
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Torques this many typical sizes out count less (Huber).
 const OUTLYING: f64 = 4.0;
+/// Stretches that overlap belong to one block, s.
+const BLOCK: f64 = 1.0;
+/// Torque for the unit's sensitivity, N·m: it is linear in it.
+const PUSH: f64 = 1.0;
 
-/// Windows in use: a lacking model doesn't become clearer by more of them, and friction makes them slow.
-const WINDOWS: usize = 90;
-
-/// A plant's cut, read as torques.
+/// Accelerations at measured states, read as torques.
 pub struct Weak {
-    /// The rows.
-    pub rows: PlantCut,
+    bench: Arc<Bench>,
+    candidates: Arc<Vec<Candidate>>,
+    actuator: Actuator,
+    stretches: Vec<Stretch>,
     signals: Vec<Signal>,
+    inputs: [u32; 6],
+    outputs: [u32; 2],
 }
 
 impl Weak {
-    /// Reads a cut so.
-    pub fn new(mut rows: PlantCut) -> Self {
-        rows.thin(WINDOWS);
+    /// All stretches of all runs with motion and torque; `None` if there are none.
+    ///
+    /// # Errors
+    /// The unit lacks a variable or failed.
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
+        let bench = model.plant.clone();
+        let reference = |name: &str| bench.reference(name);
+        let inputs = [
+            reference("q1_0")?,
+            reference("q2_0")?,
+            reference("dq1_0")?,
+            reference("dq2_0")?,
+            reference("tau_1")?,
+            reference("tau")?,
+        ];
+        let outputs = [reference("ddq1")?, reference("ddq2")?];
+        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let found = stretches(data, contact);
+        if found.is_empty() {
+            return Ok(None);
+        }
         let signal = |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1 };
-        Self { rows, signals: vec![signal("plant.tau_1"), signal("plant.tau")] }
+        let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
+        let actuator = Actuator::new(data, &bench)?;
+        let mut weak = Self { bench, candidates, actuator, stretches: found, signals, inputs, outputs };
+        weak.weigh()?;
+        Ok(Some(weak))
+    }
+
+    /// Torque per acceleration at the middle of each stretch, by the nominal unit.
+    fn weigh(&mut self) -> Result<(), Error> {
+        let middles: Vec<Node> = self.stretches.iter().map(|stretch| stretch.middle().clone()).collect();
+        let pushed = |tau_1: f64, tau: f64| {
+            let nodes: Vec<Node> = middles
+                .iter()
+                .map(|node| Node { tau_1: node.tau_1 + tau_1, tau: node.tau + tau, ..*node })
+                .collect();
+            self.accelerations(&[], &nodes)
+        };
+        let (still, one, two) = (pushed(0.0, 0.0)?, pushed(PUSH, 0.0)?, pushed(0.0, PUSH)?);
+        for (place, stretch) in self.stretches.iter_mut().enumerate() {
+            let by = |moved: &[f64; 2], axis: usize| (moved[axis] - still[place][axis]) / PUSH;
+            let (one, two) = (&one[place], &two[place]);
+            let sensitivity = Matrix2::new(by(one, 0), by(two, 0), by(one, 1), by(two, 1));
+            stretch.inertia = sensitivity.try_inverse().unwrap_or_else(Matrix2::zeros);
+        }
+        Ok(())
+    }
+
+    /// What the unit gives at states, in initialization mode: inputs and start values are set, outputs are read.
+    fn accelerations(&self, settings: &[Setting], nodes: &[Node]) -> Result<Vec<[f64; 2]>, Error> {
+        let failed = |error: orchestrator::Error| Error::Model(error.to_string());
+        self.bench.initialising(settings, |instance| {
+            let mut all = Vec::with_capacity(nodes.len());
+            for node in nodes {
+                let [q1, q2, dq1, dq2] = node.state;
+                instance.set_real(&self.inputs, &[q1, q2, dq1, dq2, node.tau_1, node.tau]).map_err(failed)?;
+                let mut found = [0.0; 2];
+                instance.get_real(&self.outputs, &mut found).map_err(failed)?;
+                all.push(found);
+            }
+            Ok(all)
+        })
+    }
+
+    /// For each stretch ∫φ q̈ dt, by the unit at a point.
+    fn given(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Vector2<f64>>, Error> {
+        let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
+        let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
+        let references = DYNAMIC.map(|name| self.bench.reference(name).ok());
+        let fixed: Vec<Setting> =
+            all.into_iter().filter(|(reference, _)| !references.contains(&Some(*reference))).collect();
+        let sums: Vec<_> = self
+            .stretches
+            .par_iter()
+            .map(|stretch| {
+                let nodes: Vec<Node> = match &applied {
+                    Some(applied) => (stretch.nodes.iter())
+                        .map(|node| Node { tau: applied.at(stretch.run, node.time), ..*node })
+                        .collect(),
+                    None => stretch.nodes.clone(),
+                };
+                let found = self.accelerations(&fixed, &nodes)?;
+                let sum = |axis: usize| found.iter().zip(&stretch.weights).map(|(a, w)| a[axis] * w).sum();
+                Ok::<_, Error>(Vector2::new(sum(0), sum(1)))
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(sums)
     }
 }
 
@@ -46,32 +146,55 @@ impl Cut for Weak {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        // where torques are coarse, an offset of a clock is none of them
-        self.rows.sees(candidate) && candidate.side == Side::Plant
+        candidate.side == Side::Plant
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        let mut blocks = self.rows.linearise(point, probes, quick)?;
-        for block in &mut blocks {
-            for cell in &mut block.cells {
-                *cell = self.turned(cell);
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
+        let base = self.given(point, None)?;
+        let mut columns: Vec<Option<Vec<Vector2<f64>>>> = Vec::with_capacity(probes.len());
+        for probe in probes {
+            let seen = self.sees(&self.candidates[probe.candidate]);
+            columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
+        }
+        let mut blocks: Vec<Block> = Vec::new();
+        for (place, stretch) in self.stretches.iter().enumerate() {
+            let torque = stretch.inertia * (stretch.measured - base[place]);
+            let mut matrix = DMatrix::zeros(2, probes.len());
+            for (column, (probe, moved)) in probes.iter().zip(&columns).enumerate() {
+                let Some(moved) = moved else { continue };
+                let change = stretch.inertia * (moved[place] - base[place]) / probe.by;
+                (0..2).for_each(|row| matrix[(row, column)] = change[row]);
+            }
+            let cell = Cell {
+                residual: vec![torque[0], torque[1]],
+                sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
+                signal: vec![0, 1],
+                time: vec![stretch.middle().time; 2],
+                hard: DMatrix::zeros(2, 0),
+                soft: DMatrix::zeros(2, 0),
+                discrepancy: 0,
+                columns: matrix,
+                floor: stretch.floor().to_vec(),
+            };
+            match blocks.last_mut() {
+                Some(block) if block.run == stretch.run && stretch.from - block.from < BLOCK => {
+                    block.to = stretch.to;
+                    block.cells.push(cell);
+                }
+                _ => blocks.push(Block {
+                    run: stretch.run,
+                    from: stretch.from,
+                    to: stretch.to,
+                    cells: vec![cell],
+                    state: stretch.middle().state,
+                }),
             }
         }
-        let mut sizes: Vec<f64> = blocks
-            .iter()
-            .flat_map(|block| &block.cells)
-            .flat_map(|cell| &cell.residual)
-            .map(|x| x.abs())
-            .collect();
-        sizes.sort_by(f64::total_cmp);
-        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
-        for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
-            for row in 0..cell.residual.len() {
-                cell.sigma[row] *= (cell.residual[row].abs() / (OUTLYING * typical)).max(1.0);
-            }
-        }
+        count_less(&mut blocks);
         Ok(blocks)
     }
+
+    fn back(&mut self) {}
 
     fn outweighed(&self) -> bool {
         true
@@ -82,32 +205,15 @@ impl Cut for Weak {
     }
 }
 
-impl Weak {
-    fn turned(&self, cell: &Cell) -> Cell {
-        let hard = cell.hard.ncols();
-        let solve = |residual: Vec<f64>| nuisances(&Cell { residual, ..cell.clone() }, FREE);
-        let torque = solve(cell.residual.clone());
-        let rows = torque.len().saturating_sub(hard);
-        let mut columns = DMatrix::zeros(rows, cell.columns.ncols());
-        for place in 0..cell.columns.ncols() {
-            let column: Vec<f64> = cell.columns.column(place).iter().copied().collect();
-            if column.iter().any(|value| *value != 0.0) {
-                let turned = solve(column);
-                (0..rows).for_each(|row| columns[(row, place)] = turned[hard + row]);
-            }
-        }
-        let floor = deviations(cell);
-        let middle = cell.time.iter().sum::<f64>() / cell.time.len().max(1) as f64;
-        Cell {
-            residual: (0..rows).map(|row| torque[hard + row]).collect(),
-            sigma: (0..rows).map(|row| self.signals[row % 2].sigma).collect(),
-            signal: (0..rows).map(|row| row % 2).collect(),
-            time: vec![middle; rows],
-            hard: DMatrix::zeros(rows, 0),
-            soft: DMatrix::zeros(rows, 0),
-            discrepancy: 0,
-            columns,
-            floor: floor.get(hard..).unwrap_or(&[]).to_vec(),
+/// Rows far out count less, by link.
+fn count_less(blocks: &mut [Block]) {
+    for signal in 0..2 {
+        let mut sizes: Vec<f64> =
+            blocks.iter().flat_map(|block| &block.cells).map(|cell| cell.residual[signal].abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
+        for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
+            cell.sigma[signal] *= (cell.residual[signal].abs() / (OUTLYING * typical)).max(1.0);
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Nothing here is a table of look-alikes. A candidate belongs to the class of an effect when the data, with
 //! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
 
+use super::Step;
 use super::evaluation::Evaluation;
 use super::refit::refit;
 use crate::candidates::{Candidate, Motion, Side};
@@ -11,8 +12,11 @@ use crate::residual::Cut;
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::DVector;
 
-/// Predicted loss beyond which an alternative isn't even fitted.
-const HOPELESS: f64 = 30.0;
+/// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
+/// hardly brings it below `CLASS`.
+const HOPELESS: f64 = 12.0;
+/// A fit that loses more than this is far enough not to be settled any further.
+const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 10.
 pub const CLASS: f64 = 4.5;
 
@@ -37,6 +41,7 @@ pub fn alternatives(
     last: &Evaluation,
     active: &[usize],
     effect: usize,
+    steps: &[Step],
 ) -> Result<Vec<Alternative>, Error> {
     let temper = temper(last, active, effect, candidates);
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
@@ -49,6 +54,9 @@ pub fn alternatives(
     let mut all = vec![(effect, reference.point[effect], reference.deviance())];
     for (index, candidate) in candidates.iter().enumerate() {
         if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
+            continue;
+        }
+        if candidates[effect].is_discrete() && !resembled(steps, effect, index) {
             continue;
         }
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
@@ -80,7 +88,8 @@ pub fn alternatives(
             }
         }
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
-            let fit = settled(cut, fit)?;
+            let far = fit.deviance() > all[0].2 + temper * FAR;
+            let fit = if far { fit } else { settled(cut, fit)? };
             all.push((index, fit.point[index], fit.deviance()));
         }
     }
@@ -93,6 +102,13 @@ pub fn alternatives(
         .collect();
     alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     Ok(alternatives)
+}
+
+/// Whether a candidate's column promised a good part of what a discrete effect then gave.
+fn resembled(steps: &[Step], effect: usize, index: usize) -> bool {
+    let Some(step) = steps.iter().find(|step| step.accepted == Some(effect)) else { return true };
+    let fall = step.deviance.0 - step.deviance.1;
+    step.best.iter().any(|hit| hit.candidate == index && hit.gain > 0.5 * fall - 2.0 * HOPELESS)
 }
 
 /// How much the likelihood overstates: variance of the score over blocks against what independent rows would give.

@@ -68,6 +68,9 @@ impl Evaluation {
     /// # Errors
     /// A unit failed.
     pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe], quick: bool) -> Result<Self, Error> {
+        if !quick {
+            cut.back();
+        }
         let blocks = cut.linearise(point, probes, quick)?;
         Ok(Self::of(blocks, point, probes, cut.signals()))
     }
@@ -217,16 +220,13 @@ fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
         .flat_map_iter(|block| &block.cells)
         .map(|cell| {
             let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-            let (rest, _, free, _) = projected(&bare, FREE);
-            (cell, rest, free)
+            (cell, projected(&bare, FREE))
         })
         .collect();
-    for (cell, rest, free) in rests {
-        let soft = cell.soft.ncols() - cell.discrepancy.min(cell.soft.ncols());
-        let share = ((free - soft as f64) / cell.residual.len() as f64).max(0.0);
+    for (cell, left) in rests {
         for (row, signal) in cell.signal.iter().enumerate() {
-            sum[*signal] += rest[row] * rest[row];
-            freedom[*signal] += share;
+            sum[*signal] += left.rest[row] * left.rest[row];
+            freedom[*signal] += left.expected[row];
         }
     }
     (0..sigmas.len())

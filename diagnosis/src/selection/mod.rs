@@ -11,7 +11,7 @@ pub use evaluation::{Evaluation, FREE, Folds, all_probes};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 
-use crate::candidates::{Candidate, Side};
+use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 
@@ -20,14 +20,21 @@ pub const ALPHA: f64 = 0.005;
 /// More effects than this are not a diagnosis any more.
 const MOST: usize = 6;
 /// How many of the screen's best are refitted, and how good they must be against the best.
-const SHORTLIST: usize = 4;
+const SHORTLIST: usize = 6;
 const WORTH: f64 = 0.5;
-/// Differences of deviance below this are the pixel lattice's, which moves while a lens is fitted.
-const LATTICE: f64 = 60.0;
-/// A fall of the deviance beyond which the lattice doesn't matter, and columns bend.
+/// Where a column says little, a fit also begins this many times further out.
+const FURTHER: f64 = 2.5;
+/// The same where a column says little.
+const BENT_WORTH: f64 = 0.15;
+/// A gain beyond which columns bend. Below it, pictures are compared by their columns at one and the same pose: the
+/// deviances of refits differ by what the pixel lattice does when the picture moves under it.
 const LARGE: f64 = 4000.0;
 /// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
 const HANDICAP: f64 = 10.0;
+/// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
+/// standard error.
+const SETTLE: usize = 3;
+const MOVED: f64 = 0.2;
 /// An active effect below this many standard errors is dropped again.
 const KEEP: f64 = 2.6;
 /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
@@ -71,9 +78,13 @@ pub struct Study {
     pub folds: Folds,
     /// Which candidates the cut sees.
     pub seen: Vec<usize>,
+    /// Size of the discrepancy that scattering time stamps explain.
+    pub explained: f64,
+    /// What the model lacks outweighs noise.
+    pub outweighed: bool,
 }
 
-/// Selects on one cut, beginning from `start`.
+/// Selects on one cut, beginning from `start`, where the `known` are on already.
 ///
 /// # Errors
 /// A unit failed at the nominal model.
@@ -81,6 +92,7 @@ pub fn study(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     start: &[f64],
+    known: &[usize],
     tell: &mut dyn FnMut(&str),
 ) -> Result<Study, Error> {
     let seen: Vec<usize> = (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect();
@@ -91,11 +103,19 @@ pub fn study(
         };
         Evaluation::at(cut, point, &probes, false)
     };
-    let mut active: Vec<usize> = Vec::new();
-    let mut last = look(cut, start, &active)?;
+    let mut active: Vec<usize> = known.to_vec();
+    let mut bare = start.to_vec();
+    known.iter().for_each(|index| bare[*index] = candidates[*index].off);
+    let mut last = look(cut, &bare, &[])?;
     let nominal = last.clone();
     let folds = Folds::new(&last.blocks);
     let mut steps = Vec::new();
+    if !known.is_empty() {
+        let mut point = start.to_vec();
+        cut.afresh();
+        settle(cut, candidates, &mut active, &mut point)?;
+        last = look(cut, &point, &active)?;
+    }
     let mut found = screen(&last, candidates, &active);
     let mut refused: Vec<usize> = Vec::new();
     while active.len() < MOST {
@@ -109,12 +129,13 @@ pub fn study(
             held_out: (f64::NAN, f64::NAN),
         };
         let threshold = found.null.threshold(ALPHA);
-        let shortlist = shortlist(&found, &refused, threshold, cut.outweighed());
-        if shortlist.is_empty() {
+        let shortlist = shortlist(&found, candidates, &refused, threshold, cut.outweighed());
+        let switched = switched(cut, candidates, &last, &active, &refused)?;
+        if shortlist.is_empty() && switched.is_none() {
             steps.push(step);
             break;
         }
-        let mut trials = Vec::new();
+        let mut trials: Vec<(usize, f64, Evaluation)> = switched.into_iter().collect();
         for hit in &shortlist {
             for x in starts(candidates, &last, hit) {
                 let mut point = last.point.clone();
@@ -136,20 +157,19 @@ pub fn study(
             }
         }
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
-        if let Some(best) = trials.first().map(|trial| trial.1).filter(|fall| *fall < LARGE) {
-            let pictured = |index: usize| candidates[index].side == Side::Camera;
-            let close =
-                trials.iter().take_while(|trial| pictured(trial.0) && trial.1 > best - LATTICE).count();
+        let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < LARGE);
+        if linear {
             let gain = |index: usize| {
                 found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
             };
-            trials[..close].sort_by(|a, b| gain(b.0).total_cmp(&gain(a.0)));
+            trials.sort_by(|a, b| gain(b.0).total_cmp(&gain(a.0)));
         }
         let mut accepted = None;
         for (candidate, _, trial) in trials {
             let before = last.under(&trial);
-            let held_out =
-                (before.held_out(&folds, &active), trial.held_out(&folds, &with(&active, candidate)));
+            let now = if linear { &last } else { &trial };
+            let then = if linear { &last } else { &before };
+            let held_out = (then.held_out(&folds, &active), now.held_out(&folds, &with(&active, candidate)));
             let share = 1.0 - trial.total.square / before.total.square;
             let enough = share >= LEAST_SHARE || last.total.square < 1.5 * last.total.freedom;
             if held_out.1 < held_out.0 && enough {
@@ -168,9 +188,7 @@ pub fn study(
         active.push(candidate);
         step.accepted = Some(candidate);
         let mut point = trial.point.clone();
-        // settle the nuisances there before fitting on
-        Evaluation::at(cut, &point, &[], false)?;
-        step.dropped = prune(cut, candidates, &mut active, &mut point)?;
+        step.dropped = settle(cut, candidates, &mut active, &mut point)?;
         refused.extend(&step.dropped);
         last = look(cut, &point, &active)?;
         step.rest.1 = rest(&last);
@@ -181,7 +199,43 @@ pub fn study(
             break;
         }
     }
-    Ok(Study { name: cut.name(), active, nominal, last, screen: found, steps, folds, seen })
+    let (explained, outweighed) = (cut.explained(), cut.outweighed());
+    let name = cut.name();
+    Ok(Study { name, active, nominal, last, screen: found, steps, folds, seen, explained, outweighed })
+}
+
+/// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
+/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left.
+fn switched(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    refused: &[usize],
+) -> Result<Option<(usize, f64, Evaluation)>, Error> {
+    let mut best: Option<(usize, f64, Evaluation)> = None;
+    if last.softness == 0.0 || cut.outweighed() || cut.lattice() {
+        return Ok(None);
+    }
+    for (index, candidate) in candidates.iter().enumerate() {
+        let open =
+            candidate.motion == Motion::Switch && !active.contains(&index) && !refused.contains(&index);
+        if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
+            continue;
+        }
+        let mut point = last.point.clone();
+        point[index] += candidate.steps[0];
+        cut.afresh();
+        let trial = Evaluation::at(cut, &point, &[], false);
+        cut.afresh();
+        Evaluation::at(cut, &last.point, &[], false)?;
+        let Ok(trial) = trial else { continue };
+        let fall = last.deviance() - trial.deviance();
+        if fall > LARGE.max(best.as_ref().map_or(0.0, |best| best.1)) {
+            best = Some((index, fall, trial));
+        }
+    }
+    Ok(best)
 }
 
 fn with(active: &[usize], candidate: usize) -> Vec<usize> {
@@ -198,7 +252,13 @@ fn rest(evaluation: &Evaluation) -> f64 {
 /// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
 /// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
 /// large it is, so below the threshold it still competes by its gain.
-fn shortlist(found: &Screen, refused: &[usize], threshold: f64, outweighed: bool) -> Vec<Hit> {
+fn shortlist(
+    found: &Screen,
+    candidates: &[Candidate],
+    refused: &[usize],
+    threshold: f64,
+    outweighed: bool,
+) -> Vec<Hit> {
     let mut hits: Vec<Hit> =
         found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
     if outweighed || !hits.iter().any(|hit| hit.statistic > threshold) {
@@ -207,7 +267,8 @@ fn shortlist(found: &Screen, refused: &[usize], threshold: f64, outweighed: bool
     let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
     hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     let best = hits.first().map_or(0.0, worth);
-    hits.retain(|hit| worth(hit) >= WORTH * best);
+    let least = |hit: &Hit| if candidates[hit.candidate].bends && !outweighed { BENT_WORTH } else { WORTH };
+    hits.retain(|hit| worth(hit) >= least(hit) * best);
     hits.truncate(SHORTLIST);
     hits
 }
@@ -226,32 +287,61 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     }
     let by = last.probes[hit.column].by;
     let wanted = match candidate.motion {
-        crate::candidates::Motion::Ceiling { .. } => x + by,
+        Motion::Ceiling { .. } => x + by,
         _ => x + hit.displacement,
     };
-    vec![wanted.clamp(candidate.range.0, candidate.range.1)]
+    let mut all = vec![wanted.clamp(candidate.range.0, candidate.range.1)];
+    if candidate.bends {
+        all.push((x + FURTHER * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
+    }
+    all
 }
 
-/// Drops what is superfluous, the weakest first, and fits the rest again.
-fn prune(
+/// Nuisances and values in turns, until no value moves much. Answers who was dropped.
+fn settle(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     active: &mut Vec<usize>,
     point: &mut Vec<f64>,
 ) -> Result<Vec<usize>, Error> {
+    let mut all = Vec::new();
+    for _ in 0..SETTLE {
+        // the nuisances first, since a fit leaves them where the last look found them
+        Evaluation::at(cut, point, &[], false)?;
+        let before = point.clone();
+        let (dropped, tiny) = prune(cut, candidates, active, point)?;
+        all.extend(dropped);
+        if (0..point.len()).all(|place| (point[place] - before[place]).abs() <= tiny[place]) {
+            break;
+        }
+    }
+    Ok(all)
+}
+
+/// Drops what is superfluous, the weakest first, and fits the rest again. Answers who was dropped, and for each
+/// candidate by how much it may still move to count as settled.
+fn prune(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    active: &mut Vec<usize>,
+    point: &mut Vec<f64>,
+) -> Result<(Vec<usize>, Vec<f64>), Error> {
     let mut dropped = Vec::new();
+    let mut tiny = vec![f64::INFINITY; candidates.len()];
     loop {
         let fit = refit(cut, candidates, point, active)?;
         point.clone_from(&fit.point);
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-        let Some(covariance) = fit.covariance(&free) else { return Ok(dropped) };
-        let weakest = free
-            .iter()
-            .enumerate()
-            .map(|(i, index)| {
-                ((fit.point[*index] - candidates[*index].off).abs() / covariance[(i, i)].sqrt(), *index)
-            })
+        let Some(covariance) = fit.covariance(&free) else { return Ok((dropped, tiny)) };
+        let error = |place: usize| covariance[(place, place)].sqrt();
+        for (place, index) in free.iter().enumerate() {
+            tiny[*index] = MOVED * error(place);
+        }
+        let size =
+            |place: usize, index: usize| (fit.point[index] - candidates[index].off).abs() / error(place);
+        let weakest = (free.iter().enumerate())
+            .map(|(place, index)| (size(place, *index), *index))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match weakest {
             Some((size, index)) if size < KEEP => {
@@ -259,7 +349,7 @@ fn prune(
                 point[index] = candidates[index].off;
                 dropped.push(index);
             }
-            _ => return Ok(dropped),
+            _ => return Ok((dropped, tiny)),
         }
     }
 }

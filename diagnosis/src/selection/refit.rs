@@ -7,7 +7,7 @@ use crate::residual::{Cut, Probe};
 use crate::statistics::linear::{solve, submatrix, subvector};
 
 /// Most linearisations of a fit.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
 
@@ -22,6 +22,7 @@ pub fn refit(
     active: &[usize],
 ) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    cut.back();
     let mut best = judge(cut, candidates, start, &free)?;
     let mut damping = 0.0;
     for _ in 0..ROUNDS {

@@ -6,6 +6,9 @@ use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
+/// Standard deviations by which a step of a candidate must move all rows together to say anything of it.
+const EXCITED: f64 = 0.02;
+
 /// What a column of one candidate promises.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
@@ -59,8 +62,10 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         let weights = if places.is_empty() { Some(DVector::zeros(0)) } else { solve(&gram_aa, &across) };
         let Some(weights) = weights else { continue };
         let length = total.gram[(column, column)] - weights.dot(&across);
-        // a column that active ones explain to rounding has nothing of its own
-        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] {
+        // a column that active ones explain to rounding has nothing of its own, and one that a whole step of the
+        // candidate hardly moves is the integrator's rounding: nothing excites it
+        let moved = probe.by * probe.by * length;
+        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] || moved < EXCITED * EXCITED {
             continue;
         }
         let score = total.score[column] - weights.dot(&score_a);
@@ -68,8 +73,10 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         let shift = score / length;
         for (row, reduced) in evaluation.reduced.iter().enumerate() {
             let own = reduced.score[column] - weights.dot(&subvector(&reduced.score, &places));
-            scores.blocks[(row, column)] = own;
-            squares += own * own;
+            // about the fit: an effect that shows in a few blocks must not count as scatter between blocks
+            let centred = own - shift * own_length(&reduced.gram, column, &places, &weights);
+            scores.blocks[(row, column)] = centred;
+            squares += centred * centred;
         }
         scores.total[column] = score;
         scores.deviation[column] = squares.max(length).sqrt();
@@ -103,6 +110,12 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
     let best = hits.iter().map(|hit| hit.statistic).fold(0.0, f64::max);
     let p_value = null.p_value(best);
     Screen { hits, null, errors, p_value }
+}
+
+/// A block's share of a column's squared length, active ones taken out.
+fn own_length(gram: &DMatrix<f64>, column: usize, places: &[usize], weights: &DVector<f64>) -> f64 {
+    let across = DVector::from_fn(places.len(), |i, _| gram[(places[i], column)]);
+    gram[(column, column)] - 2.0 * weights.dot(&across) + weights.dot(&(submatrix(gram, places) * weights))
 }
 
 /// Which way a candidate can move from a coordinate.

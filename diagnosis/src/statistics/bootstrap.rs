@@ -12,6 +12,10 @@ use nalgebra::{DMatrix, DVector};
 const DRAWS: usize = 4000;
 const SEED: u64 = 0x0ac0_b075;
 
+/// No threshold below this, in standard deviations. Draws know noise only; two honest renderers or integrators differ
+/// by a few thousandths of a pixel or a hundredth of a milliradian, which long data show.
+const LEAST: f64 = 4.5;
+
 /// A statistic per column: score over its standard deviation.
 #[derive(Debug, Clone)]
 pub struct Scores {
@@ -86,6 +90,7 @@ impl Null {
     /// The size that noise alone exceeds with probability `alpha`.
     pub fn threshold(&self, alpha: f64) -> f64 {
         let place = ((1.0 - alpha) * self.largest.len() as f64) as usize;
-        self.largest.get(place.min(self.largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
+        let drawn = self.largest.get(place.min(self.largest.len().saturating_sub(1))).copied();
+        drawn.unwrap_or(f64::INFINITY).max(LEAST)
     }
 }

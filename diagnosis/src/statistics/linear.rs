@@ -134,8 +134,22 @@ impl Basis {
     }
 }
 
-/// Whitened rows of a cell after projection: the residual and the columns, with the soft nuisances' own rows below.
-pub fn projected(cell: &Cell, softness: f64) -> (DVector<f64>, DMatrix<f64>, f64, f64) {
+/// Whitened rows of a cell after projection, with the soft nuisances' own rows below.
+pub struct Projected {
+    /// What is left of the residual.
+    pub rest: DVector<f64>,
+    /// What is left of the columns.
+    pub columns: DMatrix<f64>,
+    /// Rows less hard nuisances.
+    pub freedom: f64,
+    /// log det of the rows' covariance.
+    pub log_det: f64,
+    /// Expected square of each of the cell's own rows, where noise is all there is: 1 less its leverage.
+    pub expected: Vec<f64>,
+}
+
+/// Projects. `softness` multiplies the prior standard deviation of the discrepancy.
+pub fn projected(cell: &Cell, softness: f64) -> Projected {
     let n = cell.residual.len();
     let white = |matrix: &DMatrix<f64>, factor: f64| {
         DMatrix::from_fn(n, matrix.ncols(), |row, column| factor * matrix[(row, column)] / cell.sigma[row])
@@ -144,11 +158,11 @@ pub fn projected(cell: &Cell, softness: f64) -> (DVector<f64>, DMatrix<f64>, f64
     let soft = white(&soft_columns(cell, softness), 1.0);
     let basis = Basis::new(&hard, &soft);
     let rows = n + soft.ncols();
-    let mut residual = DVector::zeros(rows);
+    let mut rest = DVector::zeros(rows);
     for row in 0..n {
-        residual[row] = cell.residual[row] / cell.sigma[row];
+        rest[row] = cell.residual[row] / cell.sigma[row];
     }
-    basis.project(&mut residual);
+    basis.project(&mut rest);
     let white_columns = white(&cell.columns, 1.0);
     let mut columns = DMatrix::zeros(rows, white_columns.ncols());
     for place in 0..white_columns.ncols() {
@@ -161,15 +175,17 @@ pub fn projected(cell: &Cell, softness: f64) -> (DVector<f64>, DMatrix<f64>, f64
     }
     let freedom = n as f64 - basis.hard_rank as f64;
     let log_sigma: f64 = cell.sigma.iter().map(|sigma| 2.0 * libm::log(*sigma)).sum();
-    (residual, columns, freedom, basis.log_det + log_sigma)
+    let leverage = |row: usize| basis.vectors.iter().map(|vector| vector[row] * vector[row]).sum::<f64>();
+    let expected = (0..n).map(|row| (1.0 - leverage(row)).max(0.0)).collect();
+    Projected { rest, columns, freedom, log_det: basis.log_det + log_sigma, expected }
 }
 
-/// Projects the nuisances out of a cell. `softness` multiplies the soft nuisances' prior standard deviation.
+/// Projects the nuisances out of a cell. `softness` multiplies the discrepancy's prior standard deviation.
 pub fn reduce(cell: &Cell, softness: f64) -> Reduced {
-    let (residual, columns, freedom, log_det) = projected(cell, softness);
+    let Projected { rest, columns, freedom, log_det, .. } = projected(cell, softness);
     Reduced {
-        square: residual.norm_squared(),
-        score: columns.tr_mul(&residual),
+        square: rest.norm_squared(),
+        score: columns.tr_mul(&rest),
         gram: columns.tr_mul(&columns),
         freedom,
         log_det,

@@ -127,17 +127,15 @@ impl PlantCut {
         let layout = Layout::of(self, window);
         let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
         let mut fit;
-        if let Some((hard, soft)) =
-            window.kept.as_ref().filter(|(hard, _)| quick && hard.nrows() == layout.len())
-        {
+        if let Some(kept) = window.kept.as_ref().filter(|kept| quick && kept.hard.nrows() == layout.len()) {
             fit = begin;
-            (fit.cell.hard, fit.cell.soft) = (hard.clone(), soft.clone());
+            (fit.cell.hard, fit.cell.soft) = (kept.hard.clone(), kept.soft.clone());
             let led = window.leads.iter().any(|lead| *lead != 0.0);
             fit = self.chord(window, &layout, &settings, led, fit)?;
         } else {
             let led_before = window.leads.iter().any(|lead| *lead != 0.0);
             fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
-            if led_before || square(&fit.cell) > LED * LED * layout.len() as f64 {
+            if led_before || self.loose(&layout, &fit) > LED * LED * layout.len() as f64 {
                 // from the first guess again: a state that was fitted without leads may be far away
                 let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
                 fit = self.settle(window, &layout, &settings, true, again)?;
@@ -165,6 +163,7 @@ impl PlantCut {
             }
         }
         cell.columns = columns;
+        self.stamps(&layout, &base, &mut cell);
         let mut state = [0.0; 4];
         for row in &base {
             for (sum, value) in state.iter_mut().zip(row) {

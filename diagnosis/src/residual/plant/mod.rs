@@ -13,11 +13,12 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 mod fitting;
+mod jitter;
 mod layout;
 mod window;
 
 use layout::Layout;
-use window::{Window, cut_run};
+use window::{Kept, Window, cut_run};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
 /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it on demand where rows are plenty: an arm
@@ -85,6 +86,8 @@ pub struct PlantCut {
     signals: Vec<Signal>,
     through: Option<Through>,
     clock: Option<usize>,
+    /// Scatter of the log's time stamps, s.
+    jitter: f64,
 }
 
 impl PlantCut {
@@ -126,6 +129,7 @@ impl PlantCut {
             signals,
             through,
             clock,
+            jitter: 0.0,
         }))
     }
 
@@ -289,14 +293,37 @@ impl Cut for PlantCut {
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let (start, leads, block) = result?;
+            if !quick {
+                window.kept = block.cells.first().map(|cell| {
+                    let count = cell.soft.ncols() - cell.discrepancy;
+                    let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
+                    Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft }
+                });
+            }
             window.start = start;
             window.leads = leads;
-            if !quick {
-                window.kept = block.cells.first().map(|cell| (cell.hard.clone(), cell.soft.clone()));
-            }
             blocks.push(block);
         }
         Ok(blocks)
+    }
+
+    fn back(&mut self) {
+        for window in &mut self.windows {
+            if let Some(kept) = &window.kept {
+                window.start = kept.start;
+                window.leads.clone_from(&kept.leads);
+            }
+        }
+    }
+
+    fn afresh(&mut self) {
+        let runs = self.runs.clone();
+        self.windows.iter_mut().for_each(|window| window.begin(&runs[window.run]));
+    }
+
+    fn explained(&self) -> f64 {
+        let part = self.windows.first().map_or(WINDOW, |window| window.edges[1] - window.edges[0]);
+        jitter::torque_scatter(&self.runs, part)
     }
 
     fn discrepancy_unit(&self) -> &'static str {

@@ -2,6 +2,14 @@
 
 use super::*;
 
+/// What a full look found of a window's nuisances.
+pub(super) struct Kept {
+    pub(super) start: State,
+    pub(super) leads: Vec<f64>,
+    pub(super) hard: DMatrix<f64>,
+    pub(super) soft: DMatrix<f64>,
+}
+
 pub(super) struct Window {
     pub(super) run: usize,
     pub(super) drive: Drive,
@@ -12,11 +20,22 @@ pub(super) struct Window {
     pub(super) edges: Vec<f64>,
     /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
     pub(super) leads: Vec<f64>,
-    /// Columns of the nuisances, from the last full look.
-    pub(super) kept: Option<(DMatrix<f64>, DMatrix<f64>)>,
+    /// Start, leads and columns of the nuisances, from the last full look.
+    pub(super) kept: Option<Kept>,
 }
 
 impl Window {
+    /// Back to where it was before anything was fitted.
+    pub(super) fn begin(&mut self, run: &Run) {
+        if let Some(plant) = &run.plant
+            && let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2"))
+        {
+            self.start = guess(&plant.time, q1, q2, self.drive.start());
+        }
+        self.leads.iter_mut().for_each(|lead| *lead = 0.0);
+        self.kept = None;
+    }
+
     pub(super) fn pushes(&self, leads: &[f64]) -> Vec<Push> {
         (leads.iter().enumerate())
             .filter(|(_, size)| **size != 0.0)

@@ -1,0 +1,123 @@
+//! Time stamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
+//! the same time. That is a nuisance with a prior for each row; its size is found by maximum likelihood.
+
+use super::fitting::Fit;
+use super::*;
+use crate::selection::Evaluation;
+
+/// Sizes that are tried: from 20 µs in factors of two to 5 ms.
+const SMALLEST: f64 = 2e-5;
+const SIZES: i32 = 9;
+/// Size at which the columns are taken.
+const UNIT: f64 = 1e-4;
+/// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
+const EVIDENCE: f64 = 20.0;
+
+impl PlantCut {
+    /// Finds how much the stamps scatter, at a point, and begins all windows anew if they do. Answers the size, s.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn find_jitter(&mut self, point: &[f64]) -> Result<f64, Error> {
+        self.jitter = UNIT;
+        let unit = self.linearise(point, &[], false);
+        self.jitter = 0.0;
+        let unit = unit?;
+        let deviance = |size: f64| {
+            let mut blocks = unit.clone();
+            for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
+                for place in 0..cell.discrepancy {
+                    cell.soft.column_mut(place).scale_mut(size / UNIT);
+                }
+            }
+            Evaluation::of(blocks, point, &[], &self.signals).deviance()
+        };
+        let steady = deviance(0.0);
+        let best = (0..SIZES)
+            .map(|power| SMALLEST * f64::from(1 << power))
+            .map(|size| (deviance(size), size))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((lowest, size)) = best
+            && lowest < steady - EVIDENCE
+        {
+            self.jitter = size;
+            self.afresh();
+        }
+        Ok(self.jitter)
+    }
+
+    /// Puts the stamps' columns before the leads.
+    pub(super) fn stamps(&self, layout: &Layout, base: &[[f64; 5]], cell: &mut Cell) {
+        if self.jitter == 0.0 {
+            return;
+        }
+        let mut groups: Vec<&Vec<usize>> = Vec::new();
+        for (signal, rows) in &layout.bins {
+            if *signal < 2 && !groups.contains(&rows) {
+                groups.push(rows);
+            }
+        }
+        let mut soft = DMatrix::zeros(layout.len(), groups.len() + cell.soft.ncols());
+        for (bin, (signal, rows)) in layout.bins.iter().enumerate() {
+            // rates that were logged change little in that time
+            if *signal < 2
+                && let Some(place) = groups.iter().position(|group| *group == rows)
+            {
+                soft[(bin, place)] = self.jitter * rate(base, *signal, rows);
+            }
+        }
+        soft.columns_mut(groups.len(), cell.soft.ncols()).copy_from(&cell.soft);
+        cell.discrepancy = groups.len();
+        cell.soft = soft;
+    }
+
+    /// Sum of squares with the stamps' scatter counted as noise.
+    pub(super) fn loose(&self, layout: &Layout, fit: &Fit) -> f64 {
+        let rows = fit.cell.residual.iter().zip(&fit.cell.sigma).zip(&layout.bins);
+        rows.map(|((rest, sigma), (signal, rows))| {
+            let late = if *signal < 2 { self.jitter * rate(&fit.base, *signal, rows) } else { 0.0 };
+            rest * rest / (sigma * sigma + late * late)
+        })
+        .sum()
+    }
+}
+
+/// What scattering stamps of the torque do: each step of it comes a little early or late, an impulse too much or too
+/// little, and together they are a torque over a part of a window. Root mean square over runs, N·m.
+///
+/// The stamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
+/// rightly, this allows for too much.
+pub(super) fn torque_scatter(runs: &[Run], part: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for log in runs.iter().filter(|run| run.plant.is_some()).filter_map(|run| run.controller.as_ref()) {
+        let Some(tau) = log.column("tau") else { continue };
+        let scatter = unevenness(&log.time);
+        let steps: f64 =
+            tau.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).filter(|s| s.is_finite()).sum();
+        let duration = log.time.last().unwrap_or(&0.0) - log.time.first().unwrap_or(&0.0);
+        if duration > 0.0 {
+            sum += steps / duration * scatter * scatter / part;
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+}
+
+/// Standard deviation of stamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
+fn unevenness(time: &[f64]) -> f64 {
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let Some(typical) = gaps.get(gaps.len() / 2).copied() else { return 0.0 };
+    // neighbours: a clock that drifts, or lost rows, don't count
+    let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
+    off.sort_by(f64::total_cmp);
+    let median = off[off.len() / 2];
+    let sigma = median / 0.6745 / std::f64::consts::SQRT_2;
+    if sigma < 0.5 * typical { sigma } else { 0.0 }
+}
+
+/// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.
+fn rate(base: &[[f64; 5]], signal: usize, rows: &[usize]) -> f64 {
+    let sum: f64 = rows.iter().map(|row| base[*row][2 + signal]).sum();
+    sum / (rows.len() as f64).powf(1.5)
+}

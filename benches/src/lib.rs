@@ -9,6 +9,7 @@ pub mod frame;
 pub mod master;
 pub mod page;
 pub mod peer;
+pub mod real;
 pub mod ring;
 pub mod samples;
 pub mod sweep;

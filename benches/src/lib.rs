@@ -4,6 +4,7 @@
 //! Nothing here is product code: what can't be measured panics and says why.
 
 pub mod closed_loop;
+pub mod diagnosis;
 pub mod estimator;
 pub mod frame;
 pub mod master;

@@ -3,7 +3,7 @@
 
 use crate::ring::Ring;
 use crate::samples::seconds;
-use crate::{Peer, Row, Samples};
+use crate::{Peer, Row, Samples, closed_loop};
 use orchestrator::{CsvRecorder, Fmu, NoRecorder, Quiet, Recorder, Simulation};
 use std::ffi::{c_int, c_uint, c_void};
 
@@ -46,8 +46,7 @@ pub fn rows() -> Vec<Row> {
     let ring = Ring::new();
     // SAFETY: loading runs the initialisers of a library that has none.
     let limit = Limit { library: unsafe { libloading::Library::new(ring.library()) }.expect("loads") };
-    let units = crate::closed_loop::units();
-    let folder = units.folders().first().expect("a folder of units").display().to_string();
+    let folder = closed_loop::folder();
     let mut peer = Peer::start("masters.py", &[&ring.fmu().display().to_string(), &folder]);
     let ten = r#""a.y1", "a.y2", "b.y1", "b.y2", "c.y1", "c.y2", "a.u1", "a.u2", "b.u1", "b.u2""#;
     let (mut bare, mut csv) = (ring.simulation(STEPS, ""), ring.simulation(STEPS, ten));
@@ -102,12 +101,9 @@ pub fn rows() -> Vec<Row> {
 
 /// Opening our units: unpacking and reading the description, then loading the library and an instance.
 fn opening() -> Vec<Row> {
-    let units = crate::closed_loop::units();
     let mut rows = Vec::new();
-    for name in ["acrobot_plant", "acrobot_camera", "acrobot_controller"] {
-        let path =
-            units.folders().iter().map(|folder| folder.join(format!("{name}.fmu"))).find(|p| p.exists());
-        let path = path.unwrap_or_else(|| panic!("no {name}.fmu; cargo xtask pack makes it"));
+    for name in ["plant", "camera", "controller"] {
+        let path = closed_loop::unit(name);
         let [mut all, mut unpack]: [Samples; 2] = Default::default();
         for _ in 0..40 {
             let mut opened = None;
@@ -119,7 +115,7 @@ fn opening() -> Vec<Row> {
             all.0.push(first + second);
         }
         rows.push(
-            Row::faster("master", format!("opening {name}"), "ms", &all)
+            Row::faster("master", format!("opening acrobot_{name}"), "ms", &all)
                 .at_most(15.0)
                 .note(format!("of which unpacking and XML {}", unpack.text())),
         );

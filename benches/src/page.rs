@@ -165,6 +165,7 @@ fn title(section: &str) -> &str {
         "loop" => "Closed loop",
         "sweep" => "Many short runs",
         "estimator" => "Estimators beside the bound",
+        "diagnosis" => "Diagnosis of the open data sets",
         other => other,
     }
 }

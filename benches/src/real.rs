@@ -2,7 +2,7 @@
 //! (`oscillator.c`), and our own plant, camera and controller in the closed loop of Figure 19 (`closed.c`). Both sides
 //! must end at the same bits, so that they are known to do the same.
 
-use crate::closed_loop::{scenario, units};
+use crate::closed_loop::{scenario, unit, units};
 use crate::ring::{Ring, compile};
 use crate::samples::seconds;
 use crate::{Row, Samples};
@@ -91,11 +91,7 @@ impl Closed {
         let library = unsafe { libloading::Library::new(compile("closed.c", folder.path())) }.expect("loads");
         // SAFETY: the type is that of the source.
         let open = *unsafe { library.get::<Open>("closed_open") }.expect("exported");
-        let fmus = ["plant", "camera", "controller"].map(|name| {
-            let file = format!("acrobot_{name}.fmu");
-            let path = units().folders().iter().map(|folder| folder.join(&file)).find(|path| path.exists());
-            Fmu::open(path.unwrap_or_else(|| panic!("no {file}; cargo xtask pack makes it"))).expect("opens")
-        });
+        let fmus = ["plant", "camera", "controller"].map(|name| Fmu::open(unit(name)).expect("opens"));
         for (number, fmu) in (0..).zip(&fmus) {
             let inside = folder.path().join(number.to_string());
             let file = std::fs::File::open(fmu.path()).expect("readable");

@@ -55,7 +55,8 @@ pub fn rows() -> Vec<Row> {
     let out = ring.path().join("ring.csv");
 
     let [mut c, mut ours, mut rows, mut extra, mut c_short, mut once]: [Samples; 6] = Default::default();
-    let [mut fmpy, mut fmpy_csv, mut fmpy_short, mut cosim, mut cosim_csv]: [Samples; 5] = Default::default();
+    let [mut fmpy, mut fmpy_csv, mut fmpy_short, mut cosim, mut cosim_csv, mut serial]: [Samples; 6] =
+        Default::default();
     let micros = 1e6 / STEPS as f64;
     for _ in 0..ROUNDS {
         for _ in 0..TURNS {
@@ -73,6 +74,7 @@ pub fn rows() -> Vec<Row> {
             ("fmpy_csv", &mut fmpy_csv),
             ("libcosim", &mut cosim),
             ("libcosim_csv", &mut cosim_csv),
+            ("serial", &mut serial),
         ] {
             peer.measure(&format!("{name} {PEER_STEPS}"), times);
         }
@@ -85,6 +87,10 @@ pub fn rows() -> Vec<Row> {
     let mut table = vec![
         step().than("C loop", &c).at_most_times(1.5),
         step().than("libcosim (libcosimpy)", &cosim).note("Jacobi, simulate_until".into()),
+        step()
+            .than("libcosim without its threads", &serial)
+            .at_least(3.0)
+            .note("Jacobi, its C++ class, cosim_execution_step".into()),
         step().than("FMPy", &fmpy),
         Row::faster("master", "a row of ten values to CSV, beyond the step".into(), "µs", &extra)
             .at_most(1.6)

@@ -19,7 +19,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("diagnosis", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("acroscope", &["orchestrator", "scenarios", "diagnosis", "studies", "report"]),
-    ("benches", &["camera", "plant", "fmi2-export", "orchestrator", "scenarios"]),
+    ("benches", &["camera", "plant", "fmi2-export", "orchestrator", "scenarios", "diagnosis"]),
     ("system-tests", &[]),
 ];
 

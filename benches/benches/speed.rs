@@ -1,16 +1,17 @@
 //! Measures everything and writes the page: `scripts/bench.sh`, or `cargo bench -p benches [-- SECTION ...]` with the
-//! sections frame, master, loop, sweep, estimator; with sections named, the page is not written.
+//! sections frame, master, loop, sweep, estimator, diagnosis; with sections named, the page is not written.
 
-use benches::{Row, closed_loop, estimator, frame, master, page, peer, sweep};
+use benches::{Row, closed_loop, diagnosis, estimator, frame, master, page, peer, sweep};
 
 type Section = (&'static str, fn() -> Vec<Row>);
 
-const SECTIONS: [Section; 5] = [
+const SECTIONS: [Section; 6] = [
     ("frame", frame::rows),
     ("master", master::rows),
-    ("loop", closed_loop::rows),
+    ("loop", || closed_loop::rows(env!("CARGO_BIN_EXE_counted"))),
     ("sweep", sweep::rows),
     ("estimator", estimator::rows),
+    ("diagnosis", diagnosis::rows),
 ];
 
 fn main() {

@@ -51,12 +51,21 @@ fn short_runs() {
     }
 }
 
+/// Three seconds of the closed loop at a number of frames a second: what a frame costs, by differences.
+fn closed_loop(rate: &str) {
+    let scenario = benches::closed_loop::scenario("3", &[("camera.omega_cam", rate)]);
+    let mut simulation =
+        Simulation::new(&scenario, &benches::closed_loop::units()).expect("cargo xtask pack made the units");
+    simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
+}
+
 fn main() {
     match std::env::args().nth(1).as_deref() {
         Some("master") => master_steps(),
         Some("plant") => plant_steps(),
         Some("runs") => short_runs(),
+        Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master, plant or runs"),
+        None => panic!("which work? a, b16, c, d, master, plant, runs or loop30"),
     }
 }

@@ -4,11 +4,13 @@
 //! Nothing here is product code: what can't be measured panics and says why.
 
 pub mod closed_loop;
+pub mod diagnosis;
 pub mod estimator;
 pub mod frame;
 pub mod master;
 pub mod page;
 pub mod peer;
+pub mod real;
 pub mod ring;
 pub mod samples;
 pub mod sweep;

@@ -165,6 +165,7 @@ fn title(section: &str) -> &str {
         "loop" => "Closed loop",
         "sweep" => "Many short runs",
         "estimator" => "Estimators beside the bound",
+        "diagnosis" => "Diagnosis of the open data sets",
         other => other,
     }
 }
@@ -178,5 +179,7 @@ Absolute times hold for the machine named and for its load of the day; only rati
 number of frames or of rounds. What guards against regressions is `scripts/instructions.sh`, which counts instructions.
 
 Peers: OpenCV and numpy in `scripts/peers/opencv_frame.py`, one thread, in three degrees of tuning; FMPy and libcosim in
-`scripts/peers/masters.py`; for the master also a plain C loop over the same functions (`benches/ring.c`), the limit.
+`scripts/peers/masters.py`, libcosim also without its threads (`scripts/peers/libcosim_serial.py`); for the master also a
+plain C loop over the same functions, the limit: of a nearly free unit (`benches/ring.c`), of one that costs what a small
+real one does (`benches/oscillator.c`), and of our own three (`benches/closed.c`). The last two must end at our bits.
 ";

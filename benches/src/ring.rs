@@ -1,4 +1,5 @@
-//! The nearly free unit of the master's measurement: `ring.c` compiled and packed, and its scenarios.
+//! The units of the master's measurement, compiled and packed, and the scenario of a ring of three: the nearly free one
+//! of `ring.c`, and one that costs what a small real one does, of `oscillator.c`.
 
 use orchestrator::{Scenario, Simulation, UnitPath};
 use std::io::Write;
@@ -10,7 +11,12 @@ use tempfile::TempDir;
 pub struct Ring {
     folder: TempDir,
     library: PathBuf,
+    ports: &'static [(&'static str, &'static str)],
 }
+
+/// What each unit of a ring passes on to the next one: from, to.
+const REALS: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2")];
+const ALL: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in")];
 
 impl Default for Ring {
     fn default() -> Self {
@@ -19,23 +25,26 @@ impl Default for Ring {
 }
 
 impl Ring {
-    /// Compiles and packs.
+    /// The nearly free one.
     pub fn new() -> Self {
+        Self::of("ring", REALS, &[])
+    }
+
+    /// The oscillator, with an integer and a Boolean on the way as well.
+    pub fn of_oscillators() -> Self {
+        Self::of("oscillator", ALL, WHOLE)
+    }
+
+    fn of(name: &str, ports: &'static [(&'static str, &'static str)], more: &[Variable]) -> Self {
         let folder = TempDir::new().expect("a temporary folder");
-        let library = folder.path().join("ring.so");
-        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("ring.c");
-        let status = Command::new("cc")
-            .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
-            .args([&library, &source])
-            .status()
-            .expect("a C compiler");
-        assert!(status.success(), "{} compiles", source.display());
-        let ring = Self { folder, library };
+        let library = compile(&format!("{name}.c"), folder.path());
+        let ring = Self { folder, library, ports };
         let binary = std::fs::read(&ring.library).expect("compiled");
         let mut zip = zip::ZipWriter::new(std::fs::File::create(ring.fmu()).expect("writable"));
         let options = zip::write::SimpleFileOptions::default();
+        let description = description(name, more);
         for (name, bytes) in
-            [("modelDescription.xml", description().as_bytes()), ("binaries/linux64/unit.so", &binary)]
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/unit.so", &binary)]
         {
             zip.start_file(name, options).expect("a new entry");
             zip.write_all(bytes).expect("written");
@@ -59,7 +68,7 @@ impl Ring {
         self.folder.path().join("ring.fmu")
     }
 
-    /// Three of them in a ring with six connections, for a number of steps, with variables to record.
+    /// Three of them in a ring, for a number of steps, with variables to record.
     pub fn simulation(&self, steps: i64, record: &str) -> Simulation {
         let mut text = format!("format = 1\nexperiment = {{ stop = \"{steps}/1000\" }}\n");
         for name in ["a", "b", "c"] {
@@ -68,10 +77,8 @@ impl Ring {
             ));
         }
         for (from, to) in [("c", "a"), ("a", "b"), ("b", "c")] {
-            for port in [1, 2] {
-                text.push_str(&format!(
-                    "[[connections]]\nfrom = \"{from}.y{port}\"\nto = \"{to}.u{port}\"\n"
-                ));
+            for (out, into) in self.ports {
+                text.push_str(&format!("[[connections]]\nfrom = \"{from}.{out}\"\nto = \"{to}.{into}\"\n"));
             }
         }
         text.push_str(&format!("[record]\nvariables = [{record}]\n"));
@@ -80,25 +87,65 @@ impl Ring {
     }
 }
 
-/// The description; libcosim caches units by GUID, so it is that of this process.
-fn description() -> String {
-    let variable = |name: &str, reference: u32, causality: &str| {
-        let (initial, start) =
-            if causality == "input" { ("", " start=\"0\"") } else { (" initial=\"calculated\"", "") };
+/// Compiles a source of this package to a shared library in a folder.
+pub fn compile(source: &str, folder: &Path) -> PathBuf {
+    let library = folder.join(source).with_extension("so");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join(source);
+    let status = Command::new("cc")
+        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
+        .args([&library, &source])
+        .status()
+        .expect("a C compiler");
+    assert!(status.success(), "{} compiles", source.display());
+    library
+}
+
+/// Type, name, reference and causality.
+type Variable = (&'static str, &'static str, u32, &'static str);
+const REAL: &[Variable] = &[
+    ("Real", "u1", 0, "input"),
+    ("Real", "u2", 1, "input"),
+    ("Real", "y1", 2, "output"),
+    ("Real", "y2", 3, "output"),
+];
+const WHOLE: &[Variable] = &[
+    ("Integer", "n_in", 0, "input"),
+    ("Integer", "n_out", 1, "output"),
+    ("Boolean", "b_in", 0, "input"),
+    ("Boolean", "b_out", 1, "output"),
+];
+
+/// The description; libcosim caches units by GUID, so it is that of this process. `more` are variables that are no
+/// reals.
+fn description(name: &str, more: &[Variable]) -> String {
+    let variable = |(kind, name, reference, causality): Variable| {
+        let (initial, start) = match (causality, kind) {
+            ("input", "Boolean") => ("", " start=\"false\""),
+            ("input", _) => ("", " start=\"0\""),
+            _ => (" initial=\"calculated\"", ""),
+        };
+        let variability = if kind == "Real" { "continuous" } else { "discrete" };
         format!(
             "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\" \
-             variability=\"continuous\"{initial}><Real{start}/></ScalarVariable>"
+             variability=\"{variability}\"{initial}><{kind}{start}/></ScalarVariable>"
         )
     };
-    let variables = [("u1", 0, "input"), ("u2", 1, "input"), ("y1", 2, "output"), ("y2", 3, "output")]
-        .map(|(name, reference, causality)| variable(name, reference, causality))
-        .concat();
+    let variables: String = REAL.iter().chain(more).copied().map(variable).collect();
+    // Outputs of nearly free units depend on the inputs; those of the oscillator on its state alone.
+    let unknown = |index: usize, on: &str| format!("<Unknown index=\"{index}\" dependencies=\"{on}\"/>");
+    let free = more.is_empty();
+    let (mut step, mut initial) = (String::new(), String::new());
+    for (at, (.., causality)) in REAL.iter().chain(more).enumerate() {
+        if *causality == "output" {
+            step += &unknown(at + 1, if free { ["1", "2"][at - 2] } else { "" });
+            initial += &unknown(at + 1, "");
+        }
+    }
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"ring\" \
-         guid=\"ring-{}\"><CoSimulation modelIdentifier=\"unit\" canHandleVariableCommunicationStepSize=\"true\"/>\
-         <ModelVariables>{variables}</ModelVariables><ModelStructure><Outputs><Unknown index=\"3\" dependencies=\"1\"/>\
-         <Unknown index=\"4\" dependencies=\"2\"/></Outputs><InitialUnknowns><Unknown index=\"3\" dependencies=\"\"/>\
-         <Unknown index=\"4\" dependencies=\"\"/></InitialUnknowns></ModelStructure></fmiModelDescription>",
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" \
+         guid=\"{name}-{}\"><CoSimulation modelIdentifier=\"unit\" canHandleVariableCommunicationStepSize=\"true\"/>\
+         <ModelVariables>{variables}</ModelVariables><ModelStructure><Outputs>{step}</Outputs>\
+         <InitialUnknowns>{initial}</InitialUnknowns></ModelStructure></fmiModelDescription>",
         std::process::id()
     )
 }

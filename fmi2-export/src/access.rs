@@ -34,8 +34,9 @@ impl Variable {
 
 impl<M: Model> Instance<M> {
     fn variable(&self, reference: u32) -> Result<&Variable, Error> {
-        let last = self.declared.len().saturating_sub(1);
-        self.declared.get(reference as usize).ok_or(Error::Reference { reference, last })
+        // `ok_or` would make and drop an error for each value that is read or set.
+        let wrong = || Error::Reference { reference, last: self.declared.len().saturating_sub(1) };
+        self.declared.get(reference as usize).ok_or_else(wrong)
     }
 
     /// Before values are read: checks the references, computes what is stale.

@@ -124,14 +124,16 @@ fn go(
     pace: &mut Pace,
 ) -> Result<Ended, Error> {
     recorder.row(simulation.now.time, simulation.row())?;
-    let has_stops = !simulation.stops.is_empty();
+    let (has_stops, records) = (!simulation.stops.is_empty(), recorder.records());
     loop {
         if has_stops && let Some(ended) = simulation.stopped() {
             return Ok(ended);
         }
         let Some(ticks) = simulation.wiring.system.next() else { return Ok(Ended::AtStop) };
         simulation.advance_over(ticks)?;
-        recorder.row(simulation.now.time, simulation.row())?;
+        if records {
+            recorder.row(simulation.now.time, simulation.row())?;
+        }
         simulation.algorithm.after(&mut simulation.wiring.system, simulation.now);
         pace.left -= 1;
         if pace.left == 0 {

@@ -120,8 +120,6 @@ pub(crate) struct Unit {
     /// Communication interval, and as the unit gets it.
     pub(crate) interval: i64,
     pub(crate) size: f64,
-    /// Where its next step ends; past every time if there is none.
-    pub(crate) next: i64,
     /// Where its next step begins, as the unit gets it.
     pub(crate) begin: f64,
     /// Plain copies between reals: (from, to).
@@ -145,155 +143,72 @@ pub(crate) struct Unit {
 /// The running system.
 pub(crate) struct System {
     pub(crate) units: Vec<Unit>,
+    /// Where the next step of each unit ends; past every time if there is none.
+    pub(crate) ends: Vec<i64>,
     pub(crate) lines: Vec<Line>,
     pub(crate) values: Values,
     /// No unit steps past this.
     pub(crate) stop: i64,
 }
 
+/// A unit at a point, with what it needs of the others.
+pub(crate) struct Due<'a> {
+    unit: &'a mut Unit,
+    index: usize,
+    ends: &'a mut [i64],
+    lines: &'a mut [Line],
+    values: &'a mut Values,
+    stop: i64,
+    point: Point,
+}
+
 impl System {
-    #[inline]
-    pub(crate) fn count(&self) -> usize {
-        self.units.len()
-    }
-
-    /// Whether a step of a unit ends at a point.
-    #[inline]
-    pub(crate) fn ends_at(&self, unit: usize, point: Point) -> bool {
-        self.units[unit].next == point.ticks
-    }
-
-    /// Whether a step of a unit begins at a point, once those that end there were made.
-    #[inline]
-    pub(crate) fn begins_at(&self, unit: usize, point: Point) -> bool {
-        let unit = &self.units[unit];
-        unit.next != i64::MAX && unit.next - unit.interval == point.ticks
-    }
-
-    /// The next point at which a step of any unit ends.
-    #[inline]
-    pub(crate) fn next(&self) -> Option<i64> {
-        self.units.iter().map(|unit| unit.next).min().filter(|&next| next != i64::MAX)
-    }
-
-    /// Puts all units at the start.
-    pub(crate) fn rewind(&mut self, start: Point) {
-        for unit in &mut self.units {
-            unit.begin = start.time;
-            unit.next = first_end(start.ticks, unit.interval, self.stop);
-        }
-        for line in &mut self.lines {
-            line.queue.clear();
-        }
-        for line in 0..self.lines.len() {
-            self.push(line, start.ticks);
-        }
-    }
-
-    /// Computes a unit's inputs from what the others have delivered by now.
-    #[inline]
-    pub(crate) fn gather(&mut self, unit: usize, point: Point) {
-        let unit = &mut self.units[unit];
-        let reals = &mut self.values.reals;
-        for &(from, to) in &unit.copies {
-            reals[to as usize] = reals[from as usize];
-        }
-        if !unit.plain {
-            Self::gather_rest(unit, &mut self.lines, &mut self.values, point);
-        }
-    }
-
-    fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
-        for link in &unit.links {
-            if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
-                (link.conversion, link.from, link.to)
-            {
-                values.reals[to as usize] = gain * values.reals[from as usize] + bias;
-            } else {
-                let value = link.convert(values.get(link.from));
-                values.put(link.to, &value);
-            }
-        }
-        for &line in &unit.lines_in {
-            let line = &mut lines[line];
-            let mut arrived = None;
-            while line.queue.front().is_some_and(|(sent, _)| sent + line.delay <= point.ticks) {
-                arrived = line.queue.pop_front();
-            }
-            if let Some((_, value)) = arrived {
-                values.put(line.link.to, &value);
-            }
-        }
-        for feed in &mut unit.feeds {
-            feed_into(feed, values, point.time);
-        }
-    }
-
-    /// Makes the step of a unit that ends at `point`, and reads its outputs.
-    #[inline]
-    pub(crate) fn step(&mut self, index: usize, point: Point) -> Result<(), Error> {
-        let unit = &mut self.units[index];
-        let values = &mut self.values;
-        let inputs = &unit.inputs.reals;
-        if !inputs.references.is_empty() {
-            let result = unit.instance.set_real(&inputs.references, &values.reals[inputs.at.clone()]);
-            result.map_err(|e| e.during(unit.begin))?;
-        }
-        if unit.inputs.mixed {
-            set_rest(&mut unit.instance, &unit.inputs, values).map_err(|e| e.during(unit.begin))?;
-        }
-        let status = unit.instance.do_step(unit.begin, unit.size, true);
-        if status != Status::Ok {
-            Self::not_ok(unit, status)?;
-        }
-        let outputs = &unit.outputs.reals;
-        if !outputs.references.is_empty() {
-            let read = &mut values.reals[outputs.at.clone()];
-            unit.instance.get_real(&outputs.references, read).map_err(|e| e.during(point.time))?;
-            if read[..unit.connected_reals].iter().any(|value| value.is_nan()) {
-                return Err(Self::not_a_number(unit, values, point.time));
-            }
-        }
-        if unit.outputs.mixed {
-            get_rest(&mut unit.instance, &unit.outputs, values).map_err(|e| e.during(point.time))?;
-        }
-        unit.begin = point.time;
-        unit.next = first_end(point.ticks, unit.interval, self.stop);
-        if !unit.plain {
-            for line in 0..self.units[index].lines_out.len() {
-                self.push(self.units[index].lines_out[line], point.ticks);
+    /// Hands over the units whose steps end at a point, in the order of the scenario.
+    #[inline(always)]
+    pub(crate) fn each_ending(
+        &mut self,
+        point: Point,
+        mut work: impl FnMut(Due<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (values, stop) = (&mut self.values, self.stop);
+        let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
+        for (index, unit) in self.units.iter_mut().enumerate() {
+            if ends[index] == point.ticks {
+                work(Due { unit, index, ends, lines, values, stop, point })?;
             }
         }
         Ok(())
     }
 
-    fn push(&mut self, line: usize, ticks: i64) {
-        let line = &mut self.lines[line];
-        if self.units[line.to].next == i64::MAX {
-            // It steps no more; the queue would only grow.
-            return;
+    /// Hands over the units whose steps begin at a point, once those that end there were made.
+    #[inline(always)]
+    pub(crate) fn each_beginning(&mut self, point: Point, mut work: impl FnMut(Due<'_>)) {
+        let (values, stop) = (&mut self.values, self.stop);
+        let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
+        for (index, unit) in self.units.iter_mut().enumerate() {
+            if ends[index] != i64::MAX && ends[index] - unit.interval == point.ticks {
+                work(Due { unit, index, ends, lines, values, stop, point });
+            }
         }
-        let value = line.link.convert(self.values.get(line.link.from));
-        line.queue.push_back((ticks, value));
     }
 
-    #[cold]
-    fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
-        if unit.instance.note(status) {
-            return Ok(());
+    /// The next point at which a step of any unit ends.
+    #[inline]
+    pub(crate) fn next(&self) -> Option<i64> {
+        self.ends.iter().copied().min().filter(|&next| next != i64::MAX)
+    }
+
+    /// Puts all units at the start.
+    pub(crate) fn rewind(&mut self, start: Point) {
+        self.ends.clear();
+        for unit in &mut self.units {
+            unit.begin = start.time;
+            self.ends.push(first_end(start.ticks, unit.interval, self.stop));
         }
-        if status == Status::Discard {
-            let last = unit.instance.last_successful_time();
-            let log = unit.instance.log();
-            return Err(Error::Discarded {
-                unit: unit.name.clone(),
-                from: unit.begin,
-                size: unit.size,
-                last,
-                log,
-            });
+        for line in &mut self.lines {
+            line.queue.clear();
+            line.push(&self.values, &self.ends, start.ticks);
         }
-        Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
     }
 
     #[cold]
@@ -306,6 +221,113 @@ impl System {
         let name = variables.iter().find(|v| Some(v.reference) == reference).map_or("?", |v| v.name.as_str());
         Error::NotANumber { variable: format!("{}.{name}", unit.name), time, log: unit.instance.log() }
     }
+}
+
+impl Due<'_> {
+    /// Computes the unit's inputs from what the others have delivered by now.
+    #[inline(always)]
+    pub(crate) fn gather(&mut self) {
+        let reals = self.values.reals.as_mut_slice();
+        for &(from, to) in &self.unit.copies {
+            reals[to as usize] = reals[from as usize];
+        }
+        if !self.unit.plain {
+            gather_rest(self.unit, self.lines, self.values, self.point);
+        }
+    }
+
+    /// Makes the step that ends at the point, and reads the outputs.
+    #[inline(always)]
+    pub(crate) fn step(self) -> Result<(), Error> {
+        let Self { unit, index, ends, lines, values, stop, point } = self;
+        let inputs = &unit.inputs.reals;
+        if !inputs.references.is_empty() {
+            let result = unit.instance.set_real(&inputs.references, &values.reals[inputs.at.clone()]);
+            result.map_err(|e| e.during(unit.begin))?;
+        }
+        if unit.inputs.mixed {
+            set_rest(&mut unit.instance, &unit.inputs, values).map_err(|e| e.during(unit.begin))?;
+        }
+        let status = unit.instance.do_step(unit.begin, unit.size, true);
+        if status != Status::Ok {
+            not_ok(unit, status)?;
+        }
+        let outputs = &unit.outputs.reals;
+        if !outputs.references.is_empty() {
+            let read = &mut values.reals[outputs.at.clone()];
+            unit.instance.get_real(&outputs.references, read).map_err(|e| e.during(point.time))?;
+            if read[..unit.connected_reals].iter().any(|value| value.is_nan()) {
+                return Err(System::not_a_number(unit, values, point.time));
+            }
+        }
+        if unit.outputs.mixed {
+            get_rest(&mut unit.instance, &unit.outputs, values).map_err(|e| e.during(point.time))?;
+        }
+        unit.begin = point.time;
+        ends[index] = first_end(point.ticks, unit.interval, stop);
+        if !unit.plain {
+            unit.lines_out.iter().for_each(|line| lines[*line].push(values, ends, point.ticks));
+        }
+        Ok(())
+    }
+}
+
+/// What is not a plain copy between reals. Apart from [`Due`], which then stays in registers.
+fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
+    for link in &unit.links {
+        if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
+            (link.conversion, link.from, link.to)
+        {
+            values.reals[to as usize] = gain * values.reals[from as usize] + bias;
+        } else {
+            let value = link.convert(values.get(link.from));
+            values.put(link.to, &value);
+        }
+    }
+    for &line in &unit.lines_in {
+        let line = &mut lines[line];
+        let mut arrived = None;
+        while line.queue.front().is_some_and(|(sent, _)| sent + line.delay <= point.ticks) {
+            arrived = line.queue.pop_front();
+        }
+        if let Some((_, value)) = arrived {
+            values.put(line.link.to, &value);
+        }
+    }
+    for feed in &mut unit.feeds {
+        feed_into(feed, values, point.time);
+    }
+}
+
+impl Line {
+    #[inline(never)]
+    fn push(&mut self, values: &Values, ends: &[i64], ticks: i64) {
+        if ends[self.to] == i64::MAX {
+            // It steps no more; the queue would only grow.
+            return;
+        }
+        let value = self.link.convert(values.get(self.link.from));
+        self.queue.push_back((ticks, value));
+    }
+}
+
+#[cold]
+fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
+    if unit.instance.note(status) {
+        return Ok(());
+    }
+    if status == Status::Discard {
+        let last = unit.instance.last_successful_time();
+        let log = unit.instance.log();
+        return Err(Error::Discarded {
+            unit: unit.name.clone(),
+            from: unit.begin,
+            size: unit.size,
+            last,
+            log,
+        });
+    }
+    Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
 }
 
 /// Where the step ends that begins at `from`; never, if that is past the stop.

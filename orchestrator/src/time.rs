@@ -120,10 +120,12 @@ fn gcd(mut a: u128, mut b: u128) -> u128 {
     a.max(1)
 }
 
+/// Whole numbers up to this are exact as doubles.
+const EXACT: u64 = 1 << 53;
+
 /// Correctly rounded numerator/denominator; denominator > 0.
 #[inline]
 fn quotient(numerator: i64, denominator: i64) -> f64 {
-    const EXACT: u64 = 1 << 53;
     if numerator.unsigned_abs() <= EXACT && denominator.unsigned_abs() <= EXACT {
         // Both are exact, and IEEE division rounds correctly.
         return numerator as f64 / denominator as f64;
@@ -148,9 +150,12 @@ fn long_quotient(numerator: i64, denominator: i64) -> f64 {
 }
 
 /// The tick of a system and its origin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     tick: Rational,
+    /// Numerators of times up to that of this tick are exact as doubles, and so is the denominator; 0 if it isn't.
+    short: u64,
+    denominator: f64,
 }
 
 impl Clock {
@@ -170,7 +175,9 @@ impl Clock {
         if tick == Rational::ZERO {
             tick = Rational { numerator: 1, denominator: 1 };
         }
-        Some(Self { tick })
+        let (over, under) = (tick.numerator.unsigned_abs(), tick.denominator.unsigned_abs());
+        let short = if under <= EXACT { EXACT / over } else { 0 };
+        Some(Self { tick, short, denominator: tick.denominator as f64 })
     }
 
     /// A time as ticks; `None` where it is no whole multiple or doesn't fit.
@@ -183,6 +190,10 @@ impl Clock {
     /// The double nearest to the time of a tick. Ticks up to the one checked by [`Clock::holds`] don't overflow.
     #[inline]
     pub fn seconds(&self, ticks: i64) -> f64 {
+        if ticks.unsigned_abs() <= self.short {
+            // Both are exact, and IEEE division rounds correctly.
+            return (ticks * self.tick.numerator) as f64 / self.denominator;
+        }
         quotient(ticks * self.tick.numerator, self.tick.denominator)
     }
 

@@ -8,6 +8,7 @@ With `--serve RING_FMU UNITS` it reads lines and answers each with one line of J
     fmpy_csv STEPS    the same with ten values a step to CSV
     libcosim STEPS    µs a step; `simulate_until`, so that no Python runs between steps
     libcosim_csv STEPS  the same with its file observer
+    serial STEPS      µs a step of libcosim without its threads (libcosim_serial.py)
     fmpy_short STEPS  µs of a whole run of so many steps, from reset to the last step
     loop STOP         µs of the closed loop of Figure 19 for STOP simulated seconds (scripts/fmpy_closed_loop.py)
 """
@@ -23,6 +24,8 @@ from fractions import Fraction
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from libcosim_serial import Serial  # noqa: E402
+
 SIZE = 1e-3
 IN, OUT = [0, 1], [2, 3]
 
@@ -120,7 +123,7 @@ def main():
             key = "libcosim_csv" if name == "libcosim_csv" else kind
             if kind != "loop" and key not in masters:
                 log = {"libcosim_csv": folder}.get(key)
-                masters[key] = Fmpy(ring) if kind == "fmpy" else Libcosim(ring, log)
+                masters[key] = {"fmpy": Fmpy, "serial": Serial}[kind](ring) if kind != "libcosim" else Libcosim(ring, log)
             began = time.perf_counter()
             if name == "loop":
                 closed_loop(units, steps)

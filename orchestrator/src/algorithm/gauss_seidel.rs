@@ -11,12 +11,9 @@ pub(super) struct GaussSeidel;
 impl Algorithm for GaussSeidel {
     #[inline]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Error> {
-        for unit in 0..system.count() {
-            if system.ends_at(unit, point) {
-                system.gather(unit, point);
-                system.step(unit, point)?;
-            }
-        }
-        Ok(())
+        system.each_ending(point, |mut unit| {
+            unit.gather();
+            unit.step()
+        })
     }
 }

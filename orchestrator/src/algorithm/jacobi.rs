@@ -13,20 +13,11 @@ pub(super) struct Jacobi;
 impl Algorithm for Jacobi {
     #[inline]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Error> {
-        for unit in 0..system.count() {
-            if system.ends_at(unit, point) {
-                system.step(unit, point)?;
-            }
-        }
-        Ok(())
+        system.each_ending(point, |unit| unit.step())
     }
 
     #[inline]
     fn after(&mut self, system: &mut System, point: Point) {
-        for unit in 0..system.count() {
-            if system.begins_at(unit, point) {
-                system.gather(unit, point);
-            }
-        }
+        system.each_beginning(point, |mut unit| unit.gather());
     }
 }

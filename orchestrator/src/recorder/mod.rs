@@ -80,6 +80,11 @@ pub trait Recorder {
     /// Before the first row.
     fn begin(&mut self, columns: &[Column]) -> Result<(), Error>;
 
+    /// Whether rows are wanted at all.
+    fn records(&self) -> bool {
+        true
+    }
+
     /// The values at a simulated time in s.
     fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), Error>;
 
@@ -96,6 +101,10 @@ pub struct NoRecorder;
 impl Recorder for NoRecorder {
     fn begin(&mut self, _: &[Column]) -> Result<(), Error> {
         Ok(())
+    }
+
+    fn records(&self) -> bool {
+        false
     }
 
     fn row(&mut self, _: f64, _: Row<'_>) -> Result<(), Error> {

@@ -128,7 +128,6 @@ impl UnitBlocks {
             instance,
             interval,
             size,
-            next: i64::MAX,
             begin: 0.0,
             copies: Vec::new(),
             links: Vec::new(),

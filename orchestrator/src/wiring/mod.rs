@@ -70,7 +70,8 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
     let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
     let instances = instances.collect::<Result<Vec<_>, _>>()?;
     let Layout { blocks, slots, values } = layout;
-    let mut system = System { units: Vec::new(), lines: Vec::new(), values, stop: ticks.stop };
+    let mut system =
+        System { ends: Vec::new(), units: Vec::new(), lines: Vec::new(), values, stop: ticks.stop };
     for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
         system.units.push(blocks.unit(
             instance,

@@ -4,5 +4,5 @@ pub mod fold;
 pub mod outline;
 pub mod projection;
 
-pub use outline::{Outline, UnitCircle};
+pub use outline::{Outline, STRIPS, UnitCircle};
 pub use projection::Projection;

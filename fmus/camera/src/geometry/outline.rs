@@ -10,6 +10,7 @@
 //! of the fourth order of the circle's radius (1e-7 image units for the paper's circles).
 
 use super::Projection;
+use crate::photometry::simd;
 
 /// Largest error of a pixel's coverage, as a share of the pixel.
 pub const COVERAGE_ERROR: f64 = 0.002;
@@ -18,29 +19,36 @@ const SMALL: f64 = 0.05;
 const HARMONICS: usize = 3;
 const SAMPLES: usize = 8;
 
+/// Polygons are laid out in so many strips of equal length, vertex by vertex: vertex k of the list is followed along
+/// the outline by vertex k + `STRIPS`. Edges that stand side by side in the list are then far apart in the picture, and
+/// vector code that adds them to pixels one after the other need not wait for the pixel.
+pub const STRIPS: usize = 8;
+
 /// Vertices of the equal-area polygon of a circle of radius 1.
 #[derive(Debug, Clone)]
 pub struct UnitCircle {
     /// Distance of the vertices from the centre: slightly more than 1.
     radius: f64,
-    /// cos(hφ) and sin(hφ) of the vertices, for h = 1, 2, 3. The first vertex stands at the end again.
+    /// cos(hφ) and sin(hφ) of the vertices, for h = 1, 2, 3. The first vertex of each strip is the last of another.
     waves: [(Vec<f32>, Vec<f32>); HARMONICS],
     /// cos φ, sin φ of the points that are mapped exactly.
     samples: [(f64, f64); SAMPLES],
 }
 
 impl UnitCircle {
-    /// The polygon for circles of at most this radius in the picture. The number of vertices is a multiple of four,
-    /// so that the polygon has the symmetries of the pixel grid; no edge is longer than a pixel.
+    /// The polygon for circles of at most this radius in the picture. The number of vertices is a multiple of
+    /// [`STRIPS`], so that the polygon has the symmetries of the pixel grid; no edge is longer than a pixel.
     pub fn for_radius_px(radius_px: f64) -> Self {
         let for_error = libm::cbrt(3.98 * radius_px * radius_px / COVERAGE_ERROR);
         let n = for_error.max(6.5 * radius_px);
-        let n = (libm::ceil(n / 4.0) as usize * 4).clamp(16, 65536);
+        let strip = (libm::ceil(n / STRIPS as f64) as usize).clamp(2, 8192);
+        let n = strip * STRIPS;
         let angle = core::f64::consts::TAU / n as f64;
         let wave = |h: usize| {
-            let phi = |i: usize| (h + 1) as f64 * angle * ((i % n) as f64 + 0.5);
-            let cosines = (0..=n).map(|i| libm::cos(phi(i)) as f32).collect();
-            (cosines, (0..=n).map(|i| libm::sin(phi(i)) as f32).collect())
+            let vertex = |k: usize| (k % STRIPS * strip + k / STRIPS) % n;
+            let phi = |k: usize| (h + 1) as f64 * angle * (vertex(k) as f64 + 0.5);
+            let cosines = (0..n + STRIPS).map(|k| libm::cos(phi(k)) as f32).collect();
+            (cosines, (0..n + STRIPS).map(|k| libm::sin(phi(k)) as f32).collect())
         };
         let eighth = core::f64::consts::TAU / SAMPLES as f64;
         Self {
@@ -50,9 +58,14 @@ impl UnitCircle {
         }
     }
 
-    /// Number of vertices, the repeated first one included.
+    /// Number of vertices, the repeated first ones of the strips included.
     pub fn len(&self) -> usize {
         self.waves[0].0.len()
+    }
+
+    /// Angle from one vertex to the next.
+    fn angle(&self) -> f64 {
+        core::f64::consts::TAU / (self.len() - STRIPS) as f64
     }
 
     /// Never true: a polygon has at least 16 vertices.
@@ -120,16 +133,20 @@ impl Outline {
         }
         let x = curve(circle, |i| points[i].0);
         let y = curve(circle, |i| points[i].1);
-        self.append(circle, &x, &y, HARMONICS);
+        self.append(circle, &x, &y);
         true
     }
 
     /// Adds an upright ellipse, given in raster coordinates.
     pub fn add_disc(&mut self, circle: &UnitCircle, centre: (f64, f64), radii: (f64, f64)) {
         let (a, b) = (radii.0 * circle.radius, -radii.1 * circle.radius);
-        let x = Curve { mean: centre.0, parts: [(a, 0.0), (0.0, 0.0), (0.0, 0.0)] };
-        let y = Curve { mean: centre.1, parts: [(0.0, b), (0.0, 0.0), (0.0, 0.0)] };
-        self.append(circle, &x, &y, 1);
+        let (cosines, sines) = &circle.waves[0];
+        let along = |mean: f64, reach: f64| move |wave: &f32| mean as f32 + reach as f32 * wave;
+        self.xs.extend(cosines.iter().map(along(centre.0, a)));
+        self.ys.extend(sines.iter().map(along(centre.1, b)));
+        let ((left, right), (top, bottom)) = (range(centre.0, a.abs()), range(centre.1, b.abs()));
+        self.widen([left, top, right, bottom]);
+        self.longest_edge = self.longest_edge.max(circle.angle() * a.abs().max(b.abs()));
     }
 
     /// Every vertex mapped for itself.
@@ -160,14 +177,12 @@ impl Outline {
         true
     }
 
-    fn append(&mut self, circle: &UnitCircle, x: &Curve, y: &Curve, harmonics: usize) {
-        let waves = &circle.waves[..harmonics];
-        x.extend(waves, &mut self.xs);
-        y.extend(waves, &mut self.ys);
-        let ((left, right), (top, bottom)) = (x.range(), y.range());
+    fn append(&mut self, circle: &UnitCircle, x: &Curve, y: &Curve) {
+        x.extend(&circle.waves, &mut self.xs);
+        y.extend(&circle.waves, &mut self.ys);
+        let ((left, right), (top, bottom)) = (range(x.mean, x.reach()), range(y.mean, y.reach()));
         self.widen([left, top, right, bottom]);
-        let angle = core::f64::consts::TAU / (circle.len() - 1) as f64;
-        self.longest_edge = self.longest_edge.max(angle * x.speed().max(y.speed()));
+        self.longest_edge = self.longest_edge.max(circle.angle() * x.speed().max(y.speed()));
     }
 
     fn widen(&mut self, with: [f32; 4]) {
@@ -197,12 +212,8 @@ impl Curve {
     fn extend(&self, waves: &[(Vec<f32>, Vec<f32>)], into: &mut Vec<f32>) {
         let start = into.len();
         into.resize(start + waves[0].0.len(), self.mean as f32);
-        let places = &mut into[start..];
         for ((cosines, sines), (a, b)) in waves.iter().zip(self.parts) {
-            let (a, b) = (a as f32, b as f32);
-            for ((place, cos), sin) in places.iter_mut().zip(cosines).zip(sines) {
-                *place += a * cos + b * sin;
-            }
+            simd::add_wave(&mut into[start..], cosines, sines, (a as f32, b as f32));
         }
     }
 
@@ -211,10 +222,13 @@ impl Curve {
         self.parts.iter().enumerate().map(|(h, (a, b))| (h + 1) as f64 * (a * a + b * b).sqrt()).sum()
     }
 
-    /// The curve stays within its mean and the sum of the amplitudes.
-    fn range(&self) -> (f32, f32) {
-        let reach = self.parts.iter().map(|(a, b)| (a * a + b * b).sqrt()).sum::<f64>();
-        let slack = 1e-3; // single precision, and the box must never cut the outline
-        ((self.mean - reach - slack) as f32, (self.mean + reach + slack) as f32)
+    /// The curve stays within the sum of the amplitudes of its mean.
+    fn reach(&self) -> f64 {
+        self.parts.iter().map(|(a, b)| (a * a + b * b).sqrt()).sum::<f64>()
     }
+}
+
+fn range(mean: f64, reach: f64) -> (f32, f32) {
+    let slack = 1e-3; // single precision, and the box must never cut the outline
+    ((mean - reach - slack) as f32, (mean + reach + slack) as f32)
 }

@@ -2,9 +2,12 @@
 //!
 //! For each edge and each row that it crosses, the area between the edge and the right border of a pixel is added to
 //! that pixel and the rest of its height to the next; the running sum along the row is then the covered area. It is
-//! linear, so the sub-frames of an exposure are accumulated together and summed once.
+//! linear, so the sub-frames of an exposure are accumulated together and summed once. Sums are of whole numbers, so
+//! that they don't depend on the order of the edges. Short edges, nearly all there are, go by [`super::edges`].
 
+use super::edges::{CELLS, WHOLE, whole};
 use super::simd;
+use crate::geometry::STRIPS;
 
 /// A rectangle of pixels in raster coordinates; ends are exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,148 +62,44 @@ impl Area {
 /// Accumulates the coverage of polygons over an area.
 #[derive(Debug, Clone, Default)]
 pub struct Coverage {
-    cells: Vec<f32>,
+    /// In parts of a covered pixel.
+    cells: Vec<i32>,
     stride: usize,
+    shares: Vec<f32>,
+    columns: usize,
     width: f32,
     height: f32,
     rows: usize,
-}
-
-/// What edges shorter than a pixel add: three cells from a column on in their upper row, and in the row below.
-#[derive(Debug, Clone, Copy)]
-struct Edges<const LANES: usize> {
-    row: [i32; LANES],
-    upper_column: [i32; LANES],
-    lower_column: [i32; LANES],
-    upper: [[f32; LANES]; 3],
-    lower: [[f32; LANES]; 3],
-}
-
-impl<const LANES: usize> Edges<LANES> {
-    /// Edges from the vertices `a` to the vertices `b`, given as (x, y) and relative to (x0, y0). Written lane by lane
-    /// without branches, so that the compiler makes vector code of it; `always`, so that it makes it for the machine
-    /// that the caller was compiled for.
-    #[inline(always)]
-    fn new(a: [&[f32; LANES]; 2], b: [&[f32; LANES]; 2], (x0, y0): (f32, f32)) -> Self {
-        let (none, zero) = ([0; LANES], [[0.0; LANES]; 3]);
-        let mut edges = Self { row: none, upper_column: none, lower_column: none, upper: zero, lower: zero };
-        for lane in 0..LANES {
-            let (xa, ya, xb, yb) = (a[0][lane] - x0, a[1][lane] - y0, b[0][lane] - x0, b[1][lane] - y0);
-            let down = ya < yb;
-            let sign = if down { 1.0 } else { -1.0 };
-            let (top_x, top) = (if down { xa } else { xb }, if down { ya } else { yb });
-            let (bottom_x, bottom) = (if down { xb } else { xa }, if down { yb } else { ya });
-            let row = top as i32;
-            let border = (row + 1) as f32;
-            let height = bottom - top;
-            let above = if bottom < border { height } else { border - top };
-            let share = above / if height > TINY { height } else { TINY };
-            let middle = top_x + (bottom_x - top_x) * share;
-            let (upper_column, upper) = part(top_x, middle, sign * above);
-            let (lower_column, lower) = part(middle, bottom_x, sign * (height - above));
-            (edges.row[lane], edges.upper_column[lane], edges.lower_column[lane]) =
-                (row, upper_column, lower_column);
-            for cell in 0..3 {
-                (edges.upper[cell][lane], edges.lower[cell][lane]) = (upper[cell], lower[cell]);
-            }
-        }
-        edges
-    }
-}
-
-/// Keeps a division by nothing from being one; what it divides is nothing as well.
-const TINY: f32 = 1e-30;
-
-/// What a part of an edge within a row, from x = a to b and `height` high (signed), adds to three cells. The covered
-/// share of the first pixel is the mean of (border − x)₊ along the part, of the first two that of min(1, border + 1 − x).
-#[inline(always)]
-fn part(a: f32, b: f32, height: f32) -> (i32, [f32; 3]) {
-    let (left, right) = if a < b { (a, b) } else { (b, a) };
-    let column = left as i32;
-    let border = (column + 1) as f32;
-    let width = right - left;
-    let half = 0.5 / if width > TINY { width } else { TINY };
-    let (before, beyond) = (border - left, right - border);
-    let crosses = right > border;
-    let first = if crosses { before * before * half } else { border - 0.5 * (left + right) };
-    let rest = if crosses { beyond * beyond * half } else { 0.0 };
-    (column, [height * first, height * (1.0 - rest - first), height * rest])
 }
 
 impl Coverage {
     /// Starts an area of this size with nothing covered.
     pub fn begin(&mut self, width: usize, height: usize) {
         // Two columns more for what edges put beyond the right border, and a row below, to which edges that end on
-        // the lower border add nothing.
+        // the lower border add nothing; in its last columns a vector of cells must fit.
         self.stride = width + 2;
         self.cells.clear();
-        self.cells.resize(self.stride * (height + 1) + 1, 0.0);
-        (self.width, self.height, self.rows) = (width as f32, height as f32, height);
+        self.cells.resize(self.stride * (height + 1) + CELLS, 0);
+        (self.width, self.height) = (width as f32, height as f32);
+        (self.columns, self.rows) = (width, height);
     }
 
-    /// Adds a closed polygon (its first vertex stands at the end again) that runs counter-clockwise as one looks at
-    /// the picture. Its y points down; the area's upper left corner is at (x0, y0). `short_inside` promises that no
-    /// edge is a pixel long and that no vertex is outside the area; then it goes faster.
+    /// Adds a closed polygon, laid out as [`STRIPS`] says, that runs counter-clockwise as one looks at the picture. Its
+    /// y points down; the area's upper left corner is at (x0, y0). `short_inside` promises that no edge is a pixel
+    /// long and that no vertex is outside the area; then it goes faster.
     pub fn add(&mut self, xs: &[f32], ys: &[f32], (x0, y0): (f32, f32), short_inside: bool) {
         if short_inside {
-            return simd::add_short(self, xs, ys, (x0, y0));
+            return simd::add_short(&mut self.cells, self.stride, xs, ys, (x0, y0));
         }
-        for (x, y) in xs.windows(2).zip(ys.windows(2)) {
-            self.edge(x[0] - x0, y[0] - y0, x[1] - x0, y[1] - y0);
+        let ends = xs.iter().zip(ys).skip(STRIPS);
+        for ((xa, ya), (xb, yb)) in xs.iter().zip(ys).zip(ends) {
+            self.edge(xa - x0, ya - y0, xb - x0, yb - y0);
         }
-    }
-
-    /// A polygon of short edges inside the area: an edge shorter than a pixel lies in at most two rows, and its part
-    /// within a row in at most two columns. The bits don't depend on the number of lanes: edges are worked out each
-    /// for itself and added one after the other.
-    #[inline(always)]
-    pub(super) fn add_short<const LANES: usize>(&mut self, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
-        let start = self.add_edges::<LANES>(xs, ys, origin, 0);
-        let start = self.add_edges::<4>(xs, ys, origin, start);
-        // The number of edges is a multiple of four for the outlines there are.
-        for (x, y) in xs[start..].windows(2).zip(ys[start..].windows(2)) {
-            self.edge(x[0] - origin.0, y[0] - origin.1, x[1] - origin.0, y[1] - origin.1);
-        }
-    }
-
-    /// Adds short edges from the vertex `start` on, as many as fill the lanes; returns the first vertex left over.
-    #[inline(always)]
-    fn add_edges<const LANES: usize>(
-        &mut self,
-        xs: &[f32],
-        ys: &[f32],
-        origin: (f32, f32),
-        mut start: usize,
-    ) -> usize {
-        let lanes =
-            |of: &[f32], at: usize| of.get(at..).and_then(|rest| rest.first_chunk::<LANES>().copied());
-        while let (Some(xa), Some(ya), Some(xb), Some(yb)) =
-            (lanes(xs, start), lanes(ys, start), lanes(xs, start + 1), lanes(ys, start + 1))
-        {
-            let edges = Edges::new([&xa, &ya], [&xb, &yb], origin);
-            for lane in 0..LANES {
-                let upper = edges.row[lane] as usize * self.stride;
-                let cells = [
-                    (upper + edges.upper_column[lane] as usize, &edges.upper),
-                    (upper + self.stride + edges.lower_column[lane] as usize, &edges.lower),
-                ];
-                for (first, parts) in cells {
-                    if let Some([a, b, c]) = self.cells.get_mut(first..first + 3) {
-                        *a += parts[0][lane];
-                        *b += parts[1][lane];
-                        *c += parts[2][lane];
-                    }
-                }
-            }
-            start += LANES;
-        }
-        start
     }
 
     /// The covered share of each pixel of a row, `share` times the sum over the polygons, as a running sum.
     pub fn row(&self, row: usize) -> &[f32] {
-        let start = row * self.stride;
-        &self.cells[start..start + self.stride - 2]
+        &self.shares[row * self.columns..][..self.columns]
     }
 
     /// One edge, cut to the area: above and below nothing counts, to the left it counts at the left border, to the
@@ -241,7 +140,7 @@ impl Coverage {
         let cells = row * self.stride;
         if right <= 0.0 || length == 0.0 {
             if left <= 0.0 {
-                self.cells[cells] += dy;
+                self.put(cells, dy);
             }
             return;
         }
@@ -249,7 +148,7 @@ impl Coverage {
             return;
         }
         if left < 0.0 {
-            self.cells[cells] += dy * (-left / length);
+            self.put(cells, dy * (-left / length));
         }
         let (from, to) = (left.max(0.0), right.min(self.width));
         self.span_inside(row, from, to, dy * ((to - from) / length));
@@ -262,8 +161,8 @@ impl Coverage {
         let base = row * self.stride + first;
         if first == last {
             let middle = 0.5 * (left + right) - first as f32;
-            self.cells[base] += dy * (1.0 - middle);
-            self.cells[base + 1] += dy * middle;
+            self.put(base, dy * (1.0 - middle));
+            self.put(base + 1, dy * middle);
             return;
         }
         let per_column = dy / (right - left);
@@ -273,56 +172,29 @@ impl Coverage {
             let part = per_column * (end - begin);
             let middle = 0.5 * (begin + end) - column as f32;
             let cell = row * self.stride + column;
-            self.cells[cell] += part * (1.0 - middle);
-            self.cells[cell + 1] += part * middle;
+            self.put(cell, part * (1.0 - middle));
+            self.put(cell + 1, part * middle);
             begin = end;
         }
+    }
+
+    #[inline]
+    fn put(&mut self, cell: usize, area: f32) {
+        self.cells[cell] += whole(area * WHOLE);
     }
 
     /// Turns the accumulated edges into covered shares: running sums along the rows times `share`, kept in 0..1.
     /// Circles that lie over one another cover a pixel no more than once.
     pub fn finish(&mut self, share: f32) {
-        for row in self.cells.chunks_exact_mut(self.stride) {
-            let mut sum = 0.0;
-            for cell in row {
+        let scale = share / WHOLE;
+        self.shares.clear();
+        for row in self.cells.chunks_exact(self.stride).take(self.rows) {
+            let mut sum = 0;
+            self.shares.extend(row[..self.columns].iter().map(|cell| {
                 sum += *cell;
-                *cell = (sum * share).clamp(0.0, 1.0);
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Coverage;
-    use crate::geometry::{Outline, UnitCircle};
-    use crate::photometry::simd;
-
-    #[test]
-    fn law_lanes_change_no_bit() {
-        // Circles of numbers of vertices that eight lanes divide, and that they don't.
-        for radius in [2.0, 3.3, 5.12, 7.9] {
-            let circle = UnitCircle::for_radius_px(radius);
-            let made = [0, 1, 2].map(|which| {
-                let mut outline = Outline::default();
-                let mut coverage = Coverage::default();
-                coverage.begin(24, 24);
-                for i in 0..40 {
-                    let at = |k: f64| 10.5 + 3.0 * libm::sin(k * f64::from(i));
-                    outline.clear();
-                    outline.add_disc(&circle, (at(1.7), at(2.3)), (radius, radius));
-                    let (xs, ys) = (&outline.xs, &outline.ys);
-                    match which {
-                        0 => coverage.add_short::<4>(xs, ys, (0.0, 0.0)),
-                        1 => coverage.add_short::<8>(xs, ys, (0.0, 0.0)),
-                        _ => simd::add_short(&mut coverage, xs, ys, (0.0, 0.0)),
-                    }
-                }
-                coverage.cells.iter().map(|cell| cell.to_bits()).collect::<Vec<u32>>()
-            });
-            assert!(made[0].iter().any(|bits| *bits != 0));
-            assert_eq!(made[0], made[1], "radius {radius}");
-            assert_eq!(made[0], made[2], "radius {radius}");
+                let share = sum as f32 * scale;
+                if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 }
+            }));
         }
     }
 }

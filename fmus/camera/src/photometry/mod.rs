@@ -7,6 +7,7 @@
 
 pub mod coverage;
 pub mod defocus;
+pub mod edges;
 pub mod frame;
 pub mod noise;
 pub mod plane;
@@ -23,6 +24,10 @@ pub const PARTS: f32 = 64.0;
 /// A grey level in parts, rounded, within what the base can hold.
 #[inline]
 pub fn parts(grey: f32) -> i16 {
-    // Adding 0.5 and truncating (all greys are nonnegative) rounds without a call; the cast saturates.
-    (grey * PARTS + 0.5) as i16
+    let raised = grey * PARTS + 0.5;
+    let most = f32::from(i16::MAX);
+    // What is not a number is none of both, and becomes 0.
+    let positive = if raised > 0.0 { raised } else { 0.0 };
+    // All greys are nonnegative; a cast that saturates would not become vector code.
+    edges::whole(edges::below(if positive < most { positive } else { most })) as i16
 }

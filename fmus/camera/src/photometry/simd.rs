@@ -1,7 +1,7 @@
-//! The AVX2 and AVX-512 paths of [`super::quantise`] and the AVX2 one of [`super::coverage`], chosen at run time. All
+//! The AVX2 and AVX-512 paths of [`super::quantise`] and the AVX2 one of [`super::edges`], chosen at run time. All
 //! `unsafe` of the camera is in this file.
 
-use super::coverage::Coverage;
+use super::edges;
 use super::quantise::{Span, portable};
 
 /// A way to quantise a span.
@@ -37,19 +37,29 @@ pub fn best() -> Path {
     portable
 }
 
-/// [`Coverage::add_short`], compiled for the machine that it runs on.
-pub(super) fn add_short(coverage: &mut Coverage, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+/// Adds a closed polygon of short edges to the cells. Cells beyond the last are left out, or take the last's place.
+pub fn add_short(cells: &mut [i32], stride: usize, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2, which is all that the function needs.
-        return unsafe { x86::add_short(coverage, xs, ys, origin) };
+        return unsafe { x86::add_short(cells, stride, xs, ys, origin) };
     }
-    coverage.add_short::<4>(xs, ys, origin);
+    edges::each::<4>(xs, ys, origin, stride as i32, |edges| edges::add(cells, edges));
+}
+
+/// Adds a·cos + b·sin to each place.
+pub fn add_wave(places: &mut [f32], cosines: &[f32], sines: &[f32], parts: (f32, f32)) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2, which is all that the function needs.
+        return unsafe { x86::add_wave(places, cosines, sines, parts) };
+    }
+    edges::add_wave(places, cosines, sines, parts);
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::super::coverage::Coverage;
+    use super::super::edges::{self, CELLS, Edges};
     use super::super::noise::{Keys, ROUNDS, TABLE_A, TABLE_B, WEIGHTS};
     use super::super::plane::BLOCK;
     use super::Span;
@@ -70,8 +80,58 @@ mod x86 {
 
     /// The same source as everywhere, with eight lanes. Without fused multiply-add, which would change bits.
     #[target_feature(enable = "avx2")]
-    pub fn add_short(coverage: &mut Coverage, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
-        coverage.add_short::<8>(xs, ys, origin);
+    pub fn add_short(cells: &mut [i32], stride: usize, xs: &[f32], ys: &[f32], origin: (f32, f32)) {
+        assert!(cells.len() >= CELLS, "an area has cells for a vector");
+        edges::each::<8>(xs, ys, origin, stride as i32, |edges| add8(cells, edges));
+    }
+
+    /// The same source as everywhere, with eight lanes.
+    #[target_feature(enable = "avx2")]
+    pub fn add_wave(places: &mut [f32], cosines: &[f32], sines: &[f32], parts: (f32, f32)) {
+        edges::add_wave(places, cosines, sines, parts);
+    }
+
+    /// As [`edges::add`], four cells at once.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn add8(cells: &mut [i32], edges: &Edges<8>) {
+        // Promised: every cell is within the area. Should it not be, the last ones take its place.
+        let last = _mm256_set1_epi32((cells.len() - CELLS) as i32);
+        for (first, parts) in [(&edges.upper_first, &edges.upper), (&edges.lower_first, &edges.lower)] {
+            // SAFETY: these are arrays of eight numbers of 32 bits, and the loads and stores are unaligned ones.
+            let (first, a, b, c) = unsafe {
+                let load = |of: *const i32| _mm256_loadu_si256(of.cast());
+                (
+                    load(first.as_ptr().cast()),
+                    load(parts[0].as_ptr()),
+                    load(parts[1].as_ptr()),
+                    load(parts[2].as_ptr()),
+                )
+            };
+            let mut places = [0u32; 8];
+            // SAFETY: as above.
+            unsafe { _mm256_storeu_si256(places.as_mut_ptr().cast(), _mm256_min_epu32(first, last)) };
+            let zero = _mm256_setzero_si256();
+            let (ab, c0) = (_mm256_unpacklo_epi32(a, b), _mm256_unpacklo_epi32(c, zero));
+            let (cd, c1) = (_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, zero));
+            let lanes = [
+                _mm256_unpacklo_epi64(ab, c0),
+                _mm256_unpackhi_epi64(ab, c0),
+                _mm256_unpacklo_epi64(cd, c1),
+                _mm256_unpackhi_epi64(cd, c1),
+            ];
+            for (lane, four) in lanes.into_iter().enumerate() {
+                let halves = [_mm256_castsi256_si128(four), _mm256_extracti128_si256::<1>(four)];
+                for (half, added) in halves.into_iter().enumerate() {
+                    let place = places[lane + 4 * half] as usize;
+                    // SAFETY: place + CELLS is at most the number of cells.
+                    unsafe {
+                        let cell = cells.as_mut_ptr().add(place).cast::<__m128i>();
+                        _mm_storeu_si128(cell, _mm_add_epi32(_mm_loadu_si128(cell), added));
+                    }
+                }
+            }
+        }
     }
 
     /// Whether the machine has what [`avx512`] uses.

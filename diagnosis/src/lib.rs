@@ -27,6 +27,6 @@ pub mod statistics;
 mod story;
 mod write;
 
-pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
 pub use error::{Error, Notice};
 pub use pipeline::{Options, diagnose};

@@ -130,10 +130,10 @@ impl<'a> Bench<'a> {
         for member in members {
             probes.push(cuts.probe(member.candidate, point[member.candidate], self.size(member)));
         }
-        for index in 0..point.len() {
-            let active = point[index] != self.list[index].off && !self.list[index].is_discrete();
+        for (index, x) in point.iter().enumerate() {
+            let active = *x != self.list[index].off && !self.list[index].is_discrete();
             if active && members.iter().all(|member| member.candidate != index) {
-                probes.push(cuts.probe(index, point[index], 0.0));
+                probes.push(cuts.probe(index, *x, 0.0));
             }
         }
         let gram = cuts.reduced(point, &probes)?.gram;

@@ -15,8 +15,8 @@ const SHORT: f64 = 10.0;
 const THINNED: f64 = 0.1;
 /// Torque steps of an arm that hangs, s.
 const HELD: f64 = 0.01;
-/// Torque at the joint and at the first link, as shares of the second link's weight: swings of about a radian.
-const SHARES: [f64; 2] = [0.15, 0.2];
+/// Torque at the joint and at the first link, as shares of the second link's weight: swings of half a radian to one.
+const SHARES: [f64; 2] = [0.1, 0.15];
 /// Beyond this an arm hangs rather than stands, rad.
 const HANGING: f64 = 1.6;
 

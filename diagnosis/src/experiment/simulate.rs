@@ -59,6 +59,9 @@ pub fn simulate(
     if let Some(row) = log.series("plant.contact")?.iter().position(|contact| *contact > 0.5) {
         return Err(Error::Model(format!("the arm falls after {:.1} s", log.memory.times()[row])));
     }
+    if let Some(time) = log.goes_round()?.filter(|_| !controlled) {
+        return Err(Error::Model(format!("a link goes round after {time:.1} s")));
+    }
     let camera = if filmed && prepared.logs.picture { Some(log.camera()?) } else { None };
     if camera.as_ref().is_some_and(Table::is_empty) {
         return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
@@ -94,6 +97,14 @@ struct Recorded {
 impl Recorded {
     fn series(&self, name: &str) -> Result<&[f64], Error> {
         self.memory.series(name).map_err(refused)
+    }
+
+    /// When a link first is half a turn from where it began: what hangs would go over the top, cables and all.
+    fn goes_round(&self) -> Result<Option<f64>, Error> {
+        let (q1, q2) = (self.series("plant.q1")?, self.series("plant.q2")?);
+        let over =
+            |row: &usize| (q1[*row] - q1[0]).abs().max((q2[*row] - q2[0]).abs()) > std::f64::consts::PI;
+        Ok((0..q1.len()).find(over).map(|row| self.memory.times()[row]))
     }
 
     /// A table of some rows.

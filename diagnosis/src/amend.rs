@@ -32,7 +32,8 @@ pub fn amended(
     Ok(Simulation::new(&scenario, units).map_err(failed)?.resolved())
 }
 
-fn written(candidate: &Candidate, value: f64) -> String {
+/// A value as `scenario.set` reads it.
+pub fn written(candidate: &Candidate, value: f64) -> String {
     use crate::candidates::Motion;
     match candidate.motion {
         Motion::Switch => (value > 0.5).to_string(),

@@ -94,6 +94,25 @@ pub struct NextExperiment {
     pub separates: Vec<String>,
     /// The scenario file written beside, if the experiment is one.
     pub scenario: Option<String>,
+    /// Groups that stay together even then.
+    pub leaves_open: Vec<Vec<String>>,
+    /// All experiments that were simulated, the best first.
+    pub separation: Vec<Separation>,
+}
+
+/// How well an experiment would tell the members of a class apart.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Separation {
+    /// The experiment in a few words.
+    pub experiment: String,
+    /// Deviance that is expected to be lost by taking one member for another, for the pair that is hardest.
+    pub loss: Option<f64>,
+    /// That pair.
+    pub pair: Vec<String>,
+    /// Probability that the true member is expected to have afterwards.
+    pub certainty: Option<f64>,
+    /// Why it could not be simulated.
+    pub problem: Option<String>,
 }
 
 /// `diagnosis.json`.

@@ -6,6 +6,7 @@
 //! 3. [`residual`] cuts the loop at every interface and compares, with the columns of all [`candidates`].
 //! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
 //! 5. [`rest`] says whether what remains is noise, [`gap`] how far it closed, [`amend`] writes the better model.
+//! 6. `experiment` simulates what a lab could do about a class that stays open, and chooses.
 
 pub mod amend;
 pub mod bench;
@@ -27,6 +28,6 @@ pub mod statistics;
 mod story;
 mod write;
 
-pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
 pub use error::{Error, Notice};
 pub use pipeline::{Options, diagnose};

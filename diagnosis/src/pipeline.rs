@@ -1,13 +1,10 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
-use crate::amend;
 use crate::candidates::{CLOCK, Candidate, Cuts, Motion, Side, candidates};
 use crate::counting::losses;
 use crate::dataset::DataSet;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
-use crate::experiment;
-use crate::gap;
 use crate::model::Model;
 use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
@@ -17,7 +14,7 @@ use crate::residual::weak::Weak;
 use crate::residual::{Cut, Signal};
 use crate::rest::unknown;
 use crate::selection::{ALPHA, Alternative, CLASS, Study, alternatives, study};
-use crate::story;
+use crate::{amend, experiment, gap, story};
 use orchestrator::UnitPath;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -301,7 +298,8 @@ fn conclude(
     let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
     let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
-    let next = experiment::next(list, &effects, data.runs.iter().all(|run| run.plant.is_some()));
+    let cuts = parts.iter().map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
+    let (next, experiment) = experiment::next(data, model, list, point, cuts, units);
     let amended = amend::amended(model, list, point, &effects, units)?;
     Ok(Diagnosis {
         verdict,
@@ -315,7 +313,7 @@ fn conclude(
         notices,
         story,
         amended,
-        experiment: None,
+        experiment,
         traces,
     })
 }

@@ -1,6 +1,6 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::diagnosis::{Diagnosis, Trace, Verdict};
+use crate::diagnosis::{Diagnosis, NextExperiment, Trace, Verdict};
 use crate::error::Error;
 use report::{Axis, Cell, Graph, Line, Page, Table};
 
@@ -21,7 +21,8 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     }
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
-        page.text(&format!("{} It tells apart: {}.", next.what, next.separates.join(", ")));
+        page.text(&told(next));
+        page.table(&experiments(next));
     }
     page.heading("Step by step");
     for line in &diagnosis.story {
@@ -91,6 +92,33 @@ fn effects(diagnosis: &Diagnosis) -> Table {
             Cell::Number(format!("{:.3}", effect.probability)),
             effect.class[1..].join(", ").into(),
         ]
+    });
+    Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+fn told(next: &NextExperiment) -> String {
+    let mut text = next.what.clone();
+    if !next.separates.is_empty() {
+        text += &format!(" It tells apart: {}.", next.separates.join(", "));
+    }
+    for group in &next.leaves_open {
+        text += &format!(" It leaves open: {}.", group.join(", "));
+    }
+    if let Some(file) = &next.scenario {
+        text += &format!(" Its scenario is {file}.");
+    }
+    text
+}
+
+/// Every experiment of the catalogue that this machine can do, simulated.
+fn experiments(next: &NextExperiment) -> Table {
+    let head = ["experiment", "loss of the hardest pair", "that pair", "probability of the truth afterwards"];
+    let rows = next.separation.iter().map(|line| {
+        let number = |value: Option<f64>, digits: usize| {
+            Cell::Number(value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}")))
+        };
+        let pair = line.problem.clone().unwrap_or_else(|| line.pair.join(", "));
+        vec![line.experiment.clone().into(), number(line.loss, 1), pair.into(), number(line.certainty, 3)]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
 }

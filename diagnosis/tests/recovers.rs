@@ -3,7 +3,11 @@
 
 mod common;
 
+use common::Folder;
+use diagnosis::record::{Recording, record};
 use diagnosis::{Diagnosis, Verdict, diagnose};
+use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};
+use std::path::PathBuf;
 
 fn said(name: &str, set: &[(&str, &str)]) -> Diagnosis {
     let folder = common::recorded(name, set);
@@ -59,4 +63,69 @@ fn every_run_of_a_diagnosis_says_the_same() {
     };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool of one").install(once);
     assert_eq!(one, once());
+}
+
+/// What is hidden from a class of two.
+const HIDDEN: (&str, &str) = ("camera.p1", "0.0003");
+
+/// Runs a scenario three times with the hidden effect and noise, records it and diagnoses it.
+fn rehearsed(name: &str, nominal: &str, from: &Scenario, starts: [&str; 3]) -> (Folder, Diagnosis) {
+    let folder = Folder::new(name);
+    let mut runs: Vec<PathBuf> = Vec::new();
+    for (seed, start) in ["1", "2", "3"].into_iter().zip(starts) {
+        let mut scenario = from.clone();
+        for (name, value) in [HIDDEN, ("camera.sigma", "4.0"), ("camera.seed", seed), ("plant.q2_0", start)] {
+            scenario.set(name, value).expect("the names are right");
+        }
+        let run = folder.path().join(format!("hidden-{seed}"));
+        std::fs::create_dir_all(&run).expect("a folder");
+        let mut simulation = Simulation::new(&scenario, &common::units()).expect("cargo xtask pack was run");
+        let mut results = CsvRecorder::create(run.join("results.csv")).expect("a file");
+        simulation.run(&mut results, &mut Quiet).expect("it runs");
+        runs.push(run);
+    }
+    let set = folder.path().join("set");
+    let recording = Recording { scenario: nominal.to_owned(), ..Recording::default() };
+    record(&runs, &set, &recording).expect("it can be recorded");
+    // what a lab knows of its sensor
+    let head = std::fs::read_to_string(set.join("dataset.toml")).expect("written");
+    let head = head.replacen("[noise]", "[set]\n\"camera.sigma\" = 4.0\n\n[noise]", 1);
+    std::fs::write(set.join("dataset.toml"), head).expect("writable");
+    let found = diagnose(&set, &common::units(), &common::options(), &mut |_| {}).expect("the data is good");
+    (folder, found)
+}
+
+#[test]
+fn recovers_decentring_from_a_class_by_the_experiment_proposed() {
+    // five seconds near the upright: the circles hardly move, and p1 and s1 shift them alike
+    let mut still =
+        Scenario::load(common::root().join("scenarios/visual-servo.toml")).expect("it is shipped");
+    still.set_stop("5").expect("a time");
+    still.set("plant.q1_0", "-0.005").expect("the name is right");
+    let starts = ["0.01", "0.02", "0.03"];
+    let (_, before) = rehearsed("open", "visual-servo", &still, starts);
+    assert_eq!(before.verdict, Verdict::Ambiguous, "{:?}", before.effects);
+    let next = before.next_experiment.as_ref().expect("a class is open");
+    for name in ["camera.p1", "camera.s1"] {
+        assert!(next.separates.iter().any(|other| other == name), "{next:?}");
+    }
+    // of those that cost as little, it is the one with the largest loss
+    let loss =
+        |name: &str| next.separation.iter().find(|line| line.experiment == name).and_then(|line| line.loss);
+    let best = next.separation.first().and_then(|line| line.loss).expect("simulated");
+    for other in ["faster steps", "larger steps", "swing", "slow ramps", "small steps", "exposure halved"] {
+        assert!(loss(other).is_some_and(|loss| loss <= best), "{other}: {next:?}");
+    }
+    // the prediction of what was seen already is modest
+    assert!(loss("the same again").is_some_and(|loss| loss < 9.0), "{next:?}");
+
+    let folder = Folder::new("proposed");
+    before.write(folder.path()).expect("writable");
+    let file = folder.path().join(next.scenario.as_ref().expect("it is a scenario"));
+    let proposed = Scenario::load(&file).expect("a scenario that loads");
+    let (_, after) = rehearsed("followed", &file.to_string_lossy(), &proposed, starts);
+    assert_eq!(after.verdict, Verdict::Named, "{:?}", after.effects);
+    assert_eq!(after.effects[0].name, HIDDEN.0);
+    // the standard error is about 2e-6, and the lattice moves the fit by as much
+    assert!((after.effects[0].value - 3e-4).abs() < 2e-5, "{:?}", after.effects);
 }

@@ -76,7 +76,10 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
         println!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
     }
     if let Some(next) = &diagnosis.next_experiment {
-        println!("to tell {} apart: {}", next.separates.join(" and "), next.what);
+        match next.separates.as_slice() {
+            [] => println!("next experiment: {}", next.what),
+            names => println!("to tell {} apart: {}", names.join(" and "), next.what),
+        }
     }
     println!("the report is {}", out.join("report.html").display());
 }

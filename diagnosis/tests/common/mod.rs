@@ -12,7 +12,7 @@ pub fn root() -> PathBuf {
 
 /// The packed units; `cargo xtask pack` makes them.
 pub fn units() -> UnitPath {
-    UnitPath::new().with(root().join("target/fmus"))
+    scenarios::unit_path().with(root().join("target/fmus"))
 }
 
 /// Options of a test.

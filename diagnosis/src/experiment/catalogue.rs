@@ -1,0 +1,126 @@
+//! The catalogue: what a lab can do next. To add an experiment, add an entry.
+//!
+//! An entry is data: what a person is to do, what that changes in the nominal scenario, what is logged in addition.
+//! Which one tells candidates apart is never written here; it comes from simulating it.
+
+/// One experiment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Experiment {
+    /// A few words, for a table.
+    pub name: &'static str,
+    /// What is to be done, as an order to a person.
+    pub what: &'static str,
+    /// Machines that can do it.
+    pub rig: Rig,
+    /// How much work it is: 1 a number in a program, 2 a hand at the camera or the arm, 3 an instrument, 4 two of them.
+    pub cost: u8,
+    /// What becomes different.
+    pub changes: &'static [Change],
+}
+
+/// Which machines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rig {
+    /// Any.
+    Any,
+    /// The acrobot that rolls on its drum.
+    Rolling,
+    /// An arm whose first link turns about a fixed axis.
+    Pinned,
+}
+
+/// A difference to the runs that were made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// A signal is logged that was not.
+    Log(Log),
+    /// Only where this is logged already.
+    Needs(Log),
+    /// Another z_desired.
+    Desired(Profile),
+    /// A parameter times a factor.
+    Times(&'static str, f64),
+    /// A parameter plus something.
+    Plus(&'static str, f64),
+    /// The controller is fed by the encoders and not by the picture.
+    LoopOnEncoders,
+    /// The arm starts at rest, hanging, and is driven by torques that don't depend on its motion.
+    Hang,
+}
+
+/// A log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Log {
+    /// Both joint angles.
+    Encoders,
+    /// `tau_applied`.
+    Torque,
+}
+
+/// z_desired over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Profile {
+    /// Points (s, z) with smooth steps between.
+    Points(&'static [(f64, f64)]),
+    /// A sinusoid whose frequency rises evenly, Hz.
+    Sweep {
+        /// Largest z.
+        size: f64,
+        /// Frequency at the begin.
+        from: f64,
+        /// Frequency at the end.
+        to: f64,
+    },
+}
+
+const PI_HALF: f64 = std::f64::consts::FRAC_PI_2;
+/// Length of a run, s.
+pub const LENGTH: f64 = 15.0;
+/// Steps of up to 0.4 in 0.8 s: the balanced arm bears them.
+#[rustfmt::skip]
+const FAST: Profile = Profile::Points(&[
+    (0.0, 0.0), (1.2, 0.0), (2.0, 0.18), (3.0, 0.18), (3.8, -0.12), (4.8, -0.12), (5.6, 0.2), (6.6, 0.2), (7.4, -0.2),
+    (8.4, -0.2), (9.2, 0.08), (10.2, 0.08), (11.0, -0.15), (12.0, -0.15), (12.8, 0.2), (13.8, 0.2), (14.6, -0.05),
+]);
+#[rustfmt::skip]
+const LARGE: Profile = Profile::Points(&[
+    (0.0, 0.0), (1.0, 0.0), (4.0, 0.3), (5.0, 0.3), (9.0, -0.3), (10.0, -0.3), (14.0, 0.3), (15.0, 0.3),
+]);
+#[rustfmt::skip]
+const SMALL: Profile = Profile::Points(&[
+    (0.0, 0.0), (1.0, 0.0), (2.0, 0.05), (4.0, 0.05), (5.0, -0.05), (7.0, -0.05), (8.0, 0.05), (10.0, 0.05), (11.0, -0.05),
+    (13.0, -0.05), (14.0, 0.05),
+]);
+const RAMP: Profile = Profile::Points(&[(0.0, 0.0), (1.0, 0.0), (6.0, 0.45), (14.0, -0.45), (15.0, -0.45)]);
+const SWING: Profile = Profile::Sweep { size: 0.2, from: 0.08, to: 0.5 };
+const FAST_SWING: Profile = Profile::Sweep { size: 0.12, from: 0.3, to: 0.9 };
+
+use Change::{Desired, Hang, LoopOnEncoders, Needs, Plus, Times};
+
+/// No experiment but the control of the predictions: what the data at hand should have told.
+pub const AGAIN: Experiment =
+    Experiment { name: "the same again", what: "Repeat the runs.", rig: Rig::Any, cost: 0, changes: &[] };
+
+/// Everything that a lab can do without building another machine.
+#[rustfmt::skip]
+pub const CATALOGUE: &[Experiment] = &[
+    Experiment { name: "faster steps", rig: Rig::Rolling, cost: 1, changes: &[Desired(FAST)], what: "Repeat with faster steps of z_desired: up to 0.4, each in 0.8 s." },
+    Experiment { name: "larger steps", rig: Rig::Rolling, cost: 1, changes: &[Desired(LARGE)], what: "Repeat with larger steps of z_desired: 0.6, each in 4 s." },
+    Experiment { name: "swing", rig: Rig::Rolling, cost: 1, changes: &[Desired(SWING)], what: "Swing: let z_desired be a sinusoid whose frequency rises from 0.08 to 0.5 Hz." },
+    Experiment { name: "faster swing", rig: Rig::Rolling, cost: 1, changes: &[Desired(FAST_SWING)], what: "Swing fast: let z_desired be a sinusoid whose frequency rises from 0.3 to 0.9 Hz." },
+    Experiment { name: "slow ramps", rig: Rig::Rolling, cost: 1, changes: &[Desired(RAMP)], what: "Repeat with slow ramps of z_desired from one end of the range to the other." },
+    Experiment { name: "small steps", rig: Rig::Rolling, cost: 1, changes: &[Desired(SMALL)], what: "Repeat with small steps of z_desired, 0.1 each." },
+    Experiment { name: "exposure halved", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 0.5)], what: "Halve the exposure and repeat the runs." },
+    Experiment { name: "exposure doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 2.0)], what: "Double the exposure and repeat the runs." },
+    Experiment { name: "frame rate doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.omega_cam", 2.0)], what: "Double the frames a second of the camera and repeat the runs." },
+    Experiment { name: "refocused", rig: Rig::Any, cost: 2, changes: &[Plus("camera.N", 1.0)], what: "Refocus the camera one pass of the mask (camera.N) off its focus and repeat the runs." },
+    Experiment { name: "camera nearer", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 0.85)], what: "Move the camera nearer, until it sees 0.85 of the width that it saw, and repeat the runs." },
+    Experiment { name: "camera farther", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 1.2)], what: "Move the camera farther away, until it sees 1.2 of the width that it saw, and repeat the runs." },
+    Experiment { name: "mount turned by 90 degrees", rig: Rig::Any, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", PI_HALF), LoopOnEncoders], what: "Turn the camera mount by 90 degrees about its axis (camera.roll = pi/2), close the loop on the encoders, and repeat the runs." },
+    Experiment { name: "mount turned by 40 degrees", rig: Rig::Any, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", 0.7), LoopOnEncoders], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), close the loop on the encoders, and repeat the runs." },
+    Experiment { name: "mount turned by 40 degrees, ramps", rig: Rig::Rolling, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", 0.7), LoopOnEncoders, Desired(RAMP)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), close the loop on the encoders, and make slow ramps of z_desired from one end of the range to the other." },
+    Experiment { name: "hanging down", rig: Rig::Pinned, cost: 2, changes: &[Hang], what: "Let the arm hang down: start at rest and drive it with a sum of sines from 0.2 to 3 Hz." },
+    Experiment { name: "joint angles logged", rig: Rig::Any, cost: 3, changes: &[Change::Log(Log::Encoders)], what: "Log the joint angles by encoders (or motion capture) beside the picture and repeat the runs." },
+    Experiment { name: "torque logged", rig: Rig::Any, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders and repeat the runs." },
+    Experiment { name: "torque logged, faster steps", rig: Rig::Rolling, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders), Desired(FAST)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders, and make faster steps of z_desired: up to 0.4, each in 0.8 s." },
+];

@@ -8,6 +8,7 @@
 use super::image::{ImageCut, Pose, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Probe, Signal};
+use crate::bench::Setting;
 use crate::candidates::{Candidate, Side};
 use crate::dataset::{DataSet, Table};
 use crate::error::Error;
@@ -35,6 +36,9 @@ pub struct Chain {
     plant: PlantCut,
     candidates: Arc<Vec<Candidate>>,
     signals: Vec<Signal>,
+    /// Settings of the camera that the poses have followed, now and at the last look that was not quick.
+    followed: Option<Vec<Setting>>,
+    marked: Option<Vec<Setting>>,
 }
 
 impl Chain {
@@ -69,7 +73,7 @@ impl Chain {
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
-        let mut chain = Self { image, plant, candidates, signals };
+        let mut chain = Self { image, plant, candidates, signals, followed: None, marked: None };
         let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
         chain.linearise(&off, &first, false)?;
         chain.image.forget();
@@ -102,6 +106,12 @@ impl Chain {
     /// Lets the poses follow a camera that was moved, so that frames are rendered where this camera has them: the
     /// pixel lattice is part of the model only there.
     fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
+        // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
+        let now = self.image.settings(point, None)?;
+        if self.followed.as_ref() == Some(&now) {
+            return Ok(());
+        }
+        self.followed = Some(now);
         let blocks = self.image.linearise(point, &[], true)?;
         let mut cells =
             blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
@@ -189,6 +199,7 @@ impl Cut for Chain {
         }
         if !quick {
             self.image.mark();
+            self.marked.clone_from(&self.followed);
         }
         let offset = self.image.signals().len();
         blocks.extend(more.into_iter().map(|block| {
@@ -211,8 +222,13 @@ impl Cut for Chain {
         true
     }
 
+    fn free_pose(&self) -> bool {
+        true
+    }
+
     fn back(&mut self) {
         self.image.back();
+        self.followed.clone_from(&self.marked);
         self.plant.back();
     }
 

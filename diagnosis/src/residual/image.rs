@@ -10,6 +10,7 @@ use super::picture::{COLUMNS, Seen, Shot, Studio};
 use super::plant::settings;
 use super::trajectory::{Motion, State};
 use super::{Block, Cut, Probe, Signal};
+use crate::bench::Setting;
 use crate::candidates::{Candidate, Side};
 use crate::dataset::DataSet;
 use crate::error::Error;
@@ -58,7 +59,7 @@ pub enum Pose {
 }
 
 /// Settings and shots, and the frames they gave.
-type Made = (Vec<crate::bench::Setting>, Vec<Shot>, Vec<Option<Seen>>);
+type Made = (Vec<Setting>, Vec<Shot>, Vec<Option<Seen>>);
 
 /// Motion in, picture out.
 pub struct ImageCut {
@@ -168,7 +169,11 @@ impl ImageCut {
         self.kept.clear();
     }
 
-    fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<crate::bench::Setting>, Error> {
+    /// Parameter values of the camera at a point, but for its delay.
+    ///
+    /// # Errors
+    /// The unit lacks a candidate's variable.
+    pub fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
         let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
         let delay = self.studio.bench().reference("T_delay")?;
         all.retain(|(reference, _)| *reference != delay);

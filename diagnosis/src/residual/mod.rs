@@ -81,6 +81,10 @@ pub trait Cut: Send + Sync {
     fn lattice(&self) -> bool {
         false
     }
+    /// Whether poses are read off the pictures themselves.
+    fn free_pose(&self) -> bool {
+        false
+    }
     /// Forgets the nuisances: the next look begins from the data again.
     fn afresh(&mut self) {}
     /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.

@@ -17,8 +17,8 @@ use nalgebra::DVector;
 const HOPELESS: f64 = 12.0;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
-/// Loss up to which the data can't tell: odds of 1 to 10.
-pub const CLASS: f64 = 4.5;
+/// Loss up to which the data can't tell: odds of 1 to 5.
+pub const CLASS: f64 = 3.2;
 
 /// A candidate in the place of another.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,13 +45,14 @@ pub fn alternatives(
 ) -> Result<Vec<Alternative>, Error> {
     let temper = temper(last, active, effect, candidates);
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
-    let mut linear: Vec<(usize, f64, f64)> = Vec::new();
-    let settled = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
-        Evaluation::at(cut, &fit.point, &[], false)
+    let fitted = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
+        // pictures that are made anew would differ by the lattice
+        if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
     };
     let reference = refit(cut, candidates, &last.point, active)?;
-    let reference = settled(cut, reference)?;
-    let mut all = vec![(effect, reference.point[effect], reference.deviance())];
+    let reference = fitted(cut, reference)?;
+    let own = reference.deviance();
+    let mut all = vec![(effect, reference.point[effect], 0.0)];
     for (index, candidate) in candidates.iter().enumerate() {
         if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
             continue;
@@ -59,19 +60,15 @@ pub fn alternatives(
         if candidates[effect].is_discrete() && !resembled(steps, effect, index) {
             continue;
         }
+        let linear = linear_loss(last, &others, effect, index, candidates);
         let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
-        if predicted / temper > HOPELESS {
+        if predicted / temper > HOPELESS && linear.is_none_or(|(loss, _)| loss / temper > 2.0 * HOPELESS) {
             continue;
         }
-        // pictures change by whole pixels while a lens is fitted, which outweighs small differences; and they are
-        // linear in a lens
-        let pictured =
-            |index: usize| candidates[index].side == Side::Camera && !candidates[index].is_discrete();
-        if pictured(index)
-            && pictured(effect)
-            && let Some((loss, x)) = linear_loss(last, &others, effect, index, candidates)
+        if by_columns(cut, candidates, effect, index)
+            && let Some((loss, x)) = linear
         {
-            linear.push((index, x, loss));
+            all.push((index, x, loss));
             continue;
         }
         let mut set = others.clone();
@@ -88,20 +85,29 @@ pub fn alternatives(
             }
         }
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
-            let far = fit.deviance() > all[0].2 + temper * FAR;
-            let fit = if far { fit } else { settled(cut, fit)? };
-            all.push((index, fit.point[index], fit.deviance()));
+            let far = fit.deviance() > own + temper * FAR;
+            let fit = if far { fit } else { fitted(cut, fit)? };
+            all.push((index, fit.point[index], fit.deviance() - own));
         }
     }
-    let lowest = all.iter().map(|(_, _, deviance)| *deviance).fold(f64::INFINITY, f64::min);
-    let own = all[0].2 - lowest;
-    all.extend(linear.into_iter().map(|(index, x, loss)| (index, x, lowest + own + loss)));
+    let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
     let mut alternatives: Vec<Alternative> = all
         .into_iter()
-        .map(|(candidate, x, deviance)| Alternative { candidate, x, loss: (deviance - lowest) / temper })
+        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / temper })
         .collect();
     alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     Ok(alternatives)
+}
+
+/// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
+/// picture, fits differ by what the pixel lattice does. A delay shifts times only, and a plant leaves pictures alone.
+fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usize) -> bool {
+    let pictured = |index: usize| {
+        let candidate = &candidates[index];
+        candidate.side == Side::Camera && candidate.name != "camera.T_delay"
+    };
+    let smooth = |index: usize| !candidates[index].is_discrete();
+    cut.lattice() && (pictured(effect) || pictured(index) || !cut.free_pose()) && smooth(effect) && smooth(index)
 }
 
 /// Whether a candidate's column promised a good part of what a discrete effect then gave.
@@ -164,7 +170,8 @@ fn predicted_loss(
         .min_by(f64::total_cmp)
 }
 
-/// The exact linear loss of a replacement, and the value that the other would take.
+/// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
+/// best of its columns.
 fn linear_loss(
     last: &Evaluation,
     others: &[usize],
@@ -173,7 +180,6 @@ fn linear_loss(
     candidates: &[Candidate],
 ) -> Option<(f64, f64)> {
     let own = *last.places(&[effect]).first()?;
-    let other = last.probes.iter().position(|probe| probe.candidate == index)?;
     let rest = last.places(others);
     let cleaned = |a: usize, b: usize| {
         let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
@@ -184,14 +190,19 @@ fn linear_loss(
         };
         weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
     };
-    let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
     let size = last.point[effect] - candidates[effect].off;
-    // the rest itself also has an opinion: what each would still take of it
-    let (own_asks, other_asks) = (size * aa + last.total.score[own], size * ab + last.total.score[other]);
-    let value = other_asks / bb;
-    let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
-    let x = candidates[index].off + value;
-    (x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss.max(0.0), x))
+    let columns = last.probes.iter().enumerate().filter(|(_, probe)| probe.candidate == index);
+    columns
+        .filter_map(|(other, _)| {
+            let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
+            // the rest itself also has an opinion: what each would still take of it
+            let asks = |along: f64, column: usize| size * along + last.total.score[column];
+            let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
+            let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
+            let x = candidates[index].off + other_asks / bb;
+            (bb > 0.0 && x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss, x))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 fn starts(

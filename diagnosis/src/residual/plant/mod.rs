@@ -193,12 +193,23 @@ impl PlantCut {
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
-        let Some(through) = &self.through else { return vec![0.0; layout.len()] };
+        let (Some(through), Some(log)) = (&self.through, &self.runs[window.run].plant) else {
+            return vec![0.0; layout.len()];
+        };
+        // per second; of what is no angle, by neighbouring rows
+        let slope = |row: usize, signal: usize| {
+            if signal < 2 {
+                return base[row][2 + signal];
+            }
+            let (before, after) = (row.saturating_sub(1), (row + 1).min(base.len() - 1));
+            let span = log.time[window.rows[after]] - log.time[window.rows[before]];
+            if span > 0.0 { (base[after][signal] - base[before][signal]) / span } else { 0.0 }
+        };
         (layout.bins.iter())
             .map(|(signal, rows)| {
                 let of = |row: &usize| {
                     if through.index == Some(candidate) {
-                        -base[*row][2 + *signal]
+                        -slope(*row, *signal)
                     } else {
                         through.poses.moves[window.run]
                             .get(window.rows[*row])

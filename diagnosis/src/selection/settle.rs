@@ -1,0 +1,104 @@
+//! After a candidate was accepted: values and nuisances settle, what became superfluous goes, and a second opinion.
+
+use super::classes::alternatives;
+use super::evaluation::Evaluation;
+use super::refit::refit;
+use super::Step;
+use crate::candidates::Candidate;
+use crate::error::Error;
+use crate::residual::Cut;
+
+/// An active effect below this many standard errors is dropped again.
+const KEEP: f64 = 2.6;
+/// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
+/// standard error.
+const SETTLE: usize = 3;
+const MOVED: f64 = 0.2;
+/// By how much another must be better, at the fitted model, to take an effect's place (deviance).
+const BETTER: f64 = 2.0;
+
+/// Asks at the fitted model, where noise is small again and columns are short, whether another candidate in the place of
+/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise. Answers
+/// the new point, if so.
+pub(super) fn second_opinion(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &mut Vec<usize>,
+    candidate: usize,
+    steps: &[Step],
+) -> Result<Option<Vec<f64>>, Error> {
+    let others = alternatives(cut, candidates, last, active, candidate, steps)?;
+    let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
+    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + BETTER) else {
+        return Ok(None);
+    };
+    let mut point = last.point.clone();
+    point[candidate] = candidates[candidate].off;
+    point[best.candidate] = best.x;
+    let mut swapped: Vec<usize> = active.iter().copied().filter(|index| *index != candidate).collect();
+    swapped.push(best.candidate);
+    let dropped = settle(cut, candidates, &mut swapped, &mut point)?;
+    if dropped.contains(&best.candidate) {
+        return Ok(None);
+    }
+    *active = swapped;
+    Ok(Some(point))
+}
+
+/// Nuisances and values in turns, until no value moves much. Answers who was dropped.
+pub(super) fn settle(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    active: &mut Vec<usize>,
+    point: &mut Vec<f64>,
+) -> Result<Vec<usize>, Error> {
+    let mut all = Vec::new();
+    for _ in 0..SETTLE {
+        // the nuisances first, since a fit leaves them where the last look found them
+        Evaluation::at(cut, point, &[], false)?;
+        let before = point.clone();
+        let (dropped, tiny) = prune(cut, candidates, active, point)?;
+        all.extend(dropped);
+        if (0..point.len()).all(|place| (point[place] - before[place]).abs() <= tiny[place]) {
+            break;
+        }
+    }
+    Ok(all)
+}
+
+/// Drops what is superfluous, the weakest first, and fits the rest again. Answers who was dropped, and for each
+/// candidate by how much it may still move to count as settled.
+fn prune(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    active: &mut Vec<usize>,
+    point: &mut Vec<f64>,
+) -> Result<(Vec<usize>, Vec<f64>), Error> {
+    let mut dropped = Vec::new();
+    let mut tiny = vec![f64::INFINITY; candidates.len()];
+    loop {
+        let fit = refit(cut, candidates, point, active)?;
+        point.clone_from(&fit.point);
+        let free: Vec<usize> =
+            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let Some(covariance) = fit.covariance(&free) else { return Ok((dropped, tiny)) };
+        let error = |place: usize| covariance[(place, place)].sqrt();
+        for (place, index) in free.iter().enumerate() {
+            tiny[*index] = MOVED * error(place);
+        }
+        let size =
+            |place: usize, index: usize| (fit.point[index] - candidates[index].off).abs() / error(place);
+        let weakest = (free.iter().enumerate())
+            .map(|(place, index)| (size(place, *index), *index))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match weakest {
+            Some((size, index)) if size < KEEP => {
+                active.retain(|other| *other != index);
+                point[index] = candidates[index].off;
+                dropped.push(index);
+            }
+            _ => return Ok((dropped, tiny)),
+        }
+    }
+}

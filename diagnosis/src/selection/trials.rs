@@ -1,0 +1,196 @@
+//! Who is fitted, from where, and who of them is accepted.
+
+use super::evaluation::{Evaluation, Folds};
+use super::refit::refit;
+use super::screen::{Hit, Screen};
+use crate::candidates::{Candidate, Motion, Side};
+use crate::error::Error;
+use crate::residual::Cut;
+
+/// How many of the screen's best are refitted, and how good they must be against the best.
+const SHORTLIST: usize = 6;
+const WORTH: f64 = 0.5;
+/// The same where a column says little.
+const BENT_WORTH: f64 = 0.15;
+/// Where a column says little, a fit also begins this many times further out.
+const FURTHER: f64 = 2.5;
+/// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
+const HANDICAP: f64 = 10.0;
+/// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
+/// that no candidate gives (with much data anything becomes significant there).
+const LEAST_SHARE: f64 = 0.03;
+/// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
+/// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
+/// differ by what the pixel lattice does when the picture moves under it.
+const LARGE: f64 = 0.1;
+/// Fall of the deviance that a switch must bring.
+const SWITCHED: f64 = 4000.0;
+
+/// A trial: candidate, fall of the deviance, and where it was fitted.
+pub(super) type Trial = (usize, f64, Evaluation);
+
+/// The one that was accepted.
+pub(super) struct Accepted {
+    pub(super) candidate: usize,
+    pub(super) trial: Evaluation,
+    pub(super) held_out: (f64, f64),
+}
+
+/// What trials are judged by.
+pub(super) struct Trials<'a> {
+    pub(super) candidates: &'a [Candidate],
+    pub(super) folds: &'a Folds,
+    pub(super) last: &'a Evaluation,
+    pub(super) found: &'a Screen,
+    pub(super) active: &'a [usize],
+}
+
+impl Trials<'_> {
+    /// Fits the shortlist and takes the best that also explains the runs left out.
+    pub(super) fn best(
+        &self,
+        cut: &mut dyn Cut,
+        shortlist: &[Hit],
+        switched: Option<Trial>,
+        refused: &mut Vec<usize>,
+    ) -> Result<Option<Accepted>, Error> {
+        let mut trials: Vec<Trial> = switched.into_iter().collect();
+        for hit in shortlist {
+            self.fit(cut, hit, &mut trials);
+        }
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let large = LARGE * self.last.total.square;
+        let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < large);
+        if linear {
+            trials.sort_by(|a, b| self.gain(b.0).total_cmp(&self.gain(a.0)));
+        }
+        for (candidate, _, trial) in trials {
+            let held_out = self.held_out(&trial, candidate, linear);
+            let before = self.last.under(&trial);
+            let share = 1.0 - trial.total.square / before.total.square;
+            let enough = share >= LEAST_SHARE || self.last.total.square < 1.5 * self.last.total.freedom;
+            if held_out.1 < held_out.0 && enough {
+                return Ok(Some(Accepted { candidate, trial, held_out }));
+            }
+            refused.push(candidate);
+        }
+        Ok(None)
+    }
+
+    fn fit(&self, cut: &mut dyn Cut, hit: &Hit, into: &mut Vec<Trial>) {
+        for x in starts(self.candidates, self.last, hit) {
+            let mut point = self.last.point.clone();
+            point[hit.candidate] = x;
+            // a value that the unit refuses is no trial
+            let Ok(trial) = refit(cut, self.candidates, &point, &with(self.active, hit.candidate)) else { continue };
+            // a composite likelihood's gain counts as much as its blocks agree
+            let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+            let nuisance = self.candidates[hit.candidate].side == Side::Clock;
+            let handicap = if nuisance { HANDICAP } else { 0.0 };
+            into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper - handicap, trial));
+        }
+    }
+
+    fn gain(&self, index: usize) -> f64 {
+        self.found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
+    }
+
+    /// Held-out squares without and with a candidate.
+    fn held_out(&self, trial: &Evaluation, candidate: usize, linear: bool) -> (f64, f64) {
+        let more = with(self.active, candidate);
+        if linear {
+            return (self.last.held_out(self.folds, self.active), self.last.held_out(self.folds, &more));
+        }
+        let before = self.last.under(trial);
+        (before.held_out(self.folds, self.active), trial.held_out(self.folds, &more))
+    }
+}
+
+/// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
+/// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
+/// large it is, so below the threshold it still competes by its gain.
+pub(super) fn shortlist(
+    found: &Screen,
+    candidates: &[Candidate],
+    refused: &[usize],
+    threshold: f64,
+    outweighed: bool,
+) -> Vec<Hit> {
+    let mut hits: Vec<Hit> =
+        found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
+    if outweighed || !hits.iter().any(|hit| hit.statistic > threshold) {
+        hits.retain(|hit| hit.statistic > threshold);
+    }
+    let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
+    hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let best = hits.first().map_or(0.0, worth);
+    let least = |hit: &Hit| if candidates[hit.candidate].bends && !outweighed { BENT_WORTH } else { WORTH };
+    hits.retain(|hit| worth(hit) >= least(hit) * best);
+    hits.truncate(SHORTLIST);
+    hits
+}
+
+/// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
+/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left.
+pub(super) fn switched(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    refused: &[usize],
+) -> Result<Option<(usize, f64, Evaluation)>, Error> {
+    let mut best: Option<(usize, f64, Evaluation)> = None;
+    if last.softness == 0.0 || cut.outweighed() || cut.lattice() {
+        return Ok(None);
+    }
+    for (index, candidate) in candidates.iter().enumerate() {
+        let open =
+            candidate.motion == Motion::Switch && !active.contains(&index) && !refused.contains(&index);
+        if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
+            continue;
+        }
+        let mut point = last.point.clone();
+        point[index] += candidate.steps[0];
+        cut.afresh();
+        let trial = Evaluation::at(cut, &point, &[], false);
+        cut.afresh();
+        Evaluation::at(cut, &last.point, &[], false)?;
+        let Ok(trial) = trial else { continue };
+        let fall = last.deviance() - trial.deviance();
+        if fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
+            best = Some((index, fall, trial));
+        }
+    }
+    Ok(best)
+}
+
+fn with(active: &[usize], candidate: usize) -> Vec<usize> {
+    let mut all = active.to_vec();
+    all.push(candidate);
+    all
+}
+
+/// Coordinates from which a hit is fitted.
+fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
+    let candidate = &candidates[hit.candidate];
+    let x = last.point[hit.candidate];
+    if candidate.is_discrete() {
+        // the whole numbers around what the columns ask for
+        let wanted = x + hit.displacement;
+        let near = |at: &f64| (at - wanted).abs() <= 1.0;
+        let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
+        let some: Vec<f64> = all.iter().copied().filter(near).collect();
+        return if some.is_empty() { all[..1].to_vec() } else { some };
+    }
+    let by = last.probes[hit.column].by;
+    let wanted = match candidate.motion {
+        Motion::Ceiling { .. } => x + by,
+        _ => x + hit.displacement,
+    };
+    let mut all = vec![wanted.clamp(candidate.range.0, candidate.range.1)];
+    if candidate.bends {
+        all.push((x + FURTHER * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
+    }
+    all
+}
+

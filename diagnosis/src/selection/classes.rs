@@ -15,6 +15,12 @@ use nalgebra::DVector;
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
 const HOPELESS: f64 = 12.0;
+/// Columns of which less than this share is apart are alike enough for a fit to decide.
+const ALIKE: f64 = 0.03;
+/// A picture that changed so much (deviance) shows more than columns know: they are good to a third of a per cent.
+const STRONG: f64 = 1e4;
+/// What the pixel lattice does to differences between fits.
+const LATTICE: f64 = 60.0;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 5.
@@ -61,12 +67,14 @@ pub fn alternatives(
             continue;
         }
         let linear = linear_loss(last, &others, effect, index, candidates);
-        let Some(predicted) = predicted_loss(last, &others, effect, index, candidates) else { continue };
-        if predicted / temper > HOPELESS && linear.is_none_or(|(loss, _)| loss / temper > 2.0 * HOPELESS) {
+        let Some((predicted, strength)) = predicted_loss(last, &others, effect, index, candidates) else { continue };
+        let apart = predicted / temper > HOPELESS && predicted > ALIKE * strength;
+        if apart && linear.is_none_or(|(loss, _)| loss / temper > 2.0 * HOPELESS) {
             continue;
         }
-        if by_columns(cut, candidates, effect, index)
-            && let Some((loss, x)) = linear
+        let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
+        if let Some((loss, x)) = columns
+            && (strength < STRONG || loss > ALIKE * strength)
         {
             all.push((index, x, loss));
             continue;
@@ -87,7 +95,9 @@ pub fn alternatives(
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
             let far = fit.deviance() > own + temper * FAR;
             let fit = if far { fit } else { fitted(cut, fit)? };
-            all.push((index, fit.point[index], fit.deviance() - own));
+            let loss = fit.deviance() - own;
+            let small = columns.filter(|_| loss.abs() < LATTICE);
+            all.push((index, fit.point[index], small.map_or(loss, |(loss, _)| loss)));
         }
     }
     let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
@@ -107,7 +117,10 @@ fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usi
         candidate.side == Side::Camera && candidate.name != "camera.T_delay"
     };
     let smooth = |index: usize| !candidates[index].is_discrete();
-    cut.lattice() && (pictured(effect) || pictured(index) || !cut.free_pose()) && smooth(effect) && smooth(index)
+    cut.lattice()
+        && (pictured(effect) || pictured(index) || !cut.free_pose())
+        && smooth(effect)
+        && smooth(index)
 }
 
 /// Whether a candidate's column promised a good part of what a discrete effect then gave.
@@ -129,16 +142,17 @@ fn temper(last: &Evaluation, active: &[usize], effect: usize, candidates: &[Cand
     }
 }
 
-/// Loss if the effect's column were replaced by another's: its own gain times sin² of the angle between them.
+/// Loss if the effect's column were replaced by another's, its own gain times sin² of the angle between them, halved
+/// since columns are tangents and bend over a finite size; and that gain.
 fn predicted_loss(
     last: &Evaluation,
     others: &[usize],
     effect: usize,
     index: usize,
     candidates: &[Candidate],
-) -> Option<f64> {
+) -> Option<(f64, f64)> {
     if candidates[effect].is_discrete() {
-        return Some(0.0);
+        return Some((0.0, 0.0));
     }
     let own = *last.places(&[effect]).first()?;
     let places = last.places(others);
@@ -164,10 +178,10 @@ fn predicted_loss(
                 };
             let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
             let loss = size * size * length * (1.0 - cosine.min(1.0));
-            // columns are tangents and bend over a finite size
             if nonlinear { 0.1 * loss } else { 0.5 * loss }
         })
         .min_by(f64::total_cmp)
+        .map(|loss| (loss, size * size * length))
 }
 
 /// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
@@ -179,7 +193,10 @@ fn linear_loss(
     index: usize,
     candidates: &[Candidate],
 ) -> Option<(f64, f64)> {
-    let own = *last.places(&[effect]).first()?;
+    let size = last.point[effect] - candidates[effect].off;
+    // all of the effect at once, where that column is there; else its derivative
+    let whole = |probe: &crate::residual::Probe| probe.candidate == effect && probe.by == -size;
+    let own = last.probes.iter().position(whole).or(last.places(&[effect]).first().copied())?;
     let rest = last.places(others);
     let cleaned = |a: usize, b: usize| {
         let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
@@ -190,7 +207,6 @@ fn linear_loss(
         };
         weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
     };
-    let size = last.point[effect] - candidates[effect].off;
     let columns = last.probes.iter().enumerate().filter(|(_, probe)| probe.candidate == index);
     columns
         .filter_map(|(other, _)| {
@@ -200,7 +216,8 @@ fn linear_loss(
             let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
             let x = candidates[index].off + other_asks / bb;
-            (bb > 0.0 && x >= candidates[index].range.0 && x <= candidates[index].range.1).then_some((loss, x))
+            (bb > 0.0 && x >= candidates[index].range.0 && x <= candidates[index].range.1)
+                .then_some((loss, x))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
 }

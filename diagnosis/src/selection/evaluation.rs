@@ -298,6 +298,10 @@ pub fn all_probes(
             if !candidate.is_discrete() {
                 probes.push(Probe { candidate: index, by: candidate.derivative_step(point[index]) });
             }
+            // all of it taken away again: what it does as a whole
+            if candidate.bends && !candidate.is_discrete() && point[index] != candidate.off {
+                probes.push(Probe { candidate: index, by: candidate.off - point[index] });
+            }
             continue;
         }
         for step in &candidate.steps {

@@ -158,4 +158,3 @@ pub fn study(
 fn rest(evaluation: &Evaluation) -> f64 {
     evaluation.total.square / evaluation.total.freedom.max(1.0)
 }
-

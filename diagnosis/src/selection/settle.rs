@@ -1,9 +1,9 @@
 //! After a candidate was accepted: values and nuisances settle, what became superfluous goes, and a second opinion.
 
+use super::Step;
 use super::classes::alternatives;
 use super::evaluation::Evaluation;
 use super::refit::refit;
-use super::Step;
 use crate::candidates::Candidate;
 use crate::error::Error;
 use crate::residual::Cut;
@@ -30,7 +30,8 @@ pub(super) fn second_opinion(
 ) -> Result<Option<Vec<f64>>, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
-    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + BETTER) else {
+    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + BETTER)
+    else {
         return Ok(None);
     };
     let mut point = last.point.clone();

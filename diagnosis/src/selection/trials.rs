@@ -82,7 +82,9 @@ impl Trials<'_> {
             let mut point = self.last.point.clone();
             point[hit.candidate] = x;
             // a value that the unit refuses is no trial
-            let Ok(trial) = refit(cut, self.candidates, &point, &with(self.active, hit.candidate)) else { continue };
+            let Ok(trial) = refit(cut, self.candidates, &point, &with(self.active, hit.candidate)) else {
+                continue;
+            };
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
             let nuisance = self.candidates[hit.candidate].side == Side::Clock;
@@ -193,4 +195,3 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     }
     all
 }
-

@@ -8,7 +8,7 @@
 
 use super::picture::{COLUMNS, Seen, Shot, Studio};
 use super::plant::settings;
-use super::trajectory::{Motion, State};
+use super::trajectory::Motion;
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::Setting;
 use crate::candidates::{Candidate, Side};
@@ -16,23 +16,19 @@ use crate::dataset::DataSet;
 use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::Cell;
-use crate::statistics::random::Random;
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+mod columns;
+mod poses;
+mod surface;
+
+pub use poses::pose_shift;
+use poses::{back, free_poses};
+
 /// Length of a block, s.
 const BLOCK: f64 = 0.5;
-/// Angle over which the picture's change with pose is taken: two pixels at the joint.
-const TURN: f64 = 0.012;
-/// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
-/// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
-/// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
-/// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
-const DITHER: [f64; 2] = [0.02, 0.01];
-const DITHER_SEED: u64 = 0x0ac0_d17e;
-/// Step of E_t that shows its blur.
-const BLURRING: f64 = 0.2;
 /// Standard deviations to begin with, px.
 const FIRST_GUESS: [f64; 9] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0];
 
@@ -208,93 +204,9 @@ impl ImageCut {
         };
         self.made = Some((settings.clone(), shots.clone(), base.clone()));
         if self.turns.is_none() {
-            let mut turns = Vec::new();
-            for angle in 0..2 {
-                let moved = |by: f64| -> Vec<Shot> {
-                    let turn = |state: &State| {
-                        let mut turned = *state;
-                        turned[angle] += by;
-                        turned
-                    };
-                    shots
-                        .iter()
-                        .map(|shot| Shot { before: turn(&shot.before), end: turn(&shot.end) })
-                        .collect()
-                };
-                let (up, down) =
-                    (self.studio.take(&settings, &moved(TURN))?, self.studio.take(&settings, &moved(-TURN))?);
-                turns.push(slopes(&up, &down, 2.0 * TURN));
-            }
-            let second = turns.pop().unwrap_or_default();
-            let first = turns.pop().unwrap_or_default();
-            self.turns = Some(first.into_iter().zip(second).map(|(a, b)| [a, b]).collect());
+            self.turns = Some(self.turned(&settings, &shots)?);
         }
         Ok(base)
-    }
-
-    /// What a little more exposure does. Its middle comes earlier, a delay of E_t / (2 omega_cam), whose column is
-    /// smooth; and it blurs, which grows with the square of E_t and of which a small step shows the pixel lattice only:
-    /// that part is taken from a large step.
-    fn short_exposure(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
-        let nominal = self.candidates[probe.candidate].off;
-        let large = self.column(point, Probe { by: BLURRING, ..probe })?;
-        let share = (probe.by + 2.0 * point[probe.candidate]) / (BLURRING + 2.0 * nominal);
-        let earlier = 0.5 * self.interval();
-        let turns = self.turns.as_deref().unwrap_or(&[]);
-        Ok((self.frames.iter().zip(turns).zip(large))
-            .map(|((frame, turn), large)| {
-                let (Some(one), Some(two), Some(large)) = (turn[0], turn[1], large) else { return None };
-                Some(std::array::from_fn(|s| {
-                    let late = -earlier * (one[s] * frame.shot.end[2] + two[s] * frame.shot.end[3]);
-                    late + share * (large[s] - late)
-                }))
-            })
-            .collect())
-    }
-
-    /// Shots a little beside the frames' poses.
-    fn beside(&self, side: f64) -> Vec<Shot> {
-        let moved = |state: &State, by: &[f64; 2]| {
-            [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
-        };
-        let mut random = Random::new(DITHER_SEED);
-        self.frames
-            .iter()
-            .map(|frame| {
-                let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
-                Shot { before: moved(&frame.shot.before, &by), end: moved(&frame.shot.end, &by) }
-            })
-            .collect()
-    }
-
-    fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
-        let key = (probe.candidate, probe.by.to_bits());
-        if let Some(kept) = self.kept.get(&key) {
-            return Ok(kept.clone());
-        }
-        let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
-        let mut sides = Vec::with_capacity(2);
-        for side in [1.0, -1.0] {
-            let shots = self.beside(side);
-            let here = match self.still.iter().find(|known| known.0 == still && known.1 == shots) {
-                Some(known) => known.2.clone(),
-                None => {
-                    let here = self.studio.take(&still, &shots)?;
-                    self.still.retain(|known| known.0 == still);
-                    self.still.push((still.clone(), shots.clone(), here.clone()));
-                    here
-                }
-            };
-            sides.push(slopes(&self.studio.take(&moved, &shots)?, &here, probe.by));
-        }
-        let column = (sides[0].iter().zip(&sides[1]))
-            .map(|pair| match pair {
-                (Some(a), Some(b)) => Some(std::array::from_fn(|s| 0.5 * (a[s] + b[s]))),
-                (a, b) => a.or(*b),
-            })
-            .collect::<Vec<_>>();
-        self.kept.insert(key, column.clone());
-        Ok(column)
     }
 }
 
@@ -323,7 +235,7 @@ impl Cut for ImageCut {
             let seen = self.sees(&self.candidates[probe.candidate]);
             columns.push(if !seen || Some(probe.candidate) == self.delay {
                 None
-            } else if Some(probe.candidate) == self.exposure && probe.by.abs() < BLURRING {
+            } else if Some(probe.candidate) == self.exposure && probe.by.abs() < columns::BLURRING {
                 Some(self.short_exposure(point, *probe)?)
             } else {
                 Some(self.column(point, *probe)?)
@@ -400,70 +312,4 @@ impl Cut for ImageCut {
     fn discrepancy_unit(&self) -> &'static str {
         "px"
     }
-}
-
-fn slopes(moved: &[Option<Seen>], base: &[Option<Seen>], by: f64) -> Vec<Option<Seen>> {
-    moved
-        .iter()
-        .zip(base)
-        .map(|(moved, base)| {
-            let (moved, base) = (moved.as_ref()?, base.as_ref()?);
-            Some(std::array::from_fn(|s| (moved[s] - base[s]) / by))
-        })
-        .collect()
-}
-
-fn back(state: &State, by: f64) -> State {
-    [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
-}
-
-/// Poses as a person reads them off the picture: the directions from circle to circle; rates from neighbours.
-fn free_poses(frames: &mut [Frame]) {
-    let read = |frame: &Frame| {
-        let s = &frame.seen;
-        [libm::atan2(s[2] - s[0], s[3] - s[1]), libm::atan2(s[4] - s[2], s[5] - s[3])]
-    };
-    let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
-    for place in 0..frames.len() {
-        let before = if place > 0 && frames[place - 1].run == frames[place].run { place - 1 } else { place };
-        let after = if place + 1 < frames.len() && frames[place + 1].run == frames[place].run {
-            place + 1
-        } else {
-            place
-        };
-        let span = frames[after].time - frames[before].time;
-        let rate = |angle: usize| {
-            if span > 0.0 { (poses[after][angle] - poses[before][angle]) / span } else { 0.0 }
-        };
-        let end = [poses[place][0], poses[place][1], rate(0), rate(1)];
-        frames[place].shot = Shot { before: back(&end, 1.0 / 30.0), end };
-        frames[place].known = true;
-    }
-}
-
-/// The pose that a frame's rest asks for: weighted least squares over the centroids. Answers the shift and the
-/// matrix that turns changes of the picture into changes of the pose.
-pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
-    let pose = &cell.hard;
-    let mut normal: Matrix2<f64> = Matrix2::zeros();
-    let mut weighted = DMatrix::zeros(2, cell.residual.len());
-    for row in 0..cell.residual.len() {
-        if cell.signal[row] >= 6 {
-            continue;
-        }
-        let weight = 1.0 / (cell.sigma[row] * cell.sigma[row]);
-        for i in 0..2 {
-            weighted[(i, row)] = weight * pose[(row, i)];
-            for j in 0..2 {
-                normal[(i, j)] += weight * pose[(row, i)] * pose[(row, j)];
-            }
-        }
-    }
-    let inverse = normal.try_inverse()?;
-    let map = DMatrix::from_fn(2, cell.residual.len(), |i, row| {
-        inverse[(i, 0)] * weighted[(0, row)] + inverse[(i, 1)] * weighted[(1, row)]
-    });
-    let rest = nalgebra::DVector::from_column_slice(&cell.residual);
-    let shift: nalgebra::DVector<f64> = &map * rest;
-    Some((Vector2::new(shift[0], shift[1]), map))
 }

@@ -1,0 +1,60 @@
+//! Poses read off pictures.
+
+use super::*;
+use crate::residual::trajectory::State;
+use nalgebra::{DVector, Matrix2, Vector2};
+
+pub(super) fn back(state: &State, by: f64) -> State {
+    [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
+}
+
+/// Poses as a person reads them off the picture: the directions from circle to circle; rates from neighbours.
+pub(super) fn free_poses(frames: &mut [Frame]) {
+    let read = |frame: &Frame| {
+        let s = &frame.seen;
+        [libm::atan2(s[2] - s[0], s[3] - s[1]), libm::atan2(s[4] - s[2], s[5] - s[3])]
+    };
+    let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
+    for place in 0..frames.len() {
+        let before = if place > 0 && frames[place - 1].run == frames[place].run { place - 1 } else { place };
+        let after = if place + 1 < frames.len() && frames[place + 1].run == frames[place].run {
+            place + 1
+        } else {
+            place
+        };
+        let span = frames[after].time - frames[before].time;
+        let rate = |angle: usize| {
+            if span > 0.0 { (poses[after][angle] - poses[before][angle]) / span } else { 0.0 }
+        };
+        let end = [poses[place][0], poses[place][1], rate(0), rate(1)];
+        frames[place].shot = Shot { before: back(&end, 1.0 / 30.0), end };
+        frames[place].known = true;
+    }
+}
+
+/// The pose that a frame's rest asks for: weighted least squares over the centroids. Answers the shift and the
+/// matrix that turns changes of the picture into changes of the pose.
+pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
+    let pose = &cell.hard;
+    let mut normal: Matrix2<f64> = Matrix2::zeros();
+    let mut weighted = DMatrix::zeros(2, cell.residual.len());
+    for row in 0..cell.residual.len() {
+        if cell.signal[row] >= 6 {
+            continue;
+        }
+        let weight = 1.0 / (cell.sigma[row] * cell.sigma[row]);
+        for i in 0..2 {
+            weighted[(i, row)] = weight * pose[(row, i)];
+            for j in 0..2 {
+                normal[(i, j)] += weight * pose[(row, i)] * pose[(row, j)];
+            }
+        }
+    }
+    let inverse = normal.try_inverse()?;
+    let map = DMatrix::from_fn(2, cell.residual.len(), |i, row| {
+        inverse[(i, 0)] * weighted[(0, row)] + inverse[(i, 1)] * weighted[(1, row)]
+    });
+    let rest = DVector::from_column_slice(&cell.residual);
+    let shift: DVector<f64> = &map * rest;
+    Some((Vector2::new(shift[0], shift[1]), map))
+}

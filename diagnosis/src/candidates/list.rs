@@ -26,33 +26,34 @@ const BIG: f64 = 1e9;
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
 const PART: (f64, f64) = (0.25, 4.0);
-const HUNDREDTH: &[f64] = &[0.01];
+const THOUSANDTH: &[f64] = &[0.001];
 
 /// Everything that CONTRACT ("What a diagnosis may name") lists.
 ///
+/// Plant steps move a window's end by some milliradians at most: it grows by e^(7 · 0.6), and columns must not bend.
 /// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
 #[rustfmt::skip]
 pub const LIST: &[Entry] = &[
-    real("plant.b_roll", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction of the first link (rolling)"),
-    real("plant.b_joint", Side::Plant, &[2e-3], (0.0, BIG), "viscous friction at the joint"),
-    bent(real("plant.fc_roll", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
-    bent(real("plant.fc_joint", Side::Plant, &[2e-3], (0.0, BIG), "Coulomb friction at the joint")),
-    real("plant.I_rotor", Side::Plant, &[1e-4], (0.0, BIG), "rotor inertia at the joint"),
+    real("plant.b_roll", Side::Plant, &[5e-4], (0.0, BIG), "viscous friction of the first link (rolling)"),
+    real("plant.b_joint", Side::Plant, &[2e-4], (0.0, BIG), "viscous friction at the joint"),
+    bent(real("plant.fc_roll", Side::Plant, &[5e-4], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
+    bent(real("plant.fc_joint", Side::Plant, &[5e-4], (0.0, BIG), "Coulomb friction at the joint")),
+    real("plant.I_rotor", Side::Plant, &[2e-5], (0.0, BIG), "rotor inertia at the joint"),
     Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
     Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
-    real("plant.tau_bias", Side::Plant, &[5e-3], (-BIG, BIG), "constant torque bias"),
-    real("plant.k_tau", Side::Plant, HUNDREDTH, PART, "torque gain"),
-    real("plant.slope", Side::Plant, &[5e-3], (-1.0, 1.0), "inclined ground"),
+    real("plant.tau_bias", Side::Plant, &[2.5e-4], (-BIG, BIG), "constant torque bias"),
+    real("plant.k_tau", Side::Plant, THOUSANDTH, PART, "torque gain"),
+    real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },
-    share("plant.theta_1", HUNDREDTH, PART, "inertia of the first link"),
-    share("plant.theta_2", HUNDREDTH, PART, "inertia coupling of rolling and first link"),
-    share("plant.theta_5", HUNDREDTH, PART, "inertia of the second link"),
-    share("plant.theta_7", HUNDREDTH, PART, "inertia coupling of rolling and second link"),
-    share("plant.theta_8", HUNDREDTH, PART, "inertia coupling of the links"),
-    share("plant.theta_9", HUNDREDTH, PART, "gravity torque of the first link"),
-    share("plant.theta_10", HUNDREDTH, PART, "gravity torque of the second link"),
+    share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link"),
+    share("plant.theta_2", THOUSANDTH, PART, "inertia coupling of rolling and first link"),
+    share("plant.theta_5", THOUSANDTH, PART, "inertia of the second link"),
+    share("plant.theta_7", THOUSANDTH, PART, "inertia coupling of rolling and second link"),
+    share("plant.theta_8", THOUSANDTH, PART, "inertia coupling of the links"),
+    share("plant.theta_9", THOUSANDTH, PART, "gravity torque of the first link"),
+    share("plant.theta_10", THOUSANDTH, PART, "gravity torque of the second link"),
     real("camera.k1", Side::Camera, &[0.04], (-2.0, 2.0), "radial distortion of the lens"),
     real("camera.k2", Side::Camera, &[0.04], (-4.0, 4.0), "fifth-order radial distortion of the lens"),
     real("camera.p1", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along u"),

@@ -17,10 +17,9 @@ use nalgebra::DVector;
 const HOPELESS: f64 = 12.0;
 /// Columns of which less than this share is apart are alike enough for a fit to decide.
 const ALIKE: f64 = 0.03;
-/// A picture that changed so much (deviance) shows more than columns know: they are good to a third of a per cent.
-const STRONG: f64 = 1e4;
-/// What the pixel lattice does to differences between fits.
-const LATTICE: f64 = 60.0;
+/// To what share of itself a picture's column is known: the smooth surface through a lattice's errors. Fits are no
+/// better judges of two that differ by less.
+const COLUMN: f64 = 0.01;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 5.
@@ -67,16 +66,16 @@ pub fn alternatives(
             continue;
         }
         let linear = linear_loss(last, &others, effect, index, candidates);
-        let Some((predicted, strength)) = predicted_loss(last, &others, effect, index, candidates) else { continue };
+        let Some((predicted, strength)) = predicted_loss(last, &others, effect, index, candidates) else {
+            continue;
+        };
         let apart = predicted / temper > HOPELESS && predicted > ALIKE * strength;
         if apart && linear.is_none_or(|(loss, _)| loss / temper > 2.0 * HOPELESS) {
             continue;
         }
         let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
-        if let Some((loss, x)) = columns
-            && (strength < STRONG || loss > ALIKE * strength)
-        {
-            all.push((index, x, loss));
+        if let Some((loss, x)) = columns {
+            all.push((index, x, loss / (1.0 + COLUMN * COLUMN * strength)));
             continue;
         }
         let mut set = others.clone();
@@ -95,9 +94,7 @@ pub fn alternatives(
         if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
             let far = fit.deviance() > own + temper * FAR;
             let fit = if far { fit } else { fitted(cut, fit)? };
-            let loss = fit.deviance() - own;
-            let small = columns.filter(|_| loss.abs() < LATTICE);
-            all.push((index, fit.point[index], small.map_or(loss, |(loss, _)| loss)));
+            all.push((index, fit.point[index], fit.deviance() - own));
         }
     }
     let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);

@@ -38,7 +38,7 @@ const PARTS: usize = 2;
 const LED: f64 = 4.0;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
-const PUSH: f64 = 1e-3;
+const PUSH: f64 = 2e-4;
 /// Columns of `plant.csv` in the order of the simulated outputs.
 pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
 const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];

@@ -1,0 +1,51 @@
+//! The camera's part: at the measured motion, or with the pose free where none was measured.
+
+use super::*;
+use crate::residual::chain::Chain;
+use crate::residual::image::{ImageCut, Pose};
+
+#[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
+pub(super) fn camera_part(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    motions: Option<(Vec<Logged>, f64)>,
+    options: &Options,
+    point: &mut Vec<f64>,
+    parts: &mut Vec<Part>,
+    notices: &mut Vec<Notice>,
+    tell: &mut dyn FnMut(&str),
+) -> Result<(), Error> {
+    let pose = match motions {
+        Some((motions, sigma)) => Pose::Logged(motions, sigma),
+        None => Pose::Free,
+    };
+    let chained = matches!(pose, Pose::Free);
+    let mut chain = if chained { Chain::new(data, model, list.clone())? } else { None };
+    let mut image = match chain {
+        Some(_) => None,
+        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
+    };
+    let cut: &mut dyn Cut = match (&mut chain, &mut image) {
+        (Some(chain), _) => chain,
+        (_, Some(image)) => image,
+        _ => return Ok(()),
+    };
+    tell("camera: frames rendered again at the measured pose");
+    match part(cut, list, point, &[], false, tell) {
+        Ok(part) => {
+            *point = part.study.last.point.clone();
+            parts.push(part);
+            Ok(())
+        }
+        Err(error) if !parts.is_empty() => {
+            notices.push(Notice {
+                file: "camera.csv".into(),
+                line: 0,
+                message: format!("not compared: {error}"),
+            });
+            Ok(())
+        }
+        Err(error) => Err(error),
+    }
+}

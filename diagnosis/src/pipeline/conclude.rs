@@ -1,0 +1,173 @@
+//! What all parts say together.
+
+use super::*;
+use crate::candidates::{Motion, Side};
+use crate::counting::losses;
+use crate::diagnosis::{Effect, Gap, Trace, Unknown, Verdict, Where};
+use crate::rest::unknown;
+use crate::selection::{ALPHA, CLASS};
+use crate::{amend, experiment, gap, story};
+use std::collections::BTreeMap;
+
+pub(super) fn conclude(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    parts: &[Part],
+    point: &[f64],
+    notices: Vec<Notice>,
+    units: &UnitPath,
+) -> Result<Diagnosis, Error> {
+    let mut effects = Vec::new();
+    let mut smallest = BTreeMap::new();
+    let mut found: Vec<(f64, Where)> = Vec::new();
+    let mut gaps: Vec<Gap> = Vec::new();
+    let mut rest: Option<Unknown> = None;
+    let mut story = Vec::new();
+    let mut traces: Vec<Trace> = Vec::new();
+    let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
+    for part in parts {
+        let free: Vec<usize> =
+            part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
+        effects.extend(part_effects(part, list, &free));
+        detectable(part, list, &free, &mut smallest);
+        found.extend(gap::places(&part.study, &part.signals));
+        let gap = gap::gap(&part.study, &free, &runs, part.torque);
+        let left = unknown(&part.study, &part.signals, list, part.torque);
+        story.extend(story::of(&part.study, list, &gap, left.as_ref()));
+        gaps.push(gap);
+        traces.push(gap::trace(&part.study, part.torque));
+        rest = rest.or(left);
+    }
+    counted(data, model, list, &mut effects, &mut smallest);
+    let verdict = if rest.is_some() {
+        Verdict::Unknown
+    } else if effects.is_empty() {
+        Verdict::None
+    } else if effects.iter().any(|effect| effect.class.len() > 1) {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Named
+    };
+    let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
+    let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
+    let cuts = parts.iter().map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
+    let (next, experiment) = experiment::next(data, model, list, point, cuts, units);
+    let amended = amend::amended(model, list, point, &effects, units)?;
+    Ok(Diagnosis {
+        verdict,
+        effects,
+        place: gap::shares(found),
+        gap,
+        unknown: rest,
+        next_experiment: next,
+        minimum_detectable: smallest,
+        gaps,
+        notices,
+        story,
+        amended,
+        experiment,
+        traces,
+    })
+}
+
+fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<Effect> {
+    let covariance = part.study.last.covariance(free);
+    part.classes
+        .iter()
+        .map(|(index, alternatives)| {
+            let candidate = &list[*index];
+            let x = part.study.last.point[*index];
+            let error = free
+                .iter()
+                .position(|other| other == index)
+                .and_then(|place| covariance.as_ref().map(|c| c[(place, place)].sqrt()))
+                .unwrap_or(0.0);
+            let ends = [candidate.value(x - 1.96 * error), candidate.value(x + 1.96 * error)];
+            let weight = |alternative: &Alternative| libm::exp(-0.5 * alternative.loss);
+            let all: f64 = alternatives.iter().map(weight).sum();
+            let own = alternatives.iter().find(|other| other.candidate == *index).map_or(1.0, weight);
+            let mut class = vec![candidate.name.to_owned()];
+            class.extend(
+                alternatives
+                    .iter()
+                    .filter(|other| other.candidate != *index && other.loss < CLASS)
+                    .map(|other| list[other.candidate].name.to_owned()),
+            );
+            Effect {
+                name: candidate.name.to_owned(),
+                class,
+                value: candidate.value(x),
+                ci95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
+                probability: (own / all).min(1.0 - ALPHA),
+                phrase: candidate.phrase.to_owned(),
+                off: candidate.value(candidate.off),
+            }
+        })
+        .collect()
+}
+
+/// Smallest size that would have been found, for each candidate of a part.
+fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeMap<String, f64>) {
+    let threshold = part.study.screen.null.threshold(ALPHA);
+    let covariance = part.study.last.covariance(free);
+    for index in &part.study.seen {
+        let candidate = &list[*index];
+        if candidate.side == Side::Clock {
+            continue;
+        }
+        let size = if let Some(place) = free.iter().position(|other| other == index) {
+            covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
+        } else {
+            let columns = part.study.last.probes.iter().zip(&part.study.screen.errors);
+            let own = columns.filter(|(probe, error)| probe.candidate == *index && error.is_finite());
+            match candidate.motion {
+                // a tangent says nothing of a ceiling: it has none above the largest torque
+                Motion::Ceiling { .. } => own
+                    .filter(|(probe, error)| probe.by.abs() >= threshold * **error)
+                    .map(|(probe, _)| probe.by.abs())
+                    .min_by(f64::total_cmp)
+                    .map(|by| 1.0 / by),
+                _ => own.map(|(_, error)| threshold * error).min_by(f64::total_cmp),
+            }
+        };
+        let size = match (candidate.is_discrete(), size) {
+            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
+                Some(size.ceil().max(1.0))
+            }
+            (true, Some(size)) => (size <= 1.0).then_some(1.0),
+            (_, size) => size,
+        };
+        if let Some(size) = size.filter(|size| size.is_finite() && *size > 0.0) {
+            into.insert(candidate.name.to_owned(), size);
+        }
+    }
+}
+
+fn counted(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    effects: &mut Vec<Effect>,
+    smallest: &mut BTreeMap<String, f64>,
+) {
+    let Some(candidate) = list.iter().find(|candidate| candidate.name == "camera.drop_rate") else { return };
+    let interval = 1.0 / model.number("camera.omega_cam").unwrap_or(30.0);
+    let Some(losses) = losses(data, interval) else { return };
+    let (share, ci95) = losses.share();
+    // one frame that isn't there is proof against "none is ever lost"; two are asked for
+    smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
+    let outside = candidate.off < ci95[0] || candidate.off > ci95[1];
+    if outside && losses.lost >= 2.0 {
+        effects.push(Effect {
+            name: candidate.name.to_owned(),
+            class: vec![candidate.name.to_owned()],
+            value: share,
+            ci95,
+            probability: 1.0 - ALPHA,
+            phrase: candidate.phrase.to_owned(),
+            off: candidate.off,
+        });
+    }
+}

@@ -1,0 +1,118 @@
+//! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
+
+mod camera;
+mod ceilings;
+mod conclude;
+mod plant;
+
+use crate::candidates::{CLOCK, Candidate, candidates};
+use crate::dataset::DataSet;
+use crate::diagnosis::Diagnosis;
+use crate::error::{Error, Notice};
+use crate::model::Model;
+use crate::residual::trajectory::Motion as Logged;
+use crate::residual::{Cut, Signal};
+use crate::selection::{Alternative, Study, alternatives, study};
+use camera::camera_part;
+use ceilings::ceilings;
+use conclude::conclude;
+use orchestrator::UnitPath;
+use plant::plant_part;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a user may choose.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Candidates that are not to be named.
+    pub without: Vec<String>,
+    /// Most frames that are rendered again for each candidate.
+    pub frames: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { without: Vec::new(), frames: 720 }
+    }
+}
+
+/// One cut with all that was found on it.
+struct Part {
+    study: Study,
+    signals: Vec<Signal>,
+    classes: Vec<(usize, Vec<Alternative>)>,
+    torque: bool,
+}
+
+/// Diagnoses a data set. `tell` gets a line at each stage.
+///
+/// # Errors
+/// The data set or the nominal model can't be used, or a unit failed.
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Diagnosis, Error> {
+    let data = DataSet::load(path)?;
+    let model = Model::load(&data, units)?;
+    let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
+    let mut notices = data.notices.clone();
+    let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
+    let mut parts = Vec::new();
+    let motions = plant_part(&data, &model, &list, &mut point, &mut parts, tell)?;
+    camera_part(&data, &model, &list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
+    if parts.is_empty() {
+        return Err(Error::NothingUsable { path: path.to_owned(), notices });
+    }
+    clear_clock(&list, &mut parts, &mut point, &mut notices);
+    conclude(&data, &model, &list, &parts, &point, notices, units)
+}
+
+/// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
+/// the camera early by the same time; a delay of either does only one of both.
+fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    const SAME: f64 = 5e-4;
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let mut gone = Vec::new();
+    let mut late = None;
+    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+        late = Some(point[clock]);
+        gone.push(clock);
+    }
+    if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
+        let actuator = place("plant.tau_delay").filter(|index| (point[*index] + point[delay]).abs() < SAME);
+        late = late.or(Some(-point[delay]));
+        gone.push(delay);
+        gone.extend(actuator);
+    }
+    for index in &gone {
+        point[*index] = list[*index].off;
+    }
+    for part in parts {
+        part.classes.retain(|(index, _)| !gone.contains(index));
+    }
+    if let Some(late) = late {
+        let message = format!(
+            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+            1e3 * late
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+    }
+}
+
+fn part(
+    cut: &mut dyn Cut,
+    list: &[Candidate],
+    point: &[f64],
+    known: &[usize],
+    torque: bool,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Part, Error> {
+    let study = study(cut, list, point, known, tell)?;
+    let mut classes = Vec::new();
+    for effect in &study.active {
+        classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
+    }
+    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque })
+}

@@ -1,0 +1,71 @@
+//! The plant's part: rows where the model follows the log, torques where it doesn't, and the motion for the camera.
+
+use super::*;
+use crate::candidates::Motion;
+use crate::residual::plant::PlantCut;
+use crate::residual::weak::Weak;
+
+/// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
+const MOSTLY_LED: f64 = 0.5;
+/// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
+const MOTION_STEP: f64 = 1.0 / 120.0;
+/// How well it is known where the model had to be led along the log, rad.
+const COARSE_MOTION: f64 = 1e-3;
+/// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
+const MOTION_SHARE: f64 = 0.5;
+
+pub(super) fn plant_part(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    point: &mut Vec<f64>,
+    parts: &mut Vec<Part>,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Option<(Vec<Logged>, f64)>, Error> {
+    let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
+    tell("plant: windows of the logs");
+    rows.find_jitter(point)?;
+    rows.linearise(point, &[], false)?;
+    let mut start = Vec::new();
+    let mut coarse = None;
+    if rows.led() > MOSTLY_LED
+        && !switch_leads(&mut rows, list, point)?
+        && let Some(mut weak) = Weak::new(data, model, list.clone())?
+    {
+        let part = part(&mut weak, list, point, &[], true, tell)?;
+        point.clone_from(&part.study.last.point);
+        start.clone_from(&part.study.active);
+        rows.afresh();
+        rows.linearise(point, &[], false)?;
+        coarse = Some(part);
+    }
+    let part = match coarse {
+        Some(part) if rows.led() > MOSTLY_LED => part,
+        _ => part(&mut rows, list, point, &start, true, tell)?,
+    };
+    point.clone_from(&part.study.last.point);
+    let sigma = match part.study.outweighed {
+        true => COARSE_MOTION,
+        false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
+    };
+    parts.push(part);
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        return Ok(None);
+    }
+    rows.linearise(point, &[], false)?;
+    Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
+}
+
+/// Whether a switch of the model lets the plant follow the log by itself. Leaves the windows at the nominal model.
+fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
+    let mut leads = false;
+    for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
+        let mut other = point.to_vec();
+        other[index] += candidate.steps[0];
+        rows.afresh();
+        leads |= rows.linearise(&other, &[], false).is_ok() && rows.led() < MOSTLY_LED;
+    }
+    rows.afresh();
+    rows.linearise(point, &[], false)?;
+    Ok(leads)
+}

@@ -31,7 +31,8 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
         }
     }
     mask_invalid(run);
-    let file = |name: &str| format!("{}/{name}", run.name);
+    let name = run.name.clone();
+    let file = |file: &str| format!("{name}/{file}");
     if let Some(camera) = &run.camera {
         let centroids = ["u1", "v1", "u2", "v2", "u3", "v3"];
         if let Some(missing) = centroids.iter().find(|name| camera.column(name).is_none()) {
@@ -58,10 +59,33 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
             notices.push(Notice { file: file("plant.csv"), line, message });
             run.plant = None;
         } else if run.controller.is_none() {
-            let message = "no usable controller.csv beside it; only the picture can be judged".to_owned();
+            let message = without_torque(run);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
         }
     }
+}
+
+/// A torque for a run without a command: the one measured at the joint, or none at all for an arm that hangs and swings.
+fn without_torque(run: &mut Run) -> String {
+    let Some(plant) = &mut run.plant else { return String::new() };
+    if let Some(applied) = plant.column("tau_applied").map(<[f64]>::to_vec) {
+        let rows: Vec<usize> = (0..plant.len()).filter(|row| applied[*row].is_finite()).collect();
+        let pick = |values: &[f64]| rows.iter().map(|row| values[*row]).collect::<Vec<f64>>();
+        let tau = vec![("tau".to_owned(), pick(&applied))];
+        run.controller = (!rows.is_empty()).then(|| Table::new(pick(&plant.time), tau));
+        plant.remove("tau_applied");
+        return "no usable controller.csv beside it: tau_applied is taken as the command, so nothing of the actuator can be \
+                told"
+            .into();
+    }
+    let hanging = plant.column("q1").is_some_and(|q1| {
+        q1.iter().filter(|angle| angle.is_finite()).map(|angle| libm::cos(*angle)).sum::<f64>() < 0.0
+    });
+    if hanging {
+        run.controller = Some(Table::new(vec![plant.time[0]], vec![("tau".to_owned(), vec![0.0])]));
+        return "no controller.csv beside it and the arm hangs: taken as a free swing, without torque".into();
+    }
+    "no usable controller.csv beside it; only the picture can be judged".into()
 }
 
 /// CONTRACT: in a row with `valid` = 0 the centroids, empty or held, are not measured.

@@ -51,7 +51,7 @@ fn law_a_loss_below_nine_separates_nobody_and_is_said_so() {
 #[test]
 fn law_what_the_data_at_hand_did_not_give_is_discounted() {
     let mut one = pair("swing", 100.0);
-    one.discount(&vec![vec![0.0, 45.0], vec![2.0, 0.0]], CLASS);
+    one.discount(&vec![vec![0.0, 45.0], vec![2.0, 0.0]], 4.5);
     // the first direction promised ten times too much, the second was within what chance does
     assert_eq!(one.losses, vec![vec![0.0, 10.0], vec![100.0, 0.0]]);
 }

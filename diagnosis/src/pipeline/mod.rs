@@ -72,7 +72,9 @@ pub fn diagnose(
 /// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
 /// the camera early by the same time; a delay of either does only one of both.
 fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
     const SAME: f64 = 5e-4;
+    const CLOSE: f64 = 0.1;
     let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
     let mut gone = Vec::new();
     let mut late = None;
@@ -81,7 +83,8 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
         gone.push(clock);
     }
     if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
-        let actuator = place("plant.tau_delay").filter(|index| (point[*index] + point[delay]).abs() < SAME);
+        let same = |index: &usize| (point[*index] + point[delay]).abs() < SAME + CLOSE * point[delay].abs();
+        let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
         late = late.or(Some(-point[delay]));
         gone.push(delay);
         gone.extend(actuator);

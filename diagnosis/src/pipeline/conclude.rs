@@ -52,7 +52,9 @@ pub(super) fn conclude(
     let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
     let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
-    let cuts = parts.iter().map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
+    // where a model lacks much, noise says nothing of what an experiment would tell
+    let certain = parts.iter().filter(|part| !part.study.outweighed);
+    let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
     let (next, experiment) = experiment::next(data, model, list, point, cuts, units);
     let amended = amend::amended(model, list, point, &effects, units)?;
     Ok(Diagnosis {

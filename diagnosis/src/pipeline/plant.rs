@@ -24,8 +24,9 @@ pub(super) fn plant_part(
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
-    rows.find_jitter(point)?;
-    rows.linearise(point, &[], false)?;
+    if rows.find_jitter(point)? > 0.0 {
+        rows.linearise(point, &[], false)?;
+    }
     let mut start = Vec::new();
     let mut coarse = None;
     if rows.led() > MOSTLY_LED
@@ -56,7 +57,7 @@ pub(super) fn plant_part(
     Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
 }
 
-/// Whether a switch of the model lets the plant follow the log by itself. Leaves the windows at the nominal model.
+/// Whether a switch of the model lets the plant follow the log by itself. If so, leaves the windows at the nominal model.
 fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
     let mut leads = false;
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
@@ -65,7 +66,9 @@ fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Resul
         rows.afresh();
         leads |= rows.linearise(&other, &[], false).is_ok() && rows.led() < MOSTLY_LED;
     }
-    rows.afresh();
-    rows.linearise(point, &[], false)?;
+    if leads {
+        rows.afresh();
+        rows.linearise(point, &[], false)?;
+    }
     Ok(leads)
 }

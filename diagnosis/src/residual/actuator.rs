@@ -8,10 +8,13 @@ use crate::candidates::{Candidate, Side};
 use crate::dataset::DataSet;
 use crate::error::Error;
 use orchestrator::Value;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-/// Parameters that act over time, and those before them in the actuator's chain.
+/// Parameters that act over time.
+const TIMED: [&str; 3] = ["tau_delay", "dtau_max", "T_act"];
+/// These, and what stands between them in the actuator's chain.
 pub const DYNAMIC: [&str; 4] = ["tau_delay", "tau_max", "dtau_max", "T_act"];
 /// Longest step between readings, s.
 const STEP: f64 = 0.004;
@@ -74,14 +77,15 @@ impl Actuator {
         point: &[f64],
         moved: Option<Probe>,
     ) -> Result<Option<Arc<Applied>>, Error> {
-        let references: Vec<u32> = DYNAMIC.iter().filter_map(|name| bench.reference(name).ok()).collect();
-        let own: Vec<Setting> = settings(bench, candidates, Side::Plant, point, moved)?
-            .into_iter()
-            .filter(|(reference, _)| references.contains(reference))
-            .collect();
-        if own.is_empty() {
+        let all = settings(bench, candidates, Side::Plant, point, moved)?;
+        let among = |names: &[&str], reference: u32| {
+            names.iter().any(|name| bench.reference(name).is_ok_and(|known| known == reference))
+        };
+        if !all.iter().any(|(reference, _)| among(&TIMED, *reference)) {
             return Ok(None);
         }
+        let own: Vec<Setting> =
+            all.into_iter().filter(|(reference, _)| among(&DYNAMIC, *reference)).collect();
         let key: Vec<u64> = own
             .iter()
             .flat_map(|(reference, value)| [u64::from(*reference), value.as_f64().unwrap_or(0.0).to_bits()])
@@ -91,7 +95,7 @@ impl Actuator {
         }
         let runs = self
             .commands
-            .iter()
+            .par_iter()
             .map(|commands| self.drive(bench, &own, commands))
             .collect::<Result<_, _>>()?;
         let applied = Arc::new(Applied { runs });

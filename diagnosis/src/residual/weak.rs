@@ -115,8 +115,11 @@ impl Weak {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
         let references = DYNAMIC.map(|name| self.bench.reference(name).ok());
-        let fixed: Vec<Setting> =
-            all.into_iter().filter(|(reference, _)| !references.contains(&Some(*reference))).collect();
+        let driven = applied.is_some();
+        let fixed: Vec<Setting> = all
+            .into_iter()
+            .filter(|(reference, _)| !(driven && references.contains(&Some(*reference))))
+            .collect();
         let sums: Vec<_> = self
             .stretches
             .par_iter()

@@ -130,6 +130,8 @@ pub fn study(
         active.push(candidate);
         step.accepted = Some(candidate);
         let mut point = trial.point.clone();
+        // windows that had to be led may follow the log by themselves now
+        cut.afresh();
         step.dropped = settle(cut, candidates, &mut active, &mut point)?;
         refused.extend(&step.dropped);
         last = look(cut, &point, &active)?;

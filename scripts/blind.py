@@ -16,9 +16,17 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 # What the slice must keep. Each set is a fixed case, so a change of these numbers is a change of the diagnosis, not
-# luck; the gates stand at what was seen (9 of 11 singles named, 0 of 4 and 0 of 12 wrong, the pair found). They say that
-# nothing got worse, not that the targets (95 % of the singles) are met.
-GATES = {"name_3x": (">=", 0.81), "false_alarm": ("<=", 0.0), "listed_unknown": ("<=", 0.09), "pairs_one": (">=", 1.0)}
+# luck; the gates stand at what was seen (10 of 11 singles, no false name, no listed effect called unknown, all three
+# unknown ones caught, the pair found, the class left open). They say that nothing got worse, not that the targets
+# are met.
+GATES = {
+    "name_3x": (">=", 0.9),
+    "false_alarm": ("<=", 0.0),
+    "listed_unknown": ("<=", 0.0),
+    "unknown_caught": (">=", 1.0),
+    "pairs_one": (">=", 1.0),
+    "over_confident": ("<=", 0.0),
+}
 
 
 def hidden(*arguments):

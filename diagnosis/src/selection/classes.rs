@@ -20,6 +20,8 @@ const ALIKE: f64 = 0.03;
 /// To what share of itself a picture's column is known: the smooth surface through a lattice's errors. Fits are no
 /// better judges of two that differ by less.
 const COLUMN: f64 = 0.01;
+/// The same for a candidate whose column changes with its size.
+const BENT_COLUMN: f64 = 0.03;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 5.
@@ -75,7 +77,9 @@ pub fn alternatives(
         }
         let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
         if let Some((loss, x)) = columns {
-            all.push((index, x, loss / (1.0 + COLUMN * COLUMN * strength)));
+            let bent = candidates[effect].bends || candidate.bends;
+            let known = if bent { BENT_COLUMN } else { COLUMN };
+            all.push((index, x, loss / (1.0 + known * known * strength)));
             continue;
         }
         let mut set = others.clone();

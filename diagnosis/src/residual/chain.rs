@@ -141,9 +141,9 @@ impl Chain {
             return Ok(());
         }
         for (frame, shift) in frames.iter_mut().zip(&smooth) {
-            for angle in 0..2 {
-                frame.shot.end[angle] += shift[angle];
-                frame.shot.before[angle] += shift[angle];
+            for (angle, by) in shift.iter().enumerate() {
+                frame.shot.end[angle] += by;
+                frame.shot.before[angle] += by;
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! The camera's part: at the measured motion, or with the pose free where none was measured.
 
 use super::*;
+use crate::candidates::Side;
 use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
 
@@ -26,13 +27,16 @@ pub(super) fn camera_part(
         Some(_) => None,
         None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
     };
-    let cut: &mut dyn Cut = match (&mut chain, &mut image) {
-        (Some(chain), _) => chain,
-        (_, Some(image)) => image,
+    tell("camera: frames rendered again at the measured pose");
+    let parted = match (&mut chain, &mut image) {
+        (Some(chain), _) => with_noise(chain, |chain| &chain.image, list, point, tell),
+        (_, Some(image)) => {
+            image.linearise(point, &[], true)?;
+            with_noise(image, |image| image, list, point, tell)
+        }
         _ => return Ok(()),
     };
-    tell("camera: frames rendered again at the measured pose");
-    match part(cut, list, point, &[], false, tell) {
+    match parted {
         Ok(part) => {
             *point = part.study.last.point.clone();
             parts.push(part);
@@ -48,4 +52,43 @@ pub(super) fn camera_part(
         }
         Err(error) => Err(error),
     }
+}
+
+/// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
+/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur; the
+/// simpler of the two stories is kept.
+fn with_noise<C: Cut>(
+    cut: &mut C,
+    image: impl Fn(&C) -> &ImageCut,
+    list: &[Candidate],
+    point: &[f64],
+    tell: &mut dyn FnMut(&str),
+) -> Result<Part, Error> {
+    let clear = |noise: &Option<Noise>| noise.is_some_and(|noise| noise.clear);
+    let first = image(cut).noise(point)?;
+    let mut plain = part(cut, list, point, &[], false, tell)?;
+    plain.noise = image(cut).noise(&plain.study.last.point)?;
+    let blurred = plain.study.active.iter().any(|index| list[*index].bends || list[*index].is_discrete());
+    let sensor = list.iter().position(|candidate| candidate.side == Side::Scatter);
+    let (Some(sensor), Some(noise)) = (sensor, plain.noise.filter(|noise| noise.clear).or(first)) else {
+        return Ok(plain);
+    };
+    if !(clear(&plain.noise) || clear(&first) && blurred) {
+        return Ok(plain);
+    }
+    let mut start = point.to_vec();
+    start[sensor] = noise.value;
+    cut.afresh();
+    let mut noisy = part(cut, list, &start, &[], false, tell)?;
+    let mut then = noisy.study.last.point.clone();
+    then[sensor] = list[sensor].off;
+    noisy.noise = image(cut).noise(&then)?;
+    let simpler = noisy.study.active.len() < plain.study.active.len();
+    if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
+        noisy.study.last.point[sensor] = noisy.noise.map_or(noise.value, |noise| noise.value);
+        return Ok(noisy);
+    }
+    // a scatter that one story needs and the other doesn't is no proof
+    plain.noise = plain.noise.map(|noise| Noise { clear: false, ..noise });
+    Ok(plain)
 }

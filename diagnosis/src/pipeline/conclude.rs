@@ -39,6 +39,7 @@ pub(super) fn conclude(
         traces.push(gap::trace(&part.study, part.torque));
         rest = rest.or(left);
     }
+    scattered(parts, list, &mut effects, &mut smallest);
     counted(data, model, list, &mut effects, &mut smallest);
     let verdict = if rest.is_some() {
         Verdict::Unknown
@@ -143,6 +144,30 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
         };
         if let Some(size) = size.filter(|size| size.is_finite() && *size > 0.0) {
             into.insert(candidate.name.to_owned(), size);
+        }
+    }
+}
+
+/// The sensor's noise, where the picture scatters as no nominal sensor does.
+fn scattered(
+    parts: &[Part],
+    list: &[Candidate],
+    effects: &mut Vec<Effect>,
+    smallest: &mut BTreeMap<String, f64>,
+) {
+    let Some(candidate) = list.iter().find(|candidate| candidate.side == Side::Scatter) else { return };
+    for noise in parts.iter().filter_map(|part| part.noise) {
+        smallest.insert(candidate.name.to_owned(), noise.detectable);
+        if noise.clear {
+            effects.push(Effect {
+                name: candidate.name.to_owned(),
+                class: vec![candidate.name.to_owned()],
+                value: noise.value,
+                ci95: [(noise.value - 1.96 * noise.error).max(0.0), noise.value + 1.96 * noise.error],
+                probability: 1.0 - ALPHA,
+                phrase: candidate.phrase.to_owned(),
+                off: noise.nominal,
+            });
         }
     }
 }

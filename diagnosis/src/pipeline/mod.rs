@@ -10,6 +10,7 @@ use crate::dataset::DataSet;
 use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::model::Model;
+use crate::residual::image::Noise;
 use crate::residual::trajectory::Motion as Logged;
 use crate::residual::{Cut, Signal};
 use crate::selection::{Alternative, Study, alternatives, study};
@@ -42,6 +43,8 @@ struct Part {
     signals: Vec<Signal>,
     classes: Vec<(usize, Vec<Alternative>)>,
     torque: bool,
+    /// What the scatter of the picture says of the sensor.
+    noise: Option<Noise>,
 }
 
 /// Diagnoses a data set. `tell` gets a line at each stage.
@@ -117,5 +120,5 @@ fn part(
     for effect in &study.active {
         classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
     }
-    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque })
+    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, noise: None })
 }

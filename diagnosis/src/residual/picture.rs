@@ -107,6 +107,21 @@ impl Studio {
         Ok(sum)
     }
 
+    /// Makes frames with the sensor's noise, one realisation for each `seed`.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn noisy(
+        &self,
+        settings: &[Setting],
+        shots: &[Shot],
+        seed: i32,
+    ) -> Result<Vec<Option<Seen>>, Error> {
+        let mut all = settings.to_vec();
+        all.push(self.bench.setting("seed", f64::from(7919 * (seed + 101)))?);
+        self.shoot(&all, shots)
+    }
+
     /// Makes frames without noise; `None` where the camera doesn't find its three circles.
     ///
     /// # Errors

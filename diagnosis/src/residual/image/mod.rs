@@ -21,9 +21,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 mod columns;
+mod noise;
 mod poses;
 mod surface;
 
+pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses};
 
@@ -171,6 +173,7 @@ impl ImageCut {
     /// The unit lacks a candidate's variable.
     pub fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
         let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
+        all.extend(settings(self.studio.bench(), &self.candidates, Side::Scatter, point, None)?);
         let delay = self.studio.bench().reference("T_delay")?;
         all.retain(|(reference, _)| *reference != delay);
         Ok(all)

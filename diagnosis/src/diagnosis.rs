@@ -1,5 +1,6 @@
 //! What a diagnosis says: CONTRACT section 6, field by field.
 
+use crate::candidates::Candidate;
 use crate::error::Notice;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,12 +30,40 @@ pub struct Effect {
     pub value: f64,
     /// 95 % interval.
     pub ci95: [f64; 2],
-    /// Probability of the name among all that were tried.
+    /// Probability that the truth is in the class, among all that were tried.
     pub probability: f64,
+    /// The class with the probability of each member.
+    pub members: Vec<Member>,
     /// What a person would call it.
     pub phrase: String,
     /// Value at which it is off in the nominal model.
     pub off: f64,
+}
+
+/// One of the names that an effect may have.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Member {
+    /// `instance.variable`.
+    pub name: String,
+    /// Probability among all that were tried.
+    pub probability: f64,
+}
+
+impl Effect {
+    /// An effect that is what it is: no other candidate does the same.
+    pub(crate) fn alone(candidate: &Candidate, value: f64, ci95: [f64; 2], probability: f64) -> Self {
+        let name = candidate.name.to_owned();
+        Self {
+            class: vec![name.clone()],
+            members: vec![Member { name: name.clone(), probability }],
+            name,
+            value,
+            ci95,
+            probability,
+            phrase: candidate.phrase.to_owned(),
+            off: candidate.value(candidate.off),
+        }
+    }
 }
 
 /// Where simulation and data disagree.

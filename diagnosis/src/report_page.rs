@@ -1,6 +1,6 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::diagnosis::{Diagnosis, NextExperiment, Trace, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Member, NextExperiment, Trace, Verdict};
 use crate::error::Error;
 use report::{Axis, Cell, Graph, Line, Page, Table};
 
@@ -90,10 +90,16 @@ fn effects(diagnosis: &Diagnosis) -> Table {
             Cell::Number(format!("{:.5} ... {:.5}", effect.ci95[0], effect.ci95[1])),
             number(effect.off),
             Cell::Number(format!("{:.3}", effect.probability)),
-            effect.class[1..].join(", ").into(),
+            others(effect).into(),
         ]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+/// The rest of the class, each with its probability.
+fn others(effect: &Effect) -> String {
+    let told = |member: &Member| format!("{} ({:.2})", member.name, member.probability);
+    effect.members.iter().skip(1).map(told).collect::<Vec<_>>().join(", ")
 }
 
 fn told(next: &NextExperiment) -> String {

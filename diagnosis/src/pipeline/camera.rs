@@ -30,10 +30,7 @@ pub(super) fn camera_part(
     tell("camera: frames rendered again at the measured pose");
     let parted = match (&mut chain, &mut image) {
         (Some(chain), _) => with_noise(chain, |chain| &chain.image, list, point, tell),
-        (_, Some(image)) => {
-            image.linearise(point, &[], true)?;
-            with_noise(image, |image| image, list, point, tell)
-        }
+        (_, Some(image)) => with_noise(image, |image| image, list, point, tell),
         _ => return Ok(()),
     };
     match parted {
@@ -65,27 +62,33 @@ fn with_noise<C: Cut>(
     tell: &mut dyn FnMut(&str),
 ) -> Result<Part, Error> {
     let clear = |noise: &Option<Noise>| noise.is_some_and(|noise| noise.clear);
-    let first = image(cut).noise(point)?;
+    let noise = |cut: &mut C, point: &[f64]| {
+        // fits of alternatives have left the frames elsewhere
+        cut.back();
+        cut.linearise(point, &[], true)?;
+        image(cut).noise(point)
+    };
+    let first = noise(cut, point)?;
     let mut plain = part(cut, list, point, &[], false, tell)?;
-    plain.noise = image(cut).noise(&plain.study.last.point)?;
+    plain.noise = noise(cut, &plain.study.last.point)?;
     let blurred = plain.study.active.iter().any(|index| list[*index].bends || list[*index].is_discrete());
     let sensor = list.iter().position(|candidate| candidate.side == Side::Scatter);
-    let (Some(sensor), Some(noise)) = (sensor, plain.noise.filter(|noise| noise.clear).or(first)) else {
+    let (Some(sensor), Some(guess)) = (sensor, plain.noise.filter(|noise| noise.clear).or(first)) else {
         return Ok(plain);
     };
     if !(clear(&plain.noise) || clear(&first) && blurred) {
         return Ok(plain);
     }
     let mut start = point.to_vec();
-    start[sensor] = noise.value;
+    start[sensor] = guess.value;
     cut.afresh();
     let mut noisy = part(cut, list, &start, &[], false, tell)?;
     let mut then = noisy.study.last.point.clone();
     then[sensor] = list[sensor].off;
-    noisy.noise = image(cut).noise(&then)?;
+    noisy.noise = noise(cut, &then)?;
     let simpler = noisy.study.active.len() < plain.study.active.len();
     if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
-        noisy.study.last.point[sensor] = noisy.noise.map_or(noise.value, |noise| noise.value);
+        noisy.study.last.point[sensor] = noisy.noise.map_or(guess.value, |noise| noise.value);
         return Ok(noisy);
     }
     // a scatter that one story needs and the other doesn't is no proof

@@ -3,7 +3,7 @@
 use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
-use crate::diagnosis::{Effect, Gap, Trace, Unknown, Verdict, Where};
+use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
 use crate::rest::unknown;
 use crate::selection::{ALPHA, CLASS};
 use crate::{amend, experiment, gap, story};
@@ -77,6 +77,7 @@ pub(super) fn conclude(
 
 fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<Effect> {
     let covariance = part.study.last.covariance(free);
+    let systematic = part.study.last.systematic(free, &part.signals);
     part.classes
         .iter()
         .map(|(index, alternatives)| {
@@ -85,25 +86,28 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<Effect> 
             let error = free
                 .iter()
                 .position(|other| other == index)
-                .and_then(|place| covariance.as_ref().map(|c| c[(place, place)].sqrt()))
+                .and_then(|place| covariance.as_ref().map(|c| (c[(place, place)] + systematic[place]).sqrt()))
                 .unwrap_or(0.0);
             let ends = [candidate.value(x - 1.96 * error), candidate.value(x + 1.96 * error)];
             let weight = |alternative: &Alternative| libm::exp(-0.5 * alternative.loss);
             let all: f64 = alternatives.iter().map(weight).sum();
-            let own = alternatives.iter().find(|other| other.candidate == *index).map_or(1.0, weight);
-            let mut class = vec![candidate.name.to_owned()];
-            class.extend(
-                alternatives
-                    .iter()
-                    .filter(|other| other.candidate != *index && other.loss < CLASS)
-                    .map(|other| list[other.candidate].name.to_owned()),
-            );
+            let own = alternatives.iter().find(|other| other.candidate == *index);
+            let others = alternatives.iter().filter(|other| other.candidate != *index && other.loss < CLASS);
+            let members: Vec<Member> = std::iter::once((*index, own.map_or(1.0, weight)))
+                .chain(others.map(|other| (other.candidate, weight(other))))
+                .map(|(candidate, weight)| Member {
+                    name: list[candidate].name.to_owned(),
+                    probability: (weight / all).min(1.0 - ALPHA),
+                })
+                .collect();
+            let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
             Effect {
                 name: candidate.name.to_owned(),
-                class,
+                class: members.iter().map(|member| member.name.clone()).collect(),
                 value: candidate.value(x),
                 ci95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
-                probability: (own / all).min(1.0 - ALPHA),
+                probability,
+                members,
                 phrase: candidate.phrase.to_owned(),
                 off: candidate.value(candidate.off),
             }
@@ -159,15 +163,8 @@ fn scattered(
     for noise in parts.iter().filter_map(|part| part.noise) {
         smallest.insert(candidate.name.to_owned(), noise.detectable);
         if noise.clear {
-            effects.push(Effect {
-                name: candidate.name.to_owned(),
-                class: vec![candidate.name.to_owned()],
-                value: noise.value,
-                ci95: [(noise.value - 1.96 * noise.error).max(0.0), noise.value + 1.96 * noise.error],
-                probability: 1.0 - ALPHA,
-                phrase: candidate.phrase.to_owned(),
-                off: noise.nominal,
-            });
+            let ci95 = [(noise.value - 1.96 * noise.error).max(0.0), noise.value + 1.96 * noise.error];
+            effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - ALPHA));
         }
     }
 }
@@ -187,14 +184,6 @@ fn counted(
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
     let outside = candidate.off < ci95[0] || candidate.off > ci95[1];
     if outside && losses.lost >= 2.0 {
-        effects.push(Effect {
-            name: candidate.name.to_owned(),
-            class: vec![candidate.name.to_owned()],
-            value: share,
-            ci95,
-            probability: 1.0 - ALPHA,
-            phrase: candidate.phrase.to_owned(),
-            off: candidate.off,
-        });
+        effects.push(Effect::alone(candidate, share, ci95, 1.0 - ALPHA));
     }
 }

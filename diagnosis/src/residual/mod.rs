@@ -43,6 +43,8 @@ pub struct Signal {
     pub known: Option<f64>,
     /// Standard deviation in use.
     pub sigma: f64,
+    /// By how much two honest simulations of the same thing differ in it, in the same direction for all rows.
+    pub honest: f64,
 }
 
 /// Rows that belong together in time: the independent unit of the statistics.

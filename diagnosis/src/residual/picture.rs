@@ -111,12 +111,7 @@ impl Studio {
     ///
     /// # Errors
     /// The unit failed.
-    pub fn noisy(
-        &self,
-        settings: &[Setting],
-        shots: &[Shot],
-        seed: i32,
-    ) -> Result<Vec<Option<Seen>>, Error> {
+    pub fn noisy(&self, settings: &[Setting], shots: &[Shot], seed: i32) -> Result<Vec<Option<Seen>>, Error> {
         let mut all = settings.to_vec();
         all.push(self.bench.setting("seed", f64::from(7919 * (seed + 101)))?);
         self.shoot(&all, shots)

@@ -36,6 +36,8 @@ pub struct Event {
 pub struct Drive {
     /// In order; the first one is the start, and the last one is wanted.
     pub events: Vec<Event>,
+    /// Commanded torque just before the start, at which the actuator is taken to have settled, N·m.
+    pub before: f64,
 }
 
 impl Drive {
@@ -76,7 +78,8 @@ impl Drive {
                 events[place].tau_1 = average(controller, "tau_1", from, to);
             }
         }
-        Self { events }
+        let before = run.controller.as_ref().map_or(0.0, |log| log.held("tau", start - 1e-9, 0.0));
+        Self { events, before }
     }
 
     /// Where it begins, s.
@@ -124,6 +127,7 @@ pub struct Ports {
     starts: [u32; 4],
     contact: u32,
     bias: u32,
+    before: u32,
 }
 
 impl Ports {
@@ -145,6 +149,7 @@ impl Ports {
             starts: [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?],
             contact: reference("q2_max")?,
             bias: reference("tau_bias")?,
+            before: reference("tau_0")?,
         })
     }
 }
@@ -178,6 +183,7 @@ pub fn simulate(
     all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
     all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
     all.push(real(ports.bias, bias + first.1));
+    all.push(real(ports.before, drive.before));
     // rows at which the links touch are not scored, and a trial state must not be held
     all.push(real(ports.contact, 1e9));
     plant.run(&all, drive.start(), |instance| {

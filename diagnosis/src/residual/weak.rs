@@ -66,7 +66,8 @@ impl Weak {
         if found.is_empty() {
             return Ok(None);
         }
-        let signal = |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1 };
+        let signal =
+            |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1, honest: 0.0 };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
         let mut weak = Self { bench, candidates, actuator, stretches: found, signals, inputs, outputs };

@@ -211,6 +211,31 @@ impl Evaluation {
     }
 }
 
+impl Evaluation {
+    /// Variance that honest differences between simulations add to each of the active values: all rows of one signal
+    /// off by `Signal::honest`.
+    pub fn systematic(&self, active: &[usize], signals: &[Signal]) -> DVector<f64> {
+        let places = self.places(active);
+        let mut off = DMatrix::zeros(places.len(), signals.len());
+        let Some(bread) = crate::statistics::linear::inverse(&submatrix(&self.total.gram, &places)) else {
+            return DVector::zeros(places.len());
+        };
+        for cell in self.blocks.iter().flat_map(|block| &block.cells) {
+            if cell.signal.iter().all(|signal| signals[*signal].honest == 0.0) {
+                continue;
+            }
+            let columns = projected(cell, self.softness).columns;
+            for (row, signal) in cell.signal.iter().enumerate() {
+                for (i, place) in places.iter().enumerate() {
+                    off[(i, *signal)] += columns[(row, *place)] * signals[*signal].honest / cell.sigma[row];
+                }
+            }
+        }
+        let shifts = bread * off;
+        DVector::from_fn(places.len(), |i, _| shifts.row(i).norm_squared())
+    }
+}
+
 /// Standard deviation of each signal after start states and free discrepancy.
 fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; sigmas.len()];

@@ -84,7 +84,8 @@ fn prune(
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
         let Some(covariance) = fit.covariance(&free) else { return Ok((dropped, tiny)) };
-        let error = |place: usize| covariance[(place, place)].sqrt();
+        let systematic = fit.systematic(&free, cut.signals());
+        let error = |place: usize| (covariance[(place, place)] + systematic[place]).sqrt();
         for (place, index) in free.iter().enumerate() {
             tiny[*index] = MOVED * error(place);
         }

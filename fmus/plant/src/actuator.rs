@@ -66,6 +66,8 @@ pub struct Memory {
     /// Commands on their way through the delay, the oldest first. At most one a step within the delay, and only
     /// where the command changes.
     pub commands: VecDeque<Command>,
+    /// Command before the first one in the delay, N·m.
+    pub before: f64,
     /// Output of the rate limit, N·m.
     pub limited: f64,
     /// Output of the lag, N·m.
@@ -73,6 +75,12 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// An actuator that has settled at a command, cut at the saturation `limit` (0 = none).
+    pub fn settled(command: f64, limit: f64) -> Self {
+        let cut = if limit > 0.0 { command.clamp(-limit, limit) } else { command };
+        Self { commands: VecDeque::new(), before: command, limited: cut, lagged: cut }
+    }
+
     /// Lines a command up for the delay.
     pub fn line_up(&mut self, from: f64, value: f64, rate: f64) {
         match self.commands.back_mut() {

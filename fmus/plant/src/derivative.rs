@@ -25,9 +25,10 @@ pub fn dependencies(output: &str) -> Dependencies {
             NOTHING,
             Some(&["q2_0", "theta_1", "theta_2", "theta_5", "theta_7", "theta_8", "theta_9", "theta_10"]),
         ),
-        "tau_applied" => {
-            (&["tau"], Some(&["tau", "tau_max", "dtau_max", "T_act", "tau_delay", "k_tau", "tau_bias"]))
-        }
+        "tau_applied" => (
+            &["tau"],
+            Some(&["tau", "tau_0", "tau_max", "dtau_max", "T_act", "tau_delay", "k_tau", "tau_bias"]),
+        ),
         _ => (&["tau", "tau_1", "q1", "q2", "dq1", "dq2"], None),
     };
     Dependencies { while_stepping, at_start }

@@ -11,7 +11,8 @@
 //! the actuator's delay, the outputs of its rate limit and lag. The equations lie in the crate `mechanics`, what the
 //! paper's plant lacks in [`effects`].
 //!
-//! Inputs hold over a step, or run along a line if the master gives their rates. The actuator starts from 0 torque.
+//! Inputs hold over a step, or run along a line if the master gives their rates. The actuator starts from
+//! `tau_0`, at rest there.
 
 pub mod actuator;
 mod derivative;
@@ -218,10 +219,13 @@ impl Model for Plant {
         for (name, value) in start {
             finite(name, value)?;
         }
+        finite("tau_0", parameters.start_torque)?;
         check(variables)?;
+        let actuator = Memory::settled(parameters.start_torque, variables.effects.saturation.limit);
         let place = self.place.take(); // a table for the same theta can be used again
         *self = Plant {
             state: start.map(|(_, value)| value),
+            actuator,
             next_step: LONGEST_STEP,
             place,
             ..Plant::default()

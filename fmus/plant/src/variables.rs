@@ -62,6 +62,8 @@ variables! {
             "Start value of dq1, eq. (14).";
         fixed link2_start_rate: f64 = 0.0, "dq2_0", "q̇₂(0)", unit::RADIAN_PER_SECOND,
             "Start value of dq2, eq. (14).";
+        fixed start_torque: f64 = 0.0, "tau_0", "τ(0)", unit::NEWTON_METRE,
+            "Command before the start: what the actuator's delay, rate limit and lag hold then.";
         parameter contact_angle: f64 = ARM_END, "q2_max", "q₂max", unit::RADIAN,
             "abs(q2) at which the links touch, Section 3.1.", min = 0.0;
         parameter velocity_terms: bool = true, "velocity_terms", "", unit::ONE,

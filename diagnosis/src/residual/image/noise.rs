@@ -25,9 +25,9 @@ const BLOCK: usize = 25;
 /// To what share a predicted variance is known: the rim's place on the pixel lattice is known to some thousandths of a
 /// pixel, and one more pixel near the threshold is a tenth of all that flicker.
 const KNOWN: f64 = 0.1;
-/// Standard deviations from which a different noise is named, and for which a channel may not contradict.
+/// Standard deviations from which a different noise is named, and by which a channel may contradict the others.
 const CLEAR: f64 = 5.0;
-const AGAINST: f64 = 1.0;
+const ALIKE: f64 = 3.5;
 /// Smallest noise that is tried where the nominal sensor has none, grey levels.
 const LEAST: f64 = 0.5;
 /// Largest ratio to the nominal one, or to the least, that is tried.
@@ -89,33 +89,32 @@ impl ImageCut {
         let nominal = candidate.off;
         let from = nominal.max(LEAST);
         let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
-        let (apart, spread, agreed) = compare(&seen, &here);
-        let slope = compare(&more, &here).0 / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
+        let apart = compare(&seen, &here);
+        let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
-            (true, true) => nominal * (libm::exp(CLEAR * spread / slope) - 1.0),
+            (true, true) => nominal * (libm::exp(CLEAR * apart.error / slope) - 1.0),
             _ => from,
         };
-        let clear = agreed && apart.abs() > CLEAR * spread;
+        let clear = apart.mean.abs() > CLEAR * apart.error;
         if !clear {
             return Ok(Some(Noise { nominal, value: nominal, error: detectable / CLEAR, detectable, clear }));
         }
-        let (mut low, mut high) =
-            if apart > 0.0 { (from, from * MOST) } else { (from / MOST, from) };
-        let mut left = (1.0, 0.0);
+        let (mut low, mut high) = if apart.mean > 0.0 { (from, from * MOST) } else { (from / MOST, from) };
         for _ in 0..STEPS {
             let middle = (low * high).sqrt();
             let Some(there) = predicted(middle)? else { return Ok(None) };
-            let (apart, spread, _) = compare(&seen, &there);
-            left = (spread, apart);
-            if apart > 0.0 { low = middle } else { high = middle }
+            if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
         }
         let value = (low * high).sqrt();
-        let (Some(below), Some(above)) = (predicted(value / 1.2)?, predicted(value * 1.2)?) else {
+        let (Some(there), Some(below), Some(above)) =
+            (predicted(value)?, predicted(value / 1.2)?, predicted(value * 1.2)?)
+        else {
             return Ok(None);
         };
-        let slope = compare(&above, &below).0 / (2.0 * libm::log(1.2));
-        let error = value * left.0 / slope.max(0.1);
-        Ok(Some(Noise { nominal, value, error, detectable, clear }))
+        let there = compare(&seen, &there);
+        let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
+        let error = value * there.error / slope.max(0.1);
+        Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < ALIKE }))
     }
 
     /// The shots at poses as far beside as those may be that were measured.
@@ -155,7 +154,8 @@ impl ImageCut {
                 squares.chunks(BLOCK).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect();
             let n = blocks.len() as f64;
             let mean = blocks.iter().sum::<f64>() / n;
-            let spread = blocks.iter().map(|block| (block - mean) * (block - mean)).sum::<f64>() / (n - 1.0).max(1.0);
+            let spread =
+                blocks.iter().map(|block| (block - mean) * (block - mean)).sum::<f64>() / (n - 1.0).max(1.0);
             let variance = mean + floor * floor;
             found[channel] = (variance, (spread / n).sqrt() / variance);
         }
@@ -163,19 +163,24 @@ impl ImageCut {
     }
 }
 
-/// Mean of the logarithms of the channels' ratios, its standard error, and whether no channel contradicts.
-fn compare(seen: &Scatter, predicted: &Scatter) -> (f64, f64, bool) {
-    let mut sum = (0.0, 0.0);
+/// How two scatters compare over the channels.
+struct Ratio {
+    /// Mean of the logarithms of the variances' ratios.
+    mean: f64,
+    /// Its standard error.
+    error: f64,
+    /// Standard deviations by which the worst channel lies off the mean: noise scatters all alike, a wrong pose doesn't.
+    worst: f64,
+}
+
+fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let each: Vec<(f64, f64)> = seen
         .iter()
         .zip(predicted)
         .map(|((a, da), (b, db))| (libm::log(a / b), (da * da + db * db + KNOWN * KNOWN).sqrt()))
         .collect();
-    for (ratio, error) in &each {
-        sum.0 += ratio / (error * error);
-        sum.1 += 1.0 / (error * error);
-    }
-    let mean = sum.0 / sum.1;
-    let agreed = each.iter().all(|(ratio, error)| ratio * mean.signum() > -AGAINST * error);
-    (mean, sum.1.sqrt().recip(), agreed)
+    let weights: f64 = each.iter().map(|(_, error)| error.powi(-2)).sum();
+    let mean = each.iter().map(|(ratio, error)| ratio / (error * error)).sum::<f64>() / weights;
+    let worst = each.iter().map(|(ratio, error)| (ratio - mean).abs() / error).fold(0.0, f64::max);
+    Ratio { mean, error: weights.sqrt().recip(), worst }
 }

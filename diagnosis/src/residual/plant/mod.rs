@@ -114,7 +114,8 @@ impl PlantCut {
             .map(|place| {
                 let name = format!("plant.{}", COLUMNS[place]);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                Signal { name, unit: UNITS[place], known, sigma: known.unwrap_or(FIRST_GUESS[place]) }
+                let sigma = known.unwrap_or(FIRST_GUESS[place]);
+                Signal { name, unit: UNITS[place], known, sigma, honest: 0.0 }
             })
             .collect();
         let runs = Arc::new(data.runs.clone());

@@ -1,7 +1,7 @@
 //! Dead time between command and torque: u(t) = τ(t − T).
 //!
 //! Commands wait in a line, each with the time from which it holds, so that the delay need not be a multiple of
-//! anything. Before the first command the torque is 0.
+//! anything. Before the first command there is `tau_0`.
 
 use super::non_negative;
 use crate::actuator::{Memory, SHORTEST, Signal, Stage};
@@ -24,7 +24,7 @@ impl Stage for Delay {
         if self.time == 0.0 {
             return input;
         }
-        let mut output = Signal::constant(0.0);
+        let mut output = Signal::constant(memory.before);
         for command in &memory.commands {
             let wait = command.from + self.time - now;
             if wait > SHORTEST {

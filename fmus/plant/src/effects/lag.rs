@@ -1,6 +1,6 @@
 //! First-order lag between command and torque: T·du/dt = τ − u, solved exactly for a command that is a line.
 //!
-//! u(s) = v − rT + r·s + (u₀ − v + rT)·e^(−s/T). Starts from 0 torque.
+//! u(s) = v − rT + r·s + (u₀ − v + rT)·e^(−s/T). Starts from `tau_0`.
 
 use super::non_negative;
 use crate::actuator::{Memory, Signal, Stage};

@@ -1,6 +1,6 @@
 //! The largest rate of change of the torque: the output follows its input as fast as it may.
 //!
-//! du/dt = clamp(dτ/dt, ±R) once u = τ, and R·sign(τ − u) until then. Starts from 0 torque. The paper names this
+//! du/dt = clamp(dτ/dt, ±R) once u = τ, and R·sign(τ − u) until then. Starts from `tau_0`. The paper names this
 //! limit as future work (Section 5).
 
 use super::non_negative;

@@ -68,17 +68,18 @@ fn with_noise<C: Cut>(
         cut.linearise(point, &[], true)?;
         image(cut).noise(point)
     };
-    let first = noise(cut, point)?;
     let mut plain = part(cut, list, point, &[], false, tell)?;
     plain.noise = noise(cut, &plain.study.last.point)?;
-    let blurred = plain.study.active.iter().any(|index| list[*index].bends || list[*index].is_discrete());
-    let sensor = list.iter().position(|candidate| candidate.side == Side::Scatter);
-    let (Some(sensor), Some(guess)) = (sensor, plain.noise.filter(|noise| noise.clear).or(first)) else {
+    let Some(sensor) = list.iter().position(|candidate| candidate.side == Side::Scatter) else {
         return Ok(plain);
     };
-    if !(clear(&plain.noise) || clear(&first) && blurred) {
-        return Ok(plain);
-    }
+    // a blur scatters too, and would hide a part of the noise that it imitates
+    let mut sharp = plain.study.last.point.clone();
+    let blurs: Vec<usize> =
+        plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
+    blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
+    let guess = if blurs.is_empty() { plain.noise } else { noise(cut, &sharp)? };
+    let Some(guess) = guess.filter(|guess| guess.clear || clear(&plain.noise)) else { return Ok(plain) };
     let mut start = point.to_vec();
     start[sensor] = guess.value;
     cut.afresh();

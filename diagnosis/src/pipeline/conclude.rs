@@ -4,7 +4,7 @@ use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
-use crate::rest::unknown;
+use crate::rest::{imitation, unknown};
 use crate::selection::{ALPHA, CLASS};
 use crate::{amend, experiment, gap, story};
 use std::collections::BTreeMap;
@@ -33,13 +33,23 @@ pub(super) fn conclude(
         detectable(part, list, &free, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
         let gap = gap::gap(&part.study, &free, &runs, part.torque);
-        let left = unknown(&part.study, &part.signals, list, part.torque);
+        let left = unknown(&part.study, &part.signals, list, part.torque)
+            .or_else(|| imitation(&part.study, &part.signals, list, part.torque));
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         gaps.push(gap);
         traces.push(gap::trace(&part.study, part.torque));
         rest = rest.or(left);
     }
-    scattered(parts, list, &mut effects, &mut smallest);
+    // a rest that no effect gives scatters, too
+    let mut point = point.to_vec();
+    match rest {
+        None => scattered(parts, list, &mut effects, &mut smallest),
+        Some(_) => list
+            .iter()
+            .enumerate()
+            .filter(|(_, candidate)| candidate.side == Side::Scatter)
+            .for_each(|(index, candidate)| point[index] = candidate.off),
+    }
     counted(data, model, list, &mut effects, &mut smallest);
     let verdict = if rest.is_some() {
         Verdict::Unknown
@@ -56,8 +66,8 @@ pub(super) fn conclude(
     // where a model lacks much, noise says nothing of what an experiment would tell
     let certain = parts.iter().filter(|part| !part.study.outweighed);
     let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
-    let (next, experiment) = experiment::next(data, model, list, point, cuts, units);
-    let amended = amend::amended(model, list, point, &effects, units)?;
+    let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
+    let amended = amend::amended(model, list, &point, &effects, units)?;
     Ok(Diagnosis {
         verdict,
         effects,

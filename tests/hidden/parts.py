@@ -12,6 +12,7 @@ NOISES = ("low", "mid", "high")
 MULTIPLES = (1.0, 3.0, 10.0)
 PINNED = (("hang", "mixed", 0), ("hang", "free", 1), ("hang", "gentle", 0), ("balance", "mixed", 0), ("balance", "slow", 1))
 MAX_TRIES = 40
+FAR = 10.0  # sizes beyond this many times the size of a bad lab
 
 
 def sized(name, setting, multiple, sign):
@@ -30,6 +31,8 @@ def sized(name, setting, multiple, sign):
         value = max(1.0, round(multiple * unit), 2.0 if multiple > 3 else 1.0)
         return value, value / unit
     size = multiple * unit
+    if size > FAR * e.big:
+        return None  # nothing excites it here: a delay of a torque that is zero
     if e.key == "drop_rate":
         size = max(min(size, 0.3), 0.004)
     if e.key == "E_t":

@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+const ROLL: &str = "camera.roll";
+const MOUNT: &str = "camera.mount";
+
 /// The nominal model.
 pub struct Model {
     /// The scenario with `[set]` applied.
@@ -37,6 +40,10 @@ impl Model {
                 other => other.to_string(),
             };
             scenario.set(name, &text).map_err(|error| set_error(name, error.to_string()))?;
+        }
+        // a mount that is said to be turned is one that the vision knows of
+        if let (Some(roll), None) = (data.manifest.set.get(ROLL), data.manifest.set.get(MOUNT)) {
+            scenario.set(MOUNT, &roll.to_string()).map_err(|error| set_error(MOUNT, error.to_string()))?;
         }
         let mut numbers = BTreeMap::new();
         let mut benches = BTreeMap::new();

@@ -34,16 +34,14 @@ pub enum Rig {
 pub enum Change {
     /// A signal is logged that was not.
     Log(Log),
-    /// Only where this is logged already.
-    Needs(Log),
     /// Another z_desired.
     Desired(Profile),
     /// A parameter times a factor.
     Times(&'static str, f64),
     /// A parameter plus something.
     Plus(&'static str, f64),
-    /// The controller is fed by the encoders and not by the picture.
-    LoopOnEncoders,
+    /// The camera's mount is turned about its axis by so many rad, and the vision knows.
+    Turned(f64),
     /// The arm starts at rest, hanging, and is driven by torques that don't depend on its motion.
     Hang,
 }
@@ -95,7 +93,7 @@ const RAMP: Profile = Profile::Points(&[(0.0, 0.0), (1.0, 0.0), (6.0, 0.45), (14
 const SWING: Profile = Profile::Sweep { size: 0.2, from: 0.08, to: 0.5 };
 const FAST_SWING: Profile = Profile::Sweep { size: 0.12, from: 0.3, to: 0.9 };
 
-use Change::{Desired, Hang, LoopOnEncoders, Needs, Plus, Times};
+use Change::{Desired, Hang, Plus, Times, Turned};
 
 /// No experiment but the control of the predictions: what the data at hand should have told.
 pub const AGAIN: Experiment =
@@ -116,9 +114,9 @@ pub const CATALOGUE: &[Experiment] = &[
     Experiment { name: "refocused", rig: Rig::Any, cost: 2, changes: &[Plus("camera.N", 1.0)], what: "Refocus the camera one pass of the mask (camera.N) off its focus and repeat the runs." },
     Experiment { name: "camera nearer", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 0.85)], what: "Move the camera nearer, until it sees 0.85 of the width that it saw, and repeat the runs." },
     Experiment { name: "camera farther", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 1.2)], what: "Move the camera farther away, until it sees 1.2 of the width that it saw, and repeat the runs." },
-    Experiment { name: "mount turned by 90 degrees", rig: Rig::Any, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", PI_HALF), LoopOnEncoders], what: "Turn the camera mount by 90 degrees about its axis (camera.roll = pi/2), close the loop on the encoders, and repeat the runs." },
-    Experiment { name: "mount turned by 40 degrees", rig: Rig::Any, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", 0.7), LoopOnEncoders], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), close the loop on the encoders, and repeat the runs." },
-    Experiment { name: "mount turned by 40 degrees, ramps", rig: Rig::Rolling, cost: 2, changes: &[Needs(Log::Encoders), Plus("camera.roll", 0.7), LoopOnEncoders, Desired(RAMP)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), close the loop on the encoders, and make slow ramps of z_desired from one end of the range to the other." },
+    Experiment { name: "mount turned by 90 degrees", rig: Rig::Any, cost: 2, changes: &[Turned(PI_HALF)], what: "Turn the camera mount by 90 degrees about its axis (camera.roll = pi/2), tell the vision so (camera.mount), and repeat the runs." },
+    Experiment { name: "mount turned by 40 degrees", rig: Rig::Any, cost: 2, changes: &[Turned(0.7)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), tell the vision so (camera.mount), and repeat the runs." },
+    Experiment { name: "mount turned by 40 degrees, ramps", rig: Rig::Rolling, cost: 2, changes: &[Turned(0.7), Desired(RAMP)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), tell the vision so (camera.mount), and make slow ramps of z_desired from one end of the range to the other." },
     Experiment { name: "hanging down", rig: Rig::Pinned, cost: 2, changes: &[Hang], what: "Let the arm hang down: start at rest and drive it with a sum of sines from 0.2 to 3 Hz." },
     Experiment { name: "joint angles logged", rig: Rig::Any, cost: 3, changes: &[Change::Log(Log::Encoders)], what: "Log the joint angles by encoders (or motion capture) beside the picture and repeat the runs." },
     Experiment { name: "torque logged", rig: Rig::Any, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders and repeat the runs." },

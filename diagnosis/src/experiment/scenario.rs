@@ -5,8 +5,7 @@ use super::motion::{self, Tables};
 use crate::dataset::DataSet;
 use crate::error::Error;
 use crate::model::Model;
-use orchestrator::scenario::{ConnectionEntry, Placed, Shape, SignalEntry, SourceEntry};
-use orchestrator::time::Rational;
+use orchestrator::scenario::{Placed, Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Scenario};
 
 /// Which logs there are.
@@ -71,11 +70,12 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     for change in entry.changes {
         match *change {
             Change::Log(log) => *now.place(log) = true,
-            Change::Needs(log) if !*now.place(log) => return Ok(None),
-            Change::Needs(_) => {}
             Change::Desired(profile) => moved = Some(Tables::desired(data, points(profile))),
             Change::Hang => moved = Some(motion::hanging(data, model)),
-            Change::LoopOnEncoders => on_encoders(&mut scenario, model)?,
+            Change::Turned(by) => {
+                set.extend([("camera.roll", number(model, "camera.roll")? + by)]);
+                set.extend([("camera.mount", number(model, "camera.mount")? + by)]);
+            }
             Change::Times(name, factor) => set.push((name, number(model, name)? * factor)),
             Change::Plus(name, by) => set.push((name, number(model, name)? + by)),
         }
@@ -124,27 +124,6 @@ fn points(profile: Profile) -> Vec<(f64, f64)> {
             })
             .collect(),
     }
-}
-
-/// The controller gets the plant's angles at the camera's rate instead of the estimates.
-fn on_encoders(scenario: &mut Scenario, model: &Model) -> Result<(), Error> {
-    scenario.connections.retain(|connection| !connection.to.starts_with("controller."));
-    for name in ["q1", "q2", "dq1", "dq2"] {
-        scenario.connections.push(ConnectionEntry {
-            from: format!("plant.{name}"),
-            to: format!("controller.{name}"),
-            delay: Rational::ZERO,
-            place: here(),
-        });
-    }
-    let rate = Rational::from_f64(model.number("camera.omega_cam").unwrap_or(30.0));
-    let interval = rate.and_then(|rate| Rational::parse(&format!("1/{rate}")));
-    let controller = scenario.units.iter_mut().find(|unit| unit.name == "controller");
-    let (Some(controller), Some(interval)) = (controller, interval) else {
-        return Err(Error::Model("it has no unit `controller` that encoders could feed".into()));
-    };
-    controller.interval = interval;
-    Ok(())
 }
 
 /// Feeds an input from outside, in the place of whatever fed it.

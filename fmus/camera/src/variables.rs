@@ -95,6 +95,9 @@ variables! {
             "Smallest area of a region that may be a circle (Section 3.2).", min = 1;
         parameter largest_area: i32 = 130, "N_max", "N_max", unit::PIXEL,
             "Largest area of a region that may be a circle (Section 3.2).", min = 1;
+        fixed mount: f64 = 0.0, "mount", "ρ_0", unit::RADIAN,
+            "Roll of the mounting that the vision reckons with; what roll differs by is an error of the mounting.",
+            min = -3.2, max = 3.2;
         fixed seed: i32 = 0, "seed", "seed", unit::ONE,
             "Chooses the noise and which frames are lost; same seed, same frames.";
         fixed frames_dir: String = String::new(), "frames_dir", "frames_dir", unit::ONE,
@@ -104,6 +107,17 @@ variables! {
         fixed estimator: i32 = 0, "estimator", "estimator", unit::ONE,
             "How a circle's centre is found: 0 = centroid of the binary image (the paper's), 1 = centroid of the grey \
              levels around it, 2 = maximum likelihood.", min = 0, max = 2;
+    }
+}
+
+impl Sensor {
+    /// A direction or a place about the middle of the picture as a camera shows it that is mounted upright.
+    pub fn upright(&self, (u, v): (f64, f64)) -> (f64, f64) {
+        if self.mount == 0.0 {
+            return (u, v);
+        }
+        let (sin, cos) = (libm::sin(self.mount), libm::cos(self.mount));
+        (u * cos + v * sin, v * cos - u * sin)
     }
 }
 

@@ -109,7 +109,7 @@ impl ImageCut {
             }
         }
         if let Pose::Free = pose {
-            free_poses(&mut frames);
+            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0));
         }
         let every = frames.len().div_ceil(most.max(1)).max(1);
         let frames: Vec<Frame> = frames

@@ -8,11 +8,14 @@ pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
 }
 
-/// Poses as a person reads them off the picture: the directions from circle to circle; rates from neighbours.
-pub(super) fn free_poses(frames: &mut [Frame]) {
+/// Poses as a person reads them off a picture whose mount is turned by so much (rad): the directions from circle to
+/// circle; rates from neighbours.
+pub(super) fn free_poses(frames: &mut [Frame], mount: f64) {
+    let (sin, cos) = (libm::sin(mount), libm::cos(mount));
     let read = |frame: &Frame| {
         let s = &frame.seen;
-        [libm::atan2(s[2] - s[0], s[3] - s[1]), libm::atan2(s[4] - s[2], s[5] - s[3])]
+        let link = |du: f64, dv: f64| libm::atan2(du * cos + dv * sin, dv * cos - du * sin);
+        [link(s[2] - s[0], s[3] - s[1]), link(s[4] - s[2], s[5] - s[3])]
     };
     let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
     for place in 0..frames.len() {

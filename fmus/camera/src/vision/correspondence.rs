@@ -58,7 +58,8 @@ pub fn by_geometry(candidates: &[Feature], scene: &Scene, sensor: &Sensor) -> Op
         return None;
     }
     let half = (f64::from(sensor.width) / 2.0, f64::from(sensor.height) / 2.0);
-    let image = |feature: &Feature| (feature.centre_px.0 / half.0, feature.centre_px.1 / half.1);
+    let image =
+        |feature: &Feature| sensor.upright((feature.centre_px.0 / half.0, feature.centre_px.1 / half.1));
     let world_unit = 2.0 / scene.field_of_view;
     let height = (scene.ground_height + scene.drum_radius) * world_unit;
     let misfit = |a: (f64, f64), b: (f64, f64), length: f64| {

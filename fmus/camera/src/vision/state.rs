@@ -70,7 +70,8 @@ pub fn angles(circles: &Triple, sensor: &Sensor) -> (f64, f64) {
     let shape = f64::from(sensor.height) / f64::from(sensor.width);
     let link = |from: &Feature, to: &Feature| {
         let (du, dv) = (to.centre_px.0 - from.centre_px.0, to.centre_px.1 - from.centre_px.1);
-        libm::atan2(du * shape, dv)
+        let (du, dv) = sensor.upright((du * shape, dv));
+        libm::atan2(du, dv)
     };
     (link(&circles[0], &circles[1]), link(&circles[1], &circles[2]))
 }

@@ -22,6 +22,9 @@ const ALIKE: f64 = 0.03;
 const COLUMN: f64 = 0.01;
 /// The same for a candidate whose column changes with its size.
 const BENT_COLUMN: f64 = 0.03;
+/// Variance that honest renderers add where a short exposure's blur decides, in that of the noise: it moves the picture by
+/// thousandths of a pixel, as much as two renderers differ.
+const BENT_HONEST: f64 = 1.0;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 5.
@@ -78,8 +81,8 @@ pub fn alternatives(
         let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
         if let Some((loss, x)) = columns {
             let bent = candidates[effect].bends || candidate.bends;
-            let known = if bent { BENT_COLUMN } else { COLUMN };
-            all.push((index, x, loss / (1.0 + known * known * strength)));
+            let (known, honest) = if bent { (BENT_COLUMN, BENT_HONEST) } else { (COLUMN, 0.0) };
+            all.push((index, x, loss / (1.0 + honest + known * known * strength)));
             continue;
         }
         let mut set = others.clone();

@@ -13,8 +13,10 @@ const TURN: f64 = 0.012;
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
 const DITHER: [f64; 2] = [0.02, 0.01];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
-/// Step of E_t that shows its blur.
-pub(super) const BLURRING: f64 = 0.2;
+/// Rounds of such poses for a short exposure, whose blur is little beside the lattice's error.
+const SHORT_ROUNDS: u64 = 8;
+/// Step of E_t from which its blur is more than that.
+const BLURRING: f64 = 0.2;
 
 impl ImageCut {
     /// Change of the picture with each angle.
@@ -48,21 +50,6 @@ impl ImageCut {
         Ok(first.into_iter().zip(second).map(|(a, b)| [a, b]).collect())
     }
 
-    /// What a little more exposure does. Its middle comes earlier, a delay of E_t / (2 omega_cam); and it blurs, which
-    /// grows with the square of E_t and of which a small step shows the pixel lattice only: that part is taken from a
-    /// large step.
-    pub(super) fn short_exposure(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
-        let nominal = self.candidates[probe.candidate].off;
-        let large = self.column(point, Probe { by: BLURRING, ..probe })?;
-        let share = (probe.by + 2.0 * point[probe.candidate]) / (BLURRING + 2.0 * nominal);
-        Ok((0..self.frames.len())
-            .map(|place| {
-                let (late, large) = (self.late(place)?, large[place]?);
-                Some(std::array::from_fn(|s| late[s] + share * (large[s] - late[s])))
-            })
-            .collect())
-    }
-
     /// What an exposure that is longer by one interval would do by its earlier middle alone.
     fn late(&self, place: usize) -> Option<Seen> {
         let frame = &self.frames[place];
@@ -76,11 +63,11 @@ impl ImageCut {
     }
 
     /// Shots a little beside the frames' poses.
-    fn beside(&self, side: f64) -> Vec<Shot> {
+    fn beside(&self, round: u64, side: f64) -> Vec<Shot> {
         let moved = |state: &State, by: &[f64; 2]| {
             [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
         };
-        let mut random = Random::new(DITHER_SEED);
+        let mut random = Random::new(DITHER_SEED + round);
         self.frames
             .iter()
             .map(|frame| {
@@ -101,8 +88,9 @@ impl ImageCut {
         let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
-        for side in [1.0, -1.0] {
-            let shots = self.beside(side);
+        let rounds = if blurs && probe.by.abs() < BLURRING { SHORT_ROUNDS } else { 1 };
+        for (round, side) in (0..rounds).flat_map(|round| [(round, 1.0), (round, -1.0)]) {
+            let shots = self.beside(round, side);
             let here = self.here(&still, &shots)?;
             let column = slopes(&self.studio.take(&moved, &shots)?, &here, probe.by);
             for (place, (shot, seen)) in shots.iter().zip(&column).enumerate() {

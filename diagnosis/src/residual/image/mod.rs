@@ -242,8 +242,6 @@ impl Cut for ImageCut {
             let seen = self.sees(&self.candidates[probe.candidate]);
             columns.push(if !seen || Some(probe.candidate) == self.delay {
                 None
-            } else if Some(probe.candidate) == self.exposure && probe.by.abs() < columns::BLURRING {
-                Some(self.short_exposure(point, *probe)?)
             } else {
                 Some(self.column(point, *probe)?)
             });

@@ -10,7 +10,7 @@ use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 use crate::statistics::linear::{solve, submatrix, subvector};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
@@ -54,6 +54,7 @@ pub fn alternatives(
     steps: &[Step],
 ) -> Result<Vec<Alternative>, Error> {
     let temper = temper(last, active, effect, candidates);
+    let offsets = if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) };
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
     let fitted = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
         // pictures that are made anew would differ by the lattice
@@ -75,13 +76,14 @@ pub fn alternatives(
             continue;
         };
         let apart = predicted / temper > HOPELESS && predicted > ALIKE * strength;
-        if apart && linear.is_none_or(|(loss, _)| loss / temper > 2.0 * HOPELESS) {
+        if apart && linear.as_ref().is_none_or(|linear| linear.loss / temper > 2.0 * HOPELESS) {
             continue;
         }
         let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
-        if let Some((loss, x)) = columns {
+        if let Some(Replaced { loss, x, own, other }) = columns {
             let bent = candidates[effect].bends || candidate.bends;
-            let (known, honest) = if bent { (BENT_COLUMN, BENT_HONEST) } else { (COLUMN, 0.0) };
+            let known = if bent { BENT_COLUMN } else { COLUMN };
+            let honest = if bent { BENT_HONEST } else { honest(last, &offsets, own, other) };
             all.push((index, x, loss / (1.0 + honest + known * known * strength)));
             continue;
         }
@@ -188,6 +190,25 @@ fn predicted_loss(
         .map(|loss| (loss, size * size * length))
 }
 
+/// Another column in the place of an effect's.
+struct Replaced {
+    loss: f64,
+    /// The value that the other would take.
+    x: f64,
+    /// The two columns.
+    own: usize,
+    other: usize,
+}
+
+/// Variance, in that of the noise, that honest renderers add along what tells two columns apart.
+fn honest(last: &Evaluation, offsets: &DMatrix<f64>, own: usize, other: usize) -> f64 {
+    let gram = &last.total.gram;
+    let share = gram[(own, other)] / gram[(other, other)];
+    let length = gram[(own, own)] - share * gram[(own, other)];
+    let off = offsets.row(own) - share * offsets.row(other);
+    if length > 0.0 { off.norm_squared() / length } else { 0.0 }
+}
+
 /// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
 /// best of its columns.
 fn linear_loss(
@@ -196,7 +217,7 @@ fn linear_loss(
     effect: usize,
     index: usize,
     candidates: &[Candidate],
-) -> Option<(f64, f64)> {
+) -> Option<Replaced> {
     let size = last.point[effect] - candidates[effect].off;
     // all of the effect at once, where that column is there; else its derivative
     let whole = |probe: &crate::residual::Probe| probe.candidate == effect && probe.by == -size;
@@ -221,9 +242,9 @@ fn linear_loss(
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
             let x = candidates[index].off + other_asks / bb;
             (bb > 0.0 && x >= candidates[index].range.0 && x <= candidates[index].range.1)
-                .then_some((loss, x))
+                .then_some(Replaced { loss, x, own, other })
         })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .min_by(|a, b| a.loss.total_cmp(&b.loss))
 }
 
 fn starts(

@@ -212,26 +212,31 @@ impl Evaluation {
 }
 
 impl Evaluation {
-    /// Variance that honest differences between simulations add to each of the active values: all rows of one signal
-    /// off by `Signal::honest`.
-    pub fn systematic(&self, active: &[usize], signals: &[Signal]) -> DVector<f64> {
-        let places = self.places(active);
-        let mut off = DMatrix::zeros(places.len(), signals.len());
-        let Some(bread) = crate::statistics::linear::inverse(&submatrix(&self.total.gram, &places)) else {
-            return DVector::zeros(places.len());
-        };
+    /// How each column answers to all rows of one signal being off by `Signal::honest` (probes by signals).
+    pub fn offsets(&self, signals: &[Signal]) -> DMatrix<f64> {
+        let mut off = DMatrix::zeros(self.probes.len(), signals.len());
         for cell in self.blocks.iter().flat_map(|block| &block.cells) {
             if cell.signal.iter().all(|signal| signals[*signal].honest == 0.0) {
                 continue;
             }
             let columns = projected(cell, self.softness).columns;
             for (row, signal) in cell.signal.iter().enumerate() {
-                for (i, place) in places.iter().enumerate() {
-                    off[(i, *signal)] += columns[(row, *place)] * signals[*signal].honest / cell.sigma[row];
+                let by = signals[*signal].honest / cell.sigma[row];
+                for probe in 0..self.probes.len() {
+                    off[(probe, *signal)] += columns[(row, probe)] * by;
                 }
             }
         }
-        let shifts = bread * off;
+        off
+    }
+
+    /// Variance that honest differences between simulations add to each of the active values.
+    pub fn systematic(&self, active: &[usize], signals: &[Signal]) -> DVector<f64> {
+        let places = self.places(active);
+        let Some(bread) = crate::statistics::linear::inverse(&submatrix(&self.total.gram, &places)) else {
+            return DVector::zeros(places.len());
+        };
+        let shifts = bread * self.offsets(signals).select_rows(&places);
         DVector::from_fn(places.len(), |i, _| shifts.row(i).norm_squared())
     }
 }

@@ -39,6 +39,7 @@ pub struct Actuator {
     commands: Vec<Vec<(f64, f64)>>,
     tau: u32,
     applied: u32,
+    angle: u32,
     contact: u32,
     known: Mutex<BTreeMap<Vec<u64>, Arc<Applied>>>,
 }
@@ -61,6 +62,7 @@ impl Actuator {
             commands,
             tau: reference("tau")?,
             applied: reference("tau_applied")?,
+            angle: reference("q2_0")?,
             contact: reference("q2_max")?,
             known: Mutex::default(),
         })
@@ -105,7 +107,8 @@ impl Actuator {
         Ok(Some(applied))
     }
 
-    /// Steps the unit through a run's torque. Where its links go meanwhile doesn't matter to the actuator.
+    /// Steps the unit through a run's torque. Where its links go meanwhile doesn't matter to the actuator, so they touch
+    /// from the start: a state that is held needs no integration.
     fn drive(
         &self,
         bench: &Bench,
@@ -115,7 +118,8 @@ impl Actuator {
         let Some(first) = commands.first() else { return Ok((Vec::new(), Vec::new())) };
         let mut all = own.to_vec();
         all.push((self.tau, Value::Real(first.1)));
-        all.push((self.contact, Value::Real(1e9)));
+        all.push((self.angle, Value::Real(1.0)));
+        all.push((self.contact, Value::Real(0.5)));
         bench.run(&all, first.0, |instance| {
             let failed = |error: orchestrator::Error| Error::Model(error.to_string());
             let (mut times, mut values) = (Vec::new(), Vec::new());

@@ -116,6 +116,19 @@ impl PlantCut {
         Ok(())
     }
 
+    /// Far more than noise is left.
+    fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
+        self.loose(layout, fit) > LED * LED * layout.len() as f64
+    }
+
+    /// Whether a window that was begun anew must be led along the log.
+    pub(super) fn strays(&self, window: &Window, settings: &[Setting]) -> Result<bool, Error> {
+        let layout = Layout::of(self, window);
+        let begin = self.fit(window, &layout, settings, window.start, window.leads.clone())?;
+        let fit = self.settle(window, &layout, settings, false, begin)?;
+        Ok(self.astray(&layout, &fit))
+    }
+
     pub(super) fn window(
         &self,
         window: &Window,
@@ -135,7 +148,7 @@ impl PlantCut {
         } else {
             let led_before = window.leads.iter().any(|lead| *lead != 0.0);
             fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
-            if led_before || self.loose(&layout, &fit) > LED * LED * layout.len() as f64 {
+            if led_before || self.astray(&layout, &fit) {
                 // from the first guess again: a state that was fitted without leads may be far away
                 let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
                 fit = self.settle(window, &layout, &settings, true, again)?;

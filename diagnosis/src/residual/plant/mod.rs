@@ -36,6 +36,8 @@ const PARTS: usize = 2;
 /// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
 /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
 const LED: f64 = 4.0;
+/// Parts in which windows are asked whether they must be led.
+const LOOKS: usize = 8;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4;
@@ -225,6 +227,37 @@ impl PlantCut {
     pub fn led(&self) -> f64 {
         let led = self.windows.iter().filter(|window| window.leads.iter().any(|lead| *lead != 0.0)).count();
         led as f64 / self.windows.len().max(1) as f64
+    }
+
+    /// Whether the share of windows in which the plant must be led stays within `most` at a point, all windows begun
+    /// anew. Answers the question alone, without leading: that is what a look there costs most.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn follows(&mut self, point: &[f64], most: f64) -> Result<bool, Error> {
+        self.afresh();
+        if let Some(clock) = self.clock {
+            self.shift(point[clock]);
+        }
+        let settings = self.settings(point, None)?;
+        let total = self.windows.len();
+        let (mut led, mut seen) = (0, 0);
+        // a part at a time, spread over all runs: often half of them say enough
+        for part in 0..LOOKS {
+            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(LOOKS).collect();
+            seen += some.len();
+            let each: Vec<bool> =
+                some.par_iter().map(|window| self.strays(window, &settings)).collect::<Result<_, _>>()?;
+            led += each.into_iter().filter(|led| *led).count();
+            let share = |count: usize| count as f64 / total.max(1) as f64;
+            if share(led) > most {
+                return Ok(false);
+            }
+            if share(led + total - seen) <= most {
+                break;
+            }
+        }
+        Ok(true)
     }
 
     /// Keeps at most so many windows, evenly spread.

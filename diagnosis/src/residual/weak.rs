@@ -26,6 +26,8 @@ use std::sync::Arc;
 const OUTLYING: f64 = 4.0;
 /// Stretches that overlap belong to one block, s.
 const BLOCK: f64 = 1.0;
+/// Nodes that one instance is asked at after it was set up.
+const CHUNK: usize = 64;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
 
@@ -35,6 +37,7 @@ pub struct Weak {
     candidates: Arc<Vec<Candidate>>,
     actuator: Actuator,
     stretches: Vec<Stretch>,
+    nodes: Vec<Node>,
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
@@ -62,21 +65,22 @@ impl Weak {
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
-        let found = stretches(data, contact);
+        let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
         }
         let signal = |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1 };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
-        let mut weak = Self { bench, candidates, actuator, stretches: found, signals, inputs, outputs };
+        let mut weak =
+            Self { bench, candidates, actuator, stretches: found, nodes, signals, inputs, outputs };
         weak.weigh()?;
         Ok(Some(weak))
     }
 
     /// Torque per acceleration at the middle of each stretch, by the nominal unit.
     fn weigh(&mut self) -> Result<(), Error> {
-        let middles: Vec<Node> = self.stretches.iter().map(|stretch| stretch.middle().clone()).collect();
+        let middles: Vec<Node> = self.stretches.iter().map(|s| self.nodes[s.middle()].clone()).collect();
         let pushed = |tau_1: f64, tau: f64| {
             let nodes: Vec<Node> = middles
                 .iter()
@@ -120,22 +124,24 @@ impl Weak {
             .into_iter()
             .filter(|(reference, _)| !(driven && references.contains(&Some(*reference))))
             .collect();
-        let sums: Vec<_> = self
-            .stretches
-            .par_iter()
-            .map(|stretch| {
-                let nodes: Vec<Node> = match &applied {
-                    Some(applied) => (stretch.nodes.iter())
-                        .map(|node| Node { tau: applied.at(stretch.run, node.time), ..*node })
-                        .collect(),
-                    None => stretch.nodes.clone(),
-                };
-                let found = self.accelerations(&fixed, &nodes)?;
-                let sum = |axis: usize| found.iter().zip(&stretch.weights).map(|(a, w)| a[axis] * w).sum();
-                Ok::<_, Error>(Vector2::new(sum(0), sum(1)))
+        let found: Vec<Vec<[f64; 2]>> = self
+            .nodes
+            .par_chunks(CHUNK)
+            .map(|nodes| match &applied {
+                Some(applied) => {
+                    let tau = |node: &Node| applied.at(node.run, node.time);
+                    let nodes: Vec<Node> =
+                        nodes.iter().map(|node| Node { tau: tau(node), ..*node }).collect();
+                    self.accelerations(&fixed, &nodes)
+                }
+                None => self.accelerations(&fixed, nodes),
             })
             .collect::<Result<_, _>>()?;
-        Ok(sums)
+        let sum = |stretch: &Stretch, axis: usize| {
+            let weighed = stretch.nodes.iter().zip(&stretch.weights);
+            weighed.map(|(node, weight)| found[node / CHUNK][node % CHUNK][axis] * weight).sum()
+        };
+        Ok(self.stretches.iter().map(|s| Vector2::new(sum(s, 0), sum(s, 1))).collect())
     }
 }
 
@@ -172,7 +178,7 @@ impl Cut for Weak {
                 residual: vec![torque[0], torque[1]],
                 sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
                 signal: vec![0, 1],
-                time: vec![stretch.middle().time; 2],
+                time: vec![self.nodes[stretch.middle()].time; 2],
                 hard: DMatrix::zeros(2, 0),
                 soft: DMatrix::zeros(2, 0),
                 discrepancy: 0,
@@ -189,7 +195,7 @@ impl Cut for Weak {
                     from: stretch.from,
                     to: stretch.to,
                     cells: vec![cell],
-                    state: stretch.middle().state,
+                    state: self.nodes[stretch.middle()].state,
                 }),
             }
         }

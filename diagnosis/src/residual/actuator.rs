@@ -88,10 +88,7 @@ impl Actuator {
         }
         let own: Vec<Setting> =
             all.into_iter().filter(|(reference, _)| among(&DYNAMIC, *reference)).collect();
-        let key: Vec<u64> = own
-            .iter()
-            .flat_map(|(reference, value)| [u64::from(*reference), value.as_f64().unwrap_or(0.0).to_bits()])
-            .collect();
+        let key = key(&own);
         if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
             return Ok(Some(known));
         }
@@ -142,4 +139,12 @@ impl Actuator {
             Ok((times, values))
         })
     }
+}
+
+/// Settings as something to look up by.
+pub fn key(settings: &[Setting]) -> Vec<u64> {
+    let words = settings
+        .iter()
+        .flat_map(|(reference, value)| [u64::from(*reference), value.as_f64().unwrap_or(0.0).to_bits()]);
+    words.collect()
 }

@@ -8,7 +8,7 @@
 //! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
 //! Trans. Control Syst. Technol. 21 (2013) 428.
 
-use super::actuator::{Actuator, DYNAMIC};
+use super::actuator::{Actuator, DYNAMIC, key};
 use super::plant::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::{Block, Cut, Probe, Signal};
@@ -20,6 +20,7 @@ use crate::model::Model;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use rayon::prelude::*;
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Torques this many typical sizes out count less (Huber).
@@ -28,8 +29,13 @@ const OUTLYING: f64 = 4.0;
 const BLOCK: f64 = 1.0;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
+/// How many of the latest answers are kept: a look at all candidates and the fits around it.
+const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
+
+/// For each stretch ∫φ q̈ dt.
+type Given = Arc<Vec<Vector2<f64>>>;
 
 /// Accelerations at measured states, read as torques.
 pub struct Weak {
@@ -38,6 +44,8 @@ pub struct Weak {
     actuator: Actuator,
     stretches: Vec<Stretch>,
     nodes: Vec<Node>,
+    /// What the unit gave lately: fits come back to where a look or another fit was.
+    known: VecDeque<(Vec<u64>, Given)>,
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
@@ -72,8 +80,17 @@ impl Weak {
         let signal = |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1 };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
-        let mut weak =
-            Self { bench, candidates, actuator, stretches: found, nodes, signals, inputs, outputs };
+        let mut weak = Self {
+            bench,
+            candidates,
+            actuator,
+            stretches: found,
+            nodes,
+            known: VecDeque::new(),
+            signals,
+            inputs,
+            outputs,
+        };
         weak.weigh()?;
         Ok(Some(weak))
     }
@@ -115,8 +132,26 @@ impl Weak {
     }
 
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
-    fn given(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Vector2<f64>>, Error> {
+    fn given(&mut self, point: &[f64], moved: Option<Probe>) -> Result<Given, Error> {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
+        let key = key(&all);
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
+            return Ok(known.clone());
+        }
+        let given = Arc::new(self.ask(all, point, moved)?);
+        if self.known.len() == KNOWN {
+            self.known.pop_front();
+        }
+        self.known.push_back((key, given.clone()));
+        Ok(given)
+    }
+
+    fn ask(
+        &self,
+        all: Vec<Setting>,
+        point: &[f64],
+        moved: Option<Probe>,
+    ) -> Result<Vec<Vector2<f64>>, Error> {
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
         let references = DYNAMIC.map(|name| self.bench.reference(name).ok());
         let driven = applied.is_some();
@@ -160,7 +195,7 @@ impl Cut for Weak {
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
         let base = self.given(point, None)?;
-        let mut columns: Vec<Option<Vec<Vector2<f64>>>> = Vec::with_capacity(probes.len());
+        let mut columns: Vec<Option<Given>> = Vec::with_capacity(probes.len());
         for probe in probes {
             let seen = self.sees(&self.candidates[probe.candidate]);
             columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
@@ -204,6 +239,10 @@ impl Cut for Weak {
     }
 
     fn back(&mut self) {}
+
+    fn steady(&self) -> bool {
+        true
+    }
 
     fn outweighed(&self) -> bool {
         true

@@ -9,6 +9,8 @@ pub(super) struct Fit {
     pub(super) leads: Vec<f64>,
     pub(super) base: Vec<[f64; 5]>,
     pub(super) cell: Cell,
+    /// Whether the cell's hard and soft columns were taken at this very start and these leads.
+    pub(super) here: [bool; 2],
 }
 
 impl PlantCut {
@@ -83,7 +85,7 @@ impl PlantCut {
         let base =
             simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
         let cell = layout.cell(self, window, &base);
-        Ok(Fit { start, leads, base, cell })
+        Ok(Fit { start, leads, base, cell, here: [false; 2] })
     }
 
     pub(super) fn nuisance_columns(
@@ -95,15 +97,18 @@ impl PlantCut {
         fit: &mut Fit,
     ) -> Result<(), Error> {
         let pushes = window.pushes(&fit.leads);
-        let mut hard = DMatrix::zeros(layout.len(), 4);
-        for place in 0..4 {
-            let mut moved = fit.start;
-            moved[place] += NUDGE[place];
-            let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
-            layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+        let [hard_here, soft_here] = fit.here;
+        if !hard_here {
+            let mut hard = DMatrix::zeros(layout.len(), 4);
+            for place in 0..4 {
+                let mut moved = fit.start;
+                moved[place] += NUDGE[place];
+                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
+                layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+            }
+            fit.cell.hard = hard;
         }
-        fit.cell.hard = hard;
-        if soft {
+        if soft && !soft_here {
             let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
             for place in 0..fit.leads.len() {
                 let mut more = pushes.clone();
@@ -113,6 +118,7 @@ impl PlantCut {
             }
             fit.cell.soft = columns;
         }
+        fit.here = [true, soft || soft_here];
         Ok(())
     }
 
@@ -155,7 +161,7 @@ impl PlantCut {
             }
             self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         }
-        let Fit { start, leads, base, mut cell } = fit;
+        let Fit { start, leads, base, mut cell, .. } = fit;
         // the model itself has no leads: what they did is part of the rest
         let missing = &cell.soft * DVector::from_column_slice(&leads);
         cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, lead)| *rest += lead);

@@ -24,9 +24,7 @@ pub(super) fn plant_part(
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
-    if rows.find_jitter(point)? > 0.0 {
-        rows.linearise(point, &[], false)?;
-    }
+    rows.begin(point)?;
     let mut start = Vec::new();
     let mut coarse = None;
     if rows.led() > MOSTLY_LED

@@ -13,6 +13,15 @@ pub(super) struct Fit {
     pub(super) here: [bool; 2],
 }
 
+/// What a look at a window finds.
+pub(super) struct Look {
+    pub(super) start: State,
+    pub(super) leads: Vec<f64>,
+    pub(super) block: Block,
+    /// The fit without leads, if there was one.
+    pub(super) free: Option<Fit>,
+}
+
 impl PlantCut {
     /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
@@ -122,42 +131,31 @@ impl PlantCut {
         Ok(())
     }
 
-    /// Far more than noise is left.
-    fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
-        self.loose(layout, fit) > LED * LED * layout.len() as f64
-    }
-
-    /// Whether a window that was begun anew must be led along the log.
-    pub(super) fn strays(&self, window: &Window, settings: &[Setting]) -> Result<bool, Error> {
-        let layout = Layout::of(self, window);
-        let begin = self.fit(window, &layout, settings, window.start, window.leads.clone())?;
-        let fit = self.settle(window, &layout, settings, false, begin)?;
-        Ok(self.astray(&layout, &fit))
-    }
-
     pub(super) fn window(
         &self,
         window: &Window,
         point: &[f64],
         probes: &[Probe],
         quick: bool,
-    ) -> Result<(State, Vec<f64>, Block), Error> {
+    ) -> Result<Look, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
-        let mut fit;
+        let mut begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let (mut fit, mut free) = (begin.clone(), None);
         if let Some(kept) = window.kept.as_ref().filter(|kept| quick && kept.hard.nrows() == layout.len()) {
-            fit = begin;
             (fit.cell.hard, fit.cell.soft) = (kept.hard.clone(), kept.soft.clone());
-            let led = window.leads.iter().any(|lead| *lead != 0.0);
-            fit = self.chord(window, &layout, &settings, led, fit)?;
+            fit = self.chord(window, &layout, &settings, window.is_led(), fit)?;
         } else {
-            let led_before = window.leads.iter().any(|lead| *lead != 0.0);
-            fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
+            let led_before = window.is_led();
+            if !led_before {
+                // before the fit is settled: leading begins with these columns again
+                self.nuisance_columns(window, &layout, &settings, false, &mut begin)?;
+                fit = self.settle(window, &layout, &settings, false, begin.clone())?;
+                free = Some(fit.clone());
+            }
             if led_before || self.astray(&layout, &fit) {
                 // from the first guess again: a state that was fitted without leads may be far away
-                let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
-                fit = self.settle(window, &layout, &settings, true, again)?;
+                fit = self.settle(window, &layout, &settings, true, begin)?;
             }
             self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         }
@@ -196,7 +194,7 @@ impl PlantCut {
             cells: vec![cell],
             state,
         };
-        Ok((start, leads, block))
+        Ok(Look { start, leads, block, free })
     }
 }
 

@@ -25,9 +25,10 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Sets what is no real. Never inlined: a step of reals alone keeps its values in registers.
+    /// Sets what is no real. Never inlined, so that a step of reals alone keeps its values in registers; the error is
+    /// boxed, so that it comes back in one.
     #[inline(never)]
-    pub(crate) fn set_rest(&self, instance: &mut Instance, values: &Values) -> Result<(), Error> {
+    pub(crate) fn set_rest(&self, instance: &mut Instance, values: &Values) -> Result<(), Box<Error>> {
         let Self { integers, booleans, strings, .. } = self;
         if !integers.references.is_empty() {
             instance.set_integer(&integers.references, &values.integers[integers.at.clone()])?;
@@ -43,7 +44,7 @@ impl Blocks {
 
     /// Reads what is no real.
     #[inline(never)]
-    pub(crate) fn get_rest(&self, instance: &mut Instance, values: &mut Values) -> Result<(), Error> {
+    pub(crate) fn get_rest(&self, instance: &mut Instance, values: &mut Values) -> Result<(), Box<Error>> {
         let Self { integers, booleans, strings, .. } = self;
         if !integers.references.is_empty() {
             instance.get_integer(&integers.references, &mut values.integers[integers.at.clone()])?;
@@ -63,6 +64,6 @@ impl Blocks {
         if !reals.references.is_empty() {
             instance.get_real(&reals.references, &mut values.reals[reals.at.clone()])?;
         }
-        if self.mixed { self.get_rest(instance, values) } else { Ok(()) }
+        if self.mixed { self.get_rest(instance, values).map_err(|error| *error) } else { Ok(()) }
     }
 }

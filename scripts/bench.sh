@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 if [ -z "${ACROSCOPE_PYTHON:-}" ]; then
     [ -x .venv/bin/python ] || python3 -m venv .venv
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r scripts/peers/requirements.txt
 fi
 [ -n "${ACROSCOPE_FMUS:-}" ] || cargo xtask pack
 exec cargo bench --quiet -p benches -- "$@"

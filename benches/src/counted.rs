@@ -22,8 +22,8 @@ fn frames(name: &str) {
     }
 }
 
-fn master_steps() {
-    let mut simulation = Ring::new().simulation(1000, "");
+fn master_steps(ring: &Ring) {
+    let mut simulation = ring.simulation(1000, "");
     // Ten runs, so that steps outweigh the opening.
     for _ in 0..10 {
         simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
@@ -61,11 +61,12 @@ fn closed_loop(rate: &str) {
 
 fn main() {
     match std::env::args().nth(1).as_deref() {
-        Some("master") => master_steps(),
+        Some("master") => master_steps(&Ring::new()),
+        Some("mixed") => master_steps(&Ring::of_oscillators()),
         Some("plant") => plant_steps(),
         Some("runs") => short_runs(),
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master, plant, runs or loop30"),
+        None => panic!("which work? a, b16, c, d, master, mixed, plant, runs or loop30"),
     }
 }

@@ -1,5 +1,5 @@
 //! The master on a ring of three nearly free units with six connections: a C loop calling the same functions, ours,
-//! FMPy and libcosim, in turns; and what it costs to open a unit.
+//! FMPy, libcosim and Ecos, in turns; and what it costs to open a unit.
 
 use crate::ring::Ring;
 use crate::samples::seconds;
@@ -57,6 +57,7 @@ pub fn rows() -> Vec<Row> {
     let [mut c, mut ours, mut rows, mut extra, mut c_short, mut once]: [Samples; 6] = Default::default();
     let [mut fmpy, mut fmpy_csv, mut fmpy_short, mut cosim, mut cosim_csv, mut serial]: [Samples; 6] =
         Default::default();
+    let [mut ecos, mut ecos_csv]: [Samples; 2] = Default::default();
     let micros = 1e6 / STEPS as f64;
     for _ in 0..ROUNDS {
         for _ in 0..TURNS {
@@ -75,6 +76,8 @@ pub fn rows() -> Vec<Row> {
             ("libcosim", &mut cosim),
             ("libcosim_csv", &mut cosim_csv),
             ("serial", &mut serial),
+            ("ecos", &mut ecos),
+            ("ecos_csv", &mut ecos_csv),
         ] {
             peer.measure(&format!("{name} {PEER_STEPS}"), times);
         }
@@ -91,11 +94,13 @@ pub fn rows() -> Vec<Row> {
             .than("libcosim without its threads", &serial)
             .at_least(3.0)
             .note("Jacobi, its C++ class, cosim_execution_step".into()),
+        step().than("Ecos (ecospy)", &ecos).at_least(3.0).note("Jacobi, its own loop".into()),
         step().than("FMPy", &fmpy),
         Row::faster("master", "a row of ten values to CSV, beyond the step".into(), "µs", &extra)
             .at_most(1.6)
             .note("shortest text that reads back as the same double".into()),
         row().than("libcosim, file observer", &cosim_csv).note("all twelve of its values, six digits".into()),
+        row().than("Ecos, CSV writer", &ecos_csv).note("six decimals".into()),
         row().than("FMPy, csv.writer", &fmpy_csv),
         brief().than("C loop", &c_short).at_most(0.06).note("the issue's C loop takes 0.055".into()),
         brief().than("FMPy", &fmpy_short),

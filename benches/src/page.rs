@@ -178,8 +178,8 @@ median and 90th percentile. Ratios are those of 10th percentiles: what it costs 
 Absolute times hold for the machine named and for its load of the day; only ratios are concluded from. `n` is the
 number of frames or of rounds. What guards against regressions is `scripts/instructions.sh`, which counts instructions.
 
-Peers: OpenCV and numpy in `scripts/peers/opencv_frame.py`, one thread, in three degrees of tuning; FMPy and libcosim in
-`scripts/peers/masters.py`, libcosim also without its threads (`scripts/peers/libcosim_serial.py`); for the master also a
-plain C loop over the same functions, the limit: of a nearly free unit (`benches/ring.c`), of one that costs what a small
-real one does (`benches/oscillator.c`), and of our own three (`benches/closed.c`). The last two must end at our bits.
+Peers: OpenCV and numpy in `scripts/peers/opencv_frame.py`, one thread, in three degrees of tuning; FMPy, libcosim and
+Ecos in `scripts/peers/masters.py`, libcosim also without its threads (`scripts/peers/libcosim_serial.py`); for the master
+also a plain C loop over the same functions, the limit: of a nearly free unit (`benches/ring.c`), of one that costs what a
+small real one does (`benches/oscillator.c`), and of our own three (`benches/closed.c`). The last two must end at our bits.
 ";

@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::graph;
 use crate::recorder::Slot;
-use crate::system::{Link, Point, System, feed_into, get_all};
+use crate::system::{Link, Point, System, feed_into};
 use crate::value::{Kind, Value};
 use crate::wiring::{Connection, Names, Variable};
 use std::collections::HashMap;
@@ -85,7 +85,7 @@ pub(crate) fn initialise(
         instance.setup_experiment(start.time, Some(stop))?;
         instance.enter_initialization()?;
         // The buffers begin with the start values, whatever an earlier run left there.
-        get_all(instance, &unit.inputs, &mut system.values)?;
+        unit.inputs.get_all(instance, &mut system.values)?;
         for feed in &mut unit.feeds {
             let before = system.values.get(feed.to);
             feed_into(feed, &mut system.values, start.time);
@@ -108,7 +108,7 @@ pub(crate) fn initialise(
     }
     for unit in &mut system.units {
         for blocks in [&unit.inputs, &unit.outputs, &unit.fixed] {
-            get_all(&mut unit.instance, blocks, &mut system.values)?;
+            blocks.get_all(&mut unit.instance, &mut system.values)?;
         }
         let connected = unit.outputs.reals.at.start..unit.outputs.reals.at.start + unit.connected_reals;
         if system.values.reals[connected].iter().any(|value| value.is_nan()) {
@@ -120,7 +120,7 @@ pub(crate) fn initialise(
 }
 
 /// The reference of a driven input.
-fn reference_of(inputs: &crate::system::Blocks, slot: Slot) -> u32 {
+fn reference_of(inputs: &crate::blocks::Blocks, slot: Slot) -> u32 {
     let (block, at) = match slot {
         Slot::Real(at) => (&inputs.reals, at),
         Slot::Integer(at) => (&inputs.integers, at),

@@ -65,6 +65,7 @@
 //! or a NaN in a value for another unit ends it with an error that names unit, variable and time.
 
 mod algorithm;
+mod blocks;
 mod error;
 pub mod fmu;
 mod graph;

@@ -1,13 +1,13 @@
 //! The running system: instances, their values in flat buffers, and the copies between them. Everything is laid out
 //! beforehand (`wiring.rs`), so that a step neither allocates (texts excepted) nor looks anything up.
 
+use crate::blocks::Blocks;
 use crate::error::Error;
 use crate::fmu::{Instance, Status};
 use crate::recorder::Slot;
 use crate::source::Signal;
 use crate::value::Value;
 use std::collections::VecDeque;
-use std::ops::Range;
 
 /// A point in time: exact, and as the units get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +78,14 @@ impl Link {
     }
 }
 
+/// A plain copy between integers or, with 1 for whatever is not 0, between Booleans.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WholeCopy {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    pub(crate) boolean: bool,
+}
+
 /// A connection with delay: what its output was, and when.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
@@ -95,24 +103,6 @@ pub(crate) struct Feed {
     pub(crate) to: Slot,
 }
 
-/// Variables of one type that are set or read in one call: their references, and where their values lie.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Block {
-    pub(crate) references: Vec<u32>,
-    pub(crate) at: Range<usize>,
-}
-
-/// A block for each type.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Blocks {
-    pub(crate) reals: Block,
-    pub(crate) integers: Block,
-    pub(crate) booleans: Block,
-    pub(crate) strings: Block,
-    /// There is something besides reals.
-    pub(crate) mixed: bool,
-}
-
 /// One unit, ready to step.
 pub(crate) struct Unit {
     pub(crate) name: String,
@@ -124,6 +114,8 @@ pub(crate) struct Unit {
     pub(crate) begin: f64,
     /// Plain copies between reals: (from, to).
     pub(crate) copies: Vec<(u32, u32)>,
+    /// Those between integers and between Booleans.
+    pub(crate) whole_copies: Vec<WholeCopy>,
     /// All other connections, lines (by number) and signals.
     pub(crate) links: Vec<Link>,
     pub(crate) lines_in: Vec<usize>,
@@ -136,7 +128,7 @@ pub(crate) struct Unit {
     pub(crate) fixed: Blocks,
     /// The first so many real outputs go to other units.
     pub(crate) connected_reals: usize,
-    /// `copies` is all there is to gather, and no line begins here.
+    /// Copies are all there is to gather, and no line begins here.
     pub(crate) plain: bool,
 }
 
@@ -231,6 +223,13 @@ impl Due<'_> {
         for &(from, to) in &self.unit.copies {
             reals[to as usize] = reals[from as usize];
         }
+        if self.unit.inputs.mixed {
+            let integers = self.values.integers.as_mut_slice();
+            for copy in &self.unit.whole_copies {
+                let value = integers[copy.from as usize];
+                integers[copy.to as usize] = if copy.boolean { i32::from(value != 0) } else { value };
+            }
+        }
         if !self.unit.plain {
             gather_rest(self.unit, self.lines, self.values, self.point);
         }
@@ -246,7 +245,7 @@ impl Due<'_> {
             result.map_err(|e| e.during(unit.begin))?;
         }
         if unit.inputs.mixed {
-            set_rest(&mut unit.instance, &unit.inputs, values).map_err(|e| e.during(unit.begin))?;
+            unit.inputs.set_rest(&mut unit.instance, values).map_err(|e| e.during(unit.begin))?;
         }
         let status = unit.instance.do_step(unit.begin, unit.size, true);
         if status != Status::Ok {
@@ -261,7 +260,7 @@ impl Due<'_> {
             }
         }
         if unit.outputs.mixed {
-            get_rest(&mut unit.instance, &unit.outputs, values).map_err(|e| e.during(point.time))?;
+            unit.outputs.get_rest(&mut unit.instance, values).map_err(|e| e.during(point.time))?;
         }
         unit.begin = point.time;
         ends[index] = first_end(point.ticks, unit.interval, stop);
@@ -272,7 +271,7 @@ impl Due<'_> {
     }
 }
 
-/// What is not a plain copy between reals. Apart from [`Due`], which then stays in registers.
+/// What is no plain copy. Apart from [`Due`], which then stays in registers.
 fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
     for link in &unit.links {
         if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
@@ -346,41 +345,4 @@ pub(crate) fn feed_into(feed: &mut Feed, values: &mut Values, time: f64) {
         Slot::Boolean(at) => values.integers[at as usize] = i32::from(value != 0.0),
         Slot::String(_) => {}
     }
-}
-
-fn set_rest(instance: &mut Instance, blocks: &Blocks, values: &Values) -> Result<(), Error> {
-    let Blocks { integers, booleans, strings, .. } = blocks;
-    if !integers.references.is_empty() {
-        instance.set_integer(&integers.references, &values.integers[integers.at.clone()])?;
-    }
-    if !booleans.references.is_empty() {
-        instance.set_boolean(&booleans.references, &values.integers[booleans.at.clone()])?;
-    }
-    if !strings.references.is_empty() {
-        instance.set_string(&strings.references, &values.strings[strings.at.clone()])?;
-    }
-    Ok(())
-}
-
-fn get_rest(instance: &mut Instance, blocks: &Blocks, values: &mut Values) -> Result<(), Error> {
-    let Blocks { integers, booleans, strings, .. } = blocks;
-    if !integers.references.is_empty() {
-        instance.get_integer(&integers.references, &mut values.integers[integers.at.clone()])?;
-    }
-    if !booleans.references.is_empty() {
-        instance.get_boolean(&booleans.references, &mut values.integers[booleans.at.clone()])?;
-    }
-    if !strings.references.is_empty() {
-        instance.get_string(&strings.references, &mut values.strings[strings.at.clone()])?;
-    }
-    Ok(())
-}
-
-/// Reads all variables of some blocks.
-pub(crate) fn get_all(instance: &mut Instance, blocks: &Blocks, values: &mut Values) -> Result<(), Error> {
-    let reals = &blocks.reals;
-    if !reals.references.is_empty() {
-        instance.get_real(&reals.references, &mut values.reals[reals.at.clone()])?;
-    }
-    if blocks.mixed { get_rest(instance, blocks, values) } else { Ok(()) }
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Masters in Python that step the ring of three nearly free units of `benches/ring.c`: FMPy and libcosim.
+"""Masters in Python that step the ring of three nearly free units of `benches/ring.c`: FMPy, libcosim and
+Ecos.
 
 With `--serve RING_FMU UNITS` it reads lines and answers each with one line of JSON: `times_us` (one value) and
 `values`.
@@ -9,6 +10,8 @@ With `--serve RING_FMU UNITS` it reads lines and answers each with one line of J
     libcosim STEPS    µs a step; `simulate_until`, so that no Python runs between steps
     libcosim_csv STEPS  the same with its file observer
     serial STEPS      µs a step of libcosim without its threads (libcosim_serial.py)
+    ecos STEPS        µs a step of Ecos (ecos.py)
+    ecos_csv STEPS    the same with ten values a step through its CSV writer
     fmpy_short STEPS  µs of a whole run of so many steps, from reset to the last step
     loop STOP         µs of the closed loop of Figure 19 for STOP simulated seconds (scripts/fmpy_closed_loop.py)
 """
@@ -24,6 +27,7 @@ from fractions import Fraction
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from ecos import Ecos  # noqa: E402
 from libcosim_serial import Serial  # noqa: E402
 
 SIZE = 1e-3
@@ -114,16 +118,23 @@ def closed_loop(units, stop):
 def main():
     ring, units = sys.argv[sys.argv.index("--serve") + 1 :][:2]
     folder = tempfile.mkdtemp()
+    make = {
+        "fmpy": lambda: Fmpy(ring),
+        "libcosim": lambda: Libcosim(ring),
+        "libcosim_csv": lambda: Libcosim(ring, folder),
+        "serial": lambda: Serial(ring),
+        "ecos": lambda: Ecos(ring),
+        "ecos_csv": lambda: Ecos(ring, str(Path(folder) / "ecos.csv")),
+    }
     masters = {}
     try:
         for line in sys.stdin:
             name, size = line.split()
             steps, values = int(size), []
             kind = name.split("_")[0]
-            key = "libcosim_csv" if name == "libcosim_csv" else kind
+            key = name if name in make else kind
             if kind != "loop" and key not in masters:
-                log = {"libcosim_csv": folder}.get(key)
-                masters[key] = {"fmpy": Fmpy, "serial": Serial}[kind](ring) if kind != "libcosim" else Libcosim(ring, log)
+                masters[key] = make[key]()
             began = time.perf_counter()
             if name == "loop":
                 closed_loop(units, steps)

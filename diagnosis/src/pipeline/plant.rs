@@ -24,9 +24,7 @@ pub(super) fn plant_part(
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
     tell("plant: windows of the logs");
-    if rows.find_jitter(point)? > 0.0 {
-        rows.linearise(point, &[], false)?;
-    }
+    rows.begin(point)?;
     let mut start = Vec::new();
     let mut coarse = None;
     if rows.led() > MOSTLY_LED
@@ -36,13 +34,15 @@ pub(super) fn plant_part(
         let part = part(&mut weak, list, point, &[], true, tell)?;
         point.clone_from(&part.study.last.point);
         start.clone_from(&part.study.active);
-        rows.afresh();
-        rows.linearise(point, &[], false)?;
         coarse = Some(part);
     }
     let part = match coarse {
-        Some(part) if rows.led() > MOSTLY_LED => part,
-        _ => part(&mut rows, list, point, &start, true, tell)?,
+        Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
+        Some(_) => {
+            rows.linearise(point, &[], false)?;
+            part(&mut rows, list, point, &start, true, tell)?
+        }
+        None => part(&mut rows, list, point, &start, true, tell)?,
     };
     point.clone_from(&part.study.last.point);
     let sigma = match part.study.outweighed {
@@ -63,8 +63,7 @@ fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Resul
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
         let mut other = point.to_vec();
         other[index] += candidate.steps[0];
-        rows.afresh();
-        leads |= rows.linearise(&other, &[], false).is_ok() && rows.led() < MOSTLY_LED;
+        leads |= matches!(rows.follows(&other, MOSTLY_LED), Ok(true));
     }
     if leads {
         rows.afresh();

@@ -39,6 +39,7 @@ pub struct Actuator {
     commands: Vec<Vec<(f64, f64)>>,
     tau: u32,
     applied: u32,
+    angle: u32,
     contact: u32,
     known: Mutex<BTreeMap<Vec<u64>, Arc<Applied>>>,
 }
@@ -61,6 +62,7 @@ impl Actuator {
             commands,
             tau: reference("tau")?,
             applied: reference("tau_applied")?,
+            angle: reference("q2_0")?,
             contact: reference("q2_max")?,
             known: Mutex::default(),
         })
@@ -86,10 +88,7 @@ impl Actuator {
         }
         let own: Vec<Setting> =
             all.into_iter().filter(|(reference, _)| among(&DYNAMIC, *reference)).collect();
-        let key: Vec<u64> = own
-            .iter()
-            .flat_map(|(reference, value)| [u64::from(*reference), value.as_f64().unwrap_or(0.0).to_bits()])
-            .collect();
+        let key = key(&own);
         if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
             return Ok(Some(known));
         }
@@ -105,7 +104,8 @@ impl Actuator {
         Ok(Some(applied))
     }
 
-    /// Steps the unit through a run's torque. Where its links go meanwhile doesn't matter to the actuator.
+    /// Steps the unit through a run's torque. Where its links go meanwhile doesn't matter to the actuator, so they touch
+    /// from the start: a state that is held needs no integration.
     fn drive(
         &self,
         bench: &Bench,
@@ -115,7 +115,8 @@ impl Actuator {
         let Some(first) = commands.first() else { return Ok((Vec::new(), Vec::new())) };
         let mut all = own.to_vec();
         all.push((self.tau, Value::Real(first.1)));
-        all.push((self.contact, Value::Real(1e9)));
+        all.push((self.angle, Value::Real(1.0)));
+        all.push((self.contact, Value::Real(0.5)));
         bench.run(&all, first.0, |instance| {
             let failed = |error: orchestrator::Error| Error::Model(error.to_string());
             let (mut times, mut values) = (Vec::new(), Vec::new());
@@ -138,4 +139,12 @@ impl Actuator {
             Ok((times, values))
         })
     }
+}
+
+/// Settings as something to look up by.
+pub fn key(settings: &[Setting]) -> Vec<u64> {
+    let words = settings
+        .iter()
+        .flat_map(|(reference, value)| [u64::from(*reference), value.as_f64().unwrap_or(0.0).to_bits()]);
+    words.collect()
 }

@@ -87,6 +87,10 @@ pub trait Cut: Send + Sync {
     fn free_pose(&self) -> bool {
         false
     }
+    /// Whether a look leaves nothing behind, so that looking again gives the same.
+    fn steady(&self) -> bool {
+        false
+    }
     /// Forgets the nuisances: the next look begins from the data again.
     fn afresh(&mut self) {}
     /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.

@@ -1,8 +1,9 @@
 //! Stretches of a log for the weak form: states on a grid, a test function, and what the log gives against it.
 
 use super::trajectory::{State, average};
-use crate::dataset::{DataSet, Run, Table};
+use crate::dataset::{DataSet, Table};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use std::collections::BTreeMap;
 
 /// Length of a stretch, s; at least so many rows; the next one begins half of it later.
 const LENGTH: f64 = 0.3;
@@ -20,6 +21,8 @@ const POWER: i32 = 4;
 /// A measured state with the torque there.
 #[derive(Debug, Clone)]
 pub struct Node {
+    /// Index of the run.
+    pub run: usize,
     /// s
     pub time: f64,
     /// q1, q2, dq1, dq2.
@@ -39,8 +42,8 @@ pub struct Stretch {
     pub from: f64,
     /// s
     pub to: f64,
-    /// Where the unit is asked.
-    pub nodes: Vec<Node>,
+    /// Where the unit is asked: places among all nodes. Stretches overlap, and share those.
+    pub nodes: Vec<usize>,
     /// φ times the distance between nodes.
     pub weights: Vec<f64>,
     /// ∫φ″q dt of the log, rad/s².
@@ -53,8 +56,8 @@ pub struct Stretch {
 
 impl Stretch {
     /// The node in the middle.
-    pub fn middle(&self) -> &Node {
-        &self.nodes[self.nodes.len() / 2]
+    pub fn middle(&self) -> usize {
+        self.nodes[self.nodes.len() / 2]
     }
 
     /// What noise alone gives of the torques, N·m.
@@ -64,11 +67,11 @@ impl Stretch {
     }
 }
 
-/// All stretches of a data set.
-pub fn stretches(data: &DataSet, contact: f64) -> Vec<Stretch> {
+/// All stretches of a data set, and the nodes on which they lie.
+pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
     let sigma = ["plant.q1", "plant.q2"]
         .map(|name| data.known_noise(name).filter(|sigma| *sigma > 0.0).unwrap_or(FIRST_GUESS));
-    let mut all = Vec::new();
+    let (mut all, mut nodes) = (Vec::new(), Vec::new());
     for (index, run) in data.runs.iter().enumerate() {
         let (Some(plant), Some(controller)) = (&run.plant, &run.controller) else { continue };
         let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { continue };
@@ -80,10 +83,10 @@ pub fn stretches(data: &DataSet, contact: f64) -> Vec<Stretch> {
             angles: [q1, q2].map(|q| rows.iter().map(|row| q[*row]).collect()),
         };
         if log.time.len() > ROWS as usize {
-            cut(index, run, &log, controller, &sigma, &mut all);
+            cut(&mut Grid::new(index, &log, controller, &mut nodes), &sigma, &mut all);
         }
     }
-    all
+    (all, nodes)
 }
 
 struct Log {
@@ -91,34 +94,88 @@ struct Log {
     angles: [Vec<f64>; 2],
 }
 
-fn cut(index: usize, run: &Run, log: &Log, controller: &Table, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
-    let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    let typical = gaps[gaps.len() / 2];
-    let length = LENGTH.max(ROWS * typical);
-    let mut from = log.time[0];
-    let end = log.time[log.time.len() - 1];
-    while from + length <= end + 1e-9 {
-        let rows = log.time.partition_point(|t| *t < from)..log.time.partition_point(|t| *t <= from + length);
-        let whole = rows.len() as f64 >= 0.7 * length / typical;
-        if whole
-            && let Some(stretch) = stretch(index, run, log, controller, sigma, rows, (from, from + length))
-        {
-            into.push(stretch);
+/// The nodes of one run, at even distances from its first row; half a stretch is a whole number of them.
+struct Grid<'a> {
+    run: usize,
+    log: &'a Log,
+    controller: &'a Table,
+    length: f64,
+    typical: f64,
+    /// Nodes of a stretch, and s between them.
+    count: usize,
+    step: f64,
+    /// By number from the first row on: the place among all nodes; `None` where the log says too little.
+    known: BTreeMap<usize, Option<usize>>,
+    all: &'a mut Vec<Node>,
+}
+
+impl<'a> Grid<'a> {
+    fn new(run: usize, log: &'a Log, controller: &'a Table, all: &'a mut Vec<Node>) -> Self {
+        let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        gaps.sort_by(f64::total_cmp);
+        let typical = gaps[gaps.len() / 2];
+        let length = LENGTH.max(ROWS * typical);
+        let count = 2 * (0.5 * length / GRID).ceil() as usize;
+        let step = length / count as f64;
+        Self { run, log, controller, length, typical, count, step, known: BTreeMap::new(), all }
+    }
+
+    /// The node with a number.
+    fn node(&mut self, number: usize) -> Option<usize> {
+        if let Some(known) = self.known.get(&number) {
+            return *known;
         }
-        from += 0.5 * length;
+        let made = self.made(number).map(|node| {
+            self.all.push(node);
+            self.all.len() - 1
+        });
+        self.known.insert(number, made);
+        made
+    }
+
+    fn made(&self, number: usize) -> Option<Node> {
+        let time = self.log.time[0] + (number as f64 + 0.5) * self.step;
+        let (q1, dq1) = local(self.log, 0, time)?;
+        let (q2, dq2) = local(self.log, 1, time)?;
+        let half = 0.5 * self.step;
+        let held = |name: &str| match self.controller.column(name) {
+            Some(_) => average(self.controller, name, time - half, time + half),
+            None => 0.0,
+        };
+        let (tau, tau_1) = (held("tau"), held("tau_1"));
+        Some(Node { run: self.run, time, state: [q1, q2, dq1, dq2], tau, tau_1 })
+    }
+}
+
+fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
+    let time = &grid.log.time;
+    let end = time[time.len() - 1];
+    for half in 0.. {
+        let from = time[0] + 0.5 * grid.length * f64::from(half);
+        let to = from + grid.length;
+        if to > end + 1e-9 {
+            return;
+        }
+        let rows = time.partition_point(|t| *t < from)..time.partition_point(|t| *t <= to);
+        if (rows.len() as f64) < 0.7 * grid.length / grid.typical {
+            continue;
+        }
+        let first = half as usize * (grid.count / 2);
+        let nodes: Option<Vec<usize>> = (0..grid.count).map(|k| grid.node(first + k)).collect();
+        if let Some(nodes) = nodes {
+            into.push(stretch(grid, nodes, sigma, rows, (from, to)));
+        }
     }
 }
 
 fn stretch(
-    index: usize,
-    run: &Run,
-    log: &Log,
-    controller: &Table,
+    grid: &Grid<'_>,
+    nodes: Vec<usize>,
     sigma: &[f64; 2],
     rows: std::ops::Range<usize>,
     (from, to): (f64, f64),
-) -> Option<Stretch> {
+) -> Stretch {
+    let log = grid.log;
     let half = 0.5 * (to - from);
     let place = |time: f64| (time - from - half) / half;
     let first = rows.start.saturating_sub(1);
@@ -136,23 +193,9 @@ fn stretch(
         }
         noise[axis] = noise[axis].sqrt();
     }
-    let count = ((to - from) / GRID).ceil() as usize;
-    let step = (to - from) / count as f64;
-    let mut nodes = Vec::with_capacity(count);
-    let mut weights = Vec::with_capacity(count);
-    for k in 0..count {
-        let time = from + (k as f64 + 0.5) * step;
-        let (q1, dq1) = local(log, 0, time)?;
-        let (q2, dq2) = local(log, 1, time)?;
-        let held = |name: &str| {
-            let all = controller.column(name).is_some();
-            if all { average(controller, name, time - 0.5 * step, time + 0.5 * step) } else { 0.0 }
-        };
-        nodes.push(Node { time, state: [q1, q2, dq1, dq2], tau: held("tau"), tau_1: held("tau_1") });
-        weights.push(step * bump(place(time)) / (half * AREA));
-    }
-    debug_assert!(run.plant.is_some());
-    Some(Stretch { run: index, from, to, nodes, weights, measured, noise, inertia: Matrix2::zeros() })
+    let weigh = |node: &usize| grid.step * bump(place(grid.all[*node].time)) / (half * AREA);
+    let weights = nodes.iter().map(weigh).collect();
+    Stretch { run: grid.run, from, to, nodes, weights, measured, noise, inertia: Matrix2::zeros() }
 }
 
 /// ∫ (1 - s²)⁴ ds from -1 to 1.

@@ -8,7 +8,7 @@
 //! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
 //! Trans. Control Syst. Technol. 21 (2013) 428.
 
-use super::actuator::{Actuator, DYNAMIC};
+use super::actuator::{Actuator, DYNAMIC, key};
 use super::plant::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::{Block, Cut, Probe, Signal};
@@ -20,14 +20,22 @@ use crate::model::Model;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use rayon::prelude::*;
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Torques this many typical sizes out count less (Huber).
 const OUTLYING: f64 = 4.0;
 /// Stretches that overlap belong to one block, s.
 const BLOCK: f64 = 1.0;
+/// Nodes that one instance is asked at after it was set up.
+const CHUNK: usize = 64;
+/// How many of the latest answers are kept: a look at all candidates and the fits around it.
+const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
+
+/// For each stretch ∫φ q̈ dt.
+type Given = Arc<Vec<Vector2<f64>>>;
 
 /// Accelerations at measured states, read as torques.
 pub struct Weak {
@@ -35,6 +43,9 @@ pub struct Weak {
     candidates: Arc<Vec<Candidate>>,
     actuator: Actuator,
     stretches: Vec<Stretch>,
+    nodes: Vec<Node>,
+    /// What the unit gave lately: fits come back to where a look or another fit was.
+    known: VecDeque<(Vec<u64>, Given)>,
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
@@ -62,7 +73,7 @@ impl Weak {
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
         let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
-        let found = stretches(data, contact);
+        let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
         }
@@ -70,14 +81,24 @@ impl Weak {
             |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1, honest: 0.0 };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
-        let mut weak = Self { bench, candidates, actuator, stretches: found, signals, inputs, outputs };
+        let mut weak = Self {
+            bench,
+            candidates,
+            actuator,
+            stretches: found,
+            nodes,
+            known: VecDeque::new(),
+            signals,
+            inputs,
+            outputs,
+        };
         weak.weigh()?;
         Ok(Some(weak))
     }
 
     /// Torque per acceleration at the middle of each stretch, by the nominal unit.
     fn weigh(&mut self) -> Result<(), Error> {
-        let middles: Vec<Node> = self.stretches.iter().map(|stretch| stretch.middle().clone()).collect();
+        let middles: Vec<Node> = self.stretches.iter().map(|s| self.nodes[s.middle()].clone()).collect();
         let pushed = |tau_1: f64, tau: f64| {
             let nodes: Vec<Node> = middles
                 .iter()
@@ -112,8 +133,26 @@ impl Weak {
     }
 
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
-    fn given(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Vector2<f64>>, Error> {
+    fn given(&mut self, point: &[f64], moved: Option<Probe>) -> Result<Given, Error> {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
+        let key = key(&all);
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
+            return Ok(known.clone());
+        }
+        let given = Arc::new(self.ask(all, point, moved)?);
+        if self.known.len() == KNOWN {
+            self.known.pop_front();
+        }
+        self.known.push_back((key, given.clone()));
+        Ok(given)
+    }
+
+    fn ask(
+        &self,
+        all: Vec<Setting>,
+        point: &[f64],
+        moved: Option<Probe>,
+    ) -> Result<Vec<Vector2<f64>>, Error> {
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
         let references = DYNAMIC.map(|name| self.bench.reference(name).ok());
         let driven = applied.is_some();
@@ -121,22 +160,24 @@ impl Weak {
             .into_iter()
             .filter(|(reference, _)| !(driven && references.contains(&Some(*reference))))
             .collect();
-        let sums: Vec<_> = self
-            .stretches
-            .par_iter()
-            .map(|stretch| {
-                let nodes: Vec<Node> = match &applied {
-                    Some(applied) => (stretch.nodes.iter())
-                        .map(|node| Node { tau: applied.at(stretch.run, node.time), ..*node })
-                        .collect(),
-                    None => stretch.nodes.clone(),
-                };
-                let found = self.accelerations(&fixed, &nodes)?;
-                let sum = |axis: usize| found.iter().zip(&stretch.weights).map(|(a, w)| a[axis] * w).sum();
-                Ok::<_, Error>(Vector2::new(sum(0), sum(1)))
+        let found: Vec<Vec<[f64; 2]>> = self
+            .nodes
+            .par_chunks(CHUNK)
+            .map(|nodes| match &applied {
+                Some(applied) => {
+                    let tau = |node: &Node| applied.at(node.run, node.time);
+                    let nodes: Vec<Node> =
+                        nodes.iter().map(|node| Node { tau: tau(node), ..*node }).collect();
+                    self.accelerations(&fixed, &nodes)
+                }
+                None => self.accelerations(&fixed, nodes),
             })
             .collect::<Result<_, _>>()?;
-        Ok(sums)
+        let sum = |stretch: &Stretch, axis: usize| {
+            let weighed = stretch.nodes.iter().zip(&stretch.weights);
+            weighed.map(|(node, weight)| found[node / CHUNK][node % CHUNK][axis] * weight).sum()
+        };
+        Ok(self.stretches.iter().map(|s| Vector2::new(sum(s, 0), sum(s, 1))).collect())
     }
 }
 
@@ -155,7 +196,7 @@ impl Cut for Weak {
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
         let base = self.given(point, None)?;
-        let mut columns: Vec<Option<Vec<Vector2<f64>>>> = Vec::with_capacity(probes.len());
+        let mut columns: Vec<Option<Given>> = Vec::with_capacity(probes.len());
         for probe in probes {
             let seen = self.sees(&self.candidates[probe.candidate]);
             columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
@@ -173,7 +214,7 @@ impl Cut for Weak {
                 residual: vec![torque[0], torque[1]],
                 sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
                 signal: vec![0, 1],
-                time: vec![stretch.middle().time; 2],
+                time: vec![self.nodes[stretch.middle()].time; 2],
                 hard: DMatrix::zeros(2, 0),
                 soft: DMatrix::zeros(2, 0),
                 discrepancy: 0,
@@ -190,7 +231,7 @@ impl Cut for Weak {
                     from: stretch.from,
                     to: stretch.to,
                     cells: vec![cell],
-                    state: stretch.middle().state,
+                    state: self.nodes[stretch.middle()].state,
                 }),
             }
         }
@@ -199,6 +240,10 @@ impl Cut for Weak {
     }
 
     fn back(&mut self) {}
+
+    fn steady(&self) -> bool {
+        true
+    }
 
     fn outweighed(&self) -> bool {
         true

@@ -30,8 +30,12 @@ pub fn refit(
         if promise < SETTLED {
             break;
         }
-        match judge(cut, candidates, &next, &free) {
-            Ok(trial) if trial.deviance() < best.deviance() => {
+        // columns are wanted only of a step that is taken
+        let lower = |bare: Evaluation| bare.deviance() < best.deviance();
+        let taken = !cut.steady() || judge(cut, candidates, &next, &[]).is_ok_and(lower);
+        let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
+        match trial {
+            Some(trial) if trial.deviance() < best.deviance() => {
                 best = trial;
                 damping *= 0.1;
             }

@@ -26,7 +26,7 @@ pub use variables::{Inputs, Locals, Outputs, Parameters, Variables};
 
 use actuator::{Memory, SHORTEST, Signal};
 use dynamics::Dynamics;
-use effects::{Motion, finite};
+use effects::{Motion, finite, positive};
 use fmi2_export::{Dependencies, Description, Experiment, Log, Model, ModelError, Step, serde};
 use integrator::{End, LONGEST_STEP, State, Stretch};
 use mechanics::{Place, Theta};
@@ -161,12 +161,6 @@ fn check(variables: &Variables) -> Result<(), ModelError> {
     let (inputs, parameters) = (&variables.inputs, &variables.parameters);
     finite("tau", inputs.torque)?;
     finite("tau_1", inputs.link1_torque)?;
-    let positive = |name, value: f64| {
-        if value > 0.0 && value.is_finite() {
-            return Ok(());
-        }
-        Err(ModelError::Value { name, value: value.to_string(), expected: "must be finite and > 0".into() })
-    };
     positive("theta_1", parameters.theta_1)?;
     finite("theta_2", parameters.theta_2)?;
     positive("theta_5", parameters.theta_5)?;

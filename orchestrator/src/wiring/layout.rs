@@ -3,9 +3,10 @@
 
 use super::names::{Names, Variable};
 use super::{Connection, Source};
+use crate::blocks::{Block, Blocks};
 use crate::fmu::{Causality, Instance, Variability};
 use crate::recorder::Slot;
-use crate::system::{Block, Blocks, Unit, Values};
+use crate::system::{Unit, Values};
 use crate::value::Kind;
 use std::collections::{BTreeSet, HashMap};
 
@@ -130,6 +131,7 @@ impl UnitBlocks {
             size,
             begin: 0.0,
             copies: Vec::new(),
+            whole_copies: Vec::new(),
             links: Vec::new(),
             lines_in: Vec::new(),
             feeds: Vec::new(),

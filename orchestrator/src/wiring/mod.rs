@@ -15,7 +15,7 @@ use crate::initialise::Plan;
 use crate::recorder::{Column, Slot};
 use crate::scenario::{Given, Scenario, SignalEntry};
 use crate::source::Signal;
-use crate::system::{Line, Link, Point, System};
+use crate::system::{Conversion, Line, Link, Point, System, WholeCopy};
 use crate::time::{Clock, Rational};
 use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
@@ -45,7 +45,7 @@ pub(crate) struct Wiring {
 pub(crate) struct Connection {
     pub(crate) from: Variable,
     pub(crate) to: Variable,
-    pub(crate) conversion: crate::system::Conversion,
+    pub(crate) conversion: Conversion,
     pub(crate) delay: Rational,
 }
 
@@ -264,10 +264,11 @@ fn lay_connections(
             continue;
         }
         let target = &mut system.units[to.0];
+        let mut whole = |from, to, boolean| target.whole_copies.push(WholeCopy { from, to, boolean });
         match (link.conversion, link.from, link.to) {
-            (crate::system::Conversion::Same, Slot::Real(from), Slot::Real(to)) => {
-                target.copies.push((from, to))
-            }
+            (Conversion::Same, Slot::Real(from), Slot::Real(to)) => target.copies.push((from, to)),
+            (Conversion::Same, Slot::Integer(from), Slot::Integer(to)) => whole(from, to, false),
+            (Conversion::Same, Slot::Boolean(from), Slot::Boolean(to)) => whole(from, to, true),
             _ => target.links.push(link),
         }
     }

@@ -9,6 +9,17 @@ pub(super) struct Fit {
     pub(super) leads: Vec<f64>,
     pub(super) base: Vec<[f64; 5]>,
     pub(super) cell: Cell,
+    /// Whether the cell's hard and soft columns were taken at this very start and these leads.
+    pub(super) here: [bool; 2],
+}
+
+/// What a look at a window finds.
+pub(super) struct Look {
+    pub(super) start: State,
+    pub(super) leads: Vec<f64>,
+    pub(super) block: Block,
+    /// The fit without leads, if there was one.
+    pub(super) free: Option<Fit>,
 }
 
 impl PlantCut {
@@ -83,7 +94,7 @@ impl PlantCut {
         let base =
             simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
         let cell = layout.cell(self, window, &base);
-        Ok(Fit { start, leads, base, cell })
+        Ok(Fit { start, leads, base, cell, here: [false; 2] })
     }
 
     pub(super) fn nuisance_columns(
@@ -95,15 +106,18 @@ impl PlantCut {
         fit: &mut Fit,
     ) -> Result<(), Error> {
         let pushes = window.pushes(&fit.leads);
-        let mut hard = DMatrix::zeros(layout.len(), 4);
-        for place in 0..4 {
-            let mut moved = fit.start;
-            moved[place] += NUDGE[place];
-            let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
-            layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+        let [hard_here, soft_here] = fit.here;
+        if !hard_here {
+            let mut hard = DMatrix::zeros(layout.len(), 4);
+            for place in 0..4 {
+                let mut moved = fit.start;
+                moved[place] += NUDGE[place];
+                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
+                layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+            }
+            fit.cell.hard = hard;
         }
-        fit.cell.hard = hard;
-        if soft {
+        if soft && !soft_here {
             let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
             for place in 0..fit.leads.len() {
                 let mut more = pushes.clone();
@@ -113,6 +127,7 @@ impl PlantCut {
             }
             fit.cell.soft = columns;
         }
+        fit.here = [true, soft || soft_here];
         Ok(())
     }
 
@@ -122,27 +137,29 @@ impl PlantCut {
         point: &[f64],
         probes: &[Probe],
         quick: bool,
-    ) -> Result<(State, Vec<f64>, Block), Error> {
+    ) -> Result<Look, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
-        let mut fit;
+        let mut begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let (mut fit, mut free) = (begin.clone(), None);
         if let Some(kept) = window.kept.as_ref().filter(|kept| quick && kept.hard.nrows() == layout.len()) {
-            fit = begin;
             (fit.cell.hard, fit.cell.soft) = (kept.hard.clone(), kept.soft.clone());
-            let led = window.leads.iter().any(|lead| *lead != 0.0);
-            fit = self.chord(window, &layout, &settings, led, fit)?;
+            fit = self.chord(window, &layout, &settings, window.is_led(), fit)?;
         } else {
-            let led_before = window.leads.iter().any(|lead| *lead != 0.0);
-            fit = if led_before { begin } else { self.settle(window, &layout, &settings, false, begin)? };
-            if led_before || self.loose(&layout, &fit) > LED * LED * layout.len() as f64 {
+            let led_before = window.is_led();
+            if !led_before {
+                // before the fit is settled: leading begins with these columns again
+                self.nuisance_columns(window, &layout, &settings, false, &mut begin)?;
+                fit = self.settle(window, &layout, &settings, false, begin.clone())?;
+                free = Some(fit.clone());
+            }
+            if led_before || self.astray(&layout, &fit) {
                 // from the first guess again: a state that was fitted without leads may be far away
-                let again = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
-                fit = self.settle(window, &layout, &settings, true, again)?;
+                fit = self.settle(window, &layout, &settings, true, begin)?;
             }
             self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
         }
-        let Fit { start, leads, base, mut cell } = fit;
+        let Fit { start, leads, base, mut cell, .. } = fit;
         // the model itself has no leads: what they did is part of the rest
         let missing = &cell.soft * DVector::from_column_slice(&leads);
         cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, lead)| *rest += lead);
@@ -177,7 +194,7 @@ impl PlantCut {
             cells: vec![cell],
             state,
         };
-        Ok((start, leads, block))
+        Ok(Look { start, leads, block, free })
     }
 }
 

@@ -14,11 +14,11 @@ const UNIT: f64 = 1e-4;
 const EVIDENCE: f64 = 20.0;
 
 impl PlantCut {
-    /// Finds how much the stamps scatter, at a point, and begins all windows anew if they do. Answers the size, s.
+    /// Takes a full look at a point, finds how much the stamps scatter, and settles the windows with that.
     ///
     /// # Errors
     /// The unit failed.
-    pub fn find_jitter(&mut self, point: &[f64]) -> Result<f64, Error> {
+    pub fn begin(&mut self, point: &[f64]) -> Result<(), Error> {
         self.jitter = UNIT;
         let unit = self.linearise(point, &[], false);
         self.jitter = 0.0;
@@ -41,9 +41,10 @@ impl PlantCut {
             && lowest < steady - EVIDENCE
         {
             self.jitter = size;
-            self.afresh();
+            self.lead_again(point)?;
         }
-        Ok(self.jitter)
+        self.windows.iter_mut().for_each(|window| window.free = None);
+        Ok(())
     }
 
     /// Puts the stamps' columns before the leads.

@@ -13,10 +13,12 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 mod fitting;
+mod following;
 mod jitter;
 mod layout;
 mod window;
 
+use fitting::Look;
 use layout::Layout;
 use window::{Kept, Window, cut_run};
 
@@ -33,9 +35,6 @@ const LONGEST: f64 = 1.0;
 const BINS: usize = 25;
 /// Parts of a window that each get a torque the model may lack.
 const PARTS: usize = 2;
-/// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
-/// everything is linearised about the motion that was measured and not about one that the lacking model invents.
-const LED: f64 = 4.0;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4;
@@ -138,6 +137,35 @@ impl PlantCut {
         settings(&self.bench, &self.candidates, Side::Plant, point, moved)
     }
 
+    /// Looks at some windows.
+    fn look(
+        &mut self,
+        places: &[usize],
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<Vec<Block>, Error> {
+        let look = |place: &usize| self.window(&self.windows[*place], point, probes, quick);
+        let done: Vec<_> = places.par_iter().map(look).collect();
+        let mut blocks = Vec::with_capacity(done.len());
+        for (place, result) in places.iter().zip(done) {
+            let Look { start, leads, block, free } = result?;
+            let window = &mut self.windows[*place];
+            if !quick {
+                window.free = free;
+                window.kept = block.cells.first().map(|cell| {
+                    let count = cell.soft.ncols() - cell.discrepancy;
+                    let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
+                    Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft }
+                });
+            }
+            window.start = start;
+            window.leads = leads;
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
     /// The log is none of encoders but what a camera with this delay saw.
     pub fn see_through(&mut self, delay: f64) {
         let poses = Poses::new(self.runs.len());
@@ -222,12 +250,6 @@ impl PlantCut {
             .collect()
     }
 
-    /// Share of windows in which the plant must be led to stay with the log.
-    pub fn led(&self) -> f64 {
-        let led = self.windows.iter().filter(|window| window.leads.iter().any(|lead| *lead != 0.0)).count();
-        led as f64 / self.windows.len().max(1) as f64
-    }
-
     /// Keeps at most so many windows, evenly spread.
     pub fn thin(&mut self, most: usize) {
         let every = self.windows.len().div_ceil(most.max(1)).max(1);
@@ -300,23 +322,8 @@ impl Cut for PlantCut {
         if let Some(clock) = self.clock {
             self.shift(point[clock]);
         }
-        let done: Vec<_> =
-            self.windows.par_iter().map(|window| self.window(window, point, probes, quick)).collect();
-        let mut blocks = Vec::with_capacity(done.len());
-        for (window, result) in self.windows.iter_mut().zip(done) {
-            let (start, leads, block) = result?;
-            if !quick {
-                window.kept = block.cells.first().map(|cell| {
-                    let count = cell.soft.ncols() - cell.discrepancy;
-                    let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
-                    Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft }
-                });
-            }
-            window.start = start;
-            window.leads = leads;
-            blocks.push(block);
-        }
-        Ok(blocks)
+        let all: Vec<usize> = (0..self.windows.len()).collect();
+        self.look(&all, point, probes, quick)
     }
 
     fn back(&mut self) {

@@ -22,6 +22,8 @@ pub(super) struct Window {
     pub(super) leads: Vec<f64>,
     /// Start, leads and columns of the nuisances, from the last full look.
     pub(super) kept: Option<Kept>,
+    /// The fit without leads of the last full look: by it the window was led, or not.
+    pub(super) free: Option<super::fitting::Fit>,
 }
 
 impl Window {
@@ -34,6 +36,11 @@ impl Window {
         }
         self.leads.iter_mut().for_each(|lead| *lead = 0.0);
         self.kept = None;
+        self.free = None;
+    }
+
+    pub(super) fn is_led(&self) -> bool {
+        self.leads.iter().any(|lead| *lead != 0.0)
     }
 
     pub(super) fn pushes(&self, leads: &[f64]) -> Vec<Push> {
@@ -90,6 +97,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
                 edges,
                 leads: vec![0.0; 2 * PARTS],
                 kept: None,
+                free: None,
             });
         }
         from = to.max(from + 1);

@@ -155,19 +155,33 @@ impl Passage {
 }
 
 /// Refuses a value that is negative or not finite.
+#[inline]
 pub fn non_negative(name: &'static str, value: f64) -> Result<(), ModelError> {
     if value >= 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(ModelError::Value { name, value: value.to_string(), expected: "must be finite and >= 0".into() })
+        Err(refused(name, value, "must be finite and >= 0"))
     }
 }
 
 /// Refuses a value that is not finite.
+#[inline]
 pub fn finite(name: &'static str, value: f64) -> Result<(), ModelError> {
-    if value.is_finite() {
+    if value.is_finite() { Ok(()) } else { Err(refused(name, value, "must be finite")) }
+}
+
+/// Refuses a value that is not above zero or not finite.
+#[inline]
+pub fn positive(name: &'static str, value: f64) -> Result<(), ModelError> {
+    if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(ModelError::Value { name, value: value.to_string(), expected: "must be finite".into() })
+        Err(refused(name, value, "must be finite and > 0"))
     }
+}
+
+/// Apart, so that looking at all parameters before each step costs next to nothing.
+#[cold]
+fn refused(name: &'static str, value: f64, expected: &str) -> ModelError {
+    ModelError::Value { name, value: value.to_string(), expected: expected.into() }
 }

@@ -1,0 +1,78 @@
+//! Whether the plant follows the log by itself, or must be led along it.
+
+use super::fitting::Fit;
+use super::*;
+
+/// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
+/// everything is linearised about the motion that was measured and not about one that the lacking model invents.
+const LED: f64 = 4.0;
+/// Parts in which windows are asked whether they must be led.
+const LOOKS: usize = 8;
+impl PlantCut {
+    /// Share of windows in which the plant must be led to stay with the log.
+    pub fn led(&self) -> f64 {
+        let led = self.windows.iter().filter(|window| window.is_led()).count();
+        led as f64 / self.windows.len().max(1) as f64
+    }
+
+    /// Whether the share of windows in which the plant must be led stays within `most` at a point, all windows begun
+    /// anew. Answers the question alone, without leading: that is what a look there costs most.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn follows(&mut self, point: &[f64], most: f64) -> Result<bool, Error> {
+        self.afresh();
+        if let Some(clock) = self.clock {
+            self.shift(point[clock]);
+        }
+        let settings = self.settings(point, None)?;
+        let total = self.windows.len();
+        let (mut led, mut seen) = (0, 0);
+        // a part at a time, spread over all runs: often half of them say enough
+        for part in 0..LOOKS {
+            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(LOOKS).collect();
+            seen += some.len();
+            let each: Vec<bool> =
+                some.par_iter().map(|window| self.strays(window, &settings)).collect::<Result<_, _>>()?;
+            led += each.into_iter().filter(|led| *led).count();
+            let share = |count: usize| count as f64 / total.max(1) as f64;
+            if share(led) > most {
+                return Ok(false);
+            }
+            if share(led + total - seen) <= most {
+                break;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Far more than noise is left.
+    pub(super) fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
+        self.loose(layout, fit) > LED * LED * layout.len() as f64
+    }
+
+    /// Whether a window that was begun anew must be led along the log.
+    pub(super) fn strays(&self, window: &Window, settings: &[Setting]) -> Result<bool, Error> {
+        let layout = Layout::of(self, window);
+        let begin = self.fit(window, &layout, settings, window.start, window.leads.clone())?;
+        let fit = self.settle(window, &layout, settings, false, begin)?;
+        Ok(self.astray(&layout, &fit))
+    }
+
+    /// Where another scatter of the stamps changes whether the plant must be led, looks again from the beginning;
+    /// elsewhere that would find the same once more.
+    pub(super) fn lead_again(&mut self, point: &[f64]) -> Result<(), Error> {
+        let changed = |place: &usize| {
+            let window = &self.windows[*place];
+            let layout = Layout::of(self, window);
+            window.free.as_ref().is_none_or(|free| self.astray(&layout, free) != window.is_led())
+        };
+        let places: Vec<usize> = (0..self.windows.len()).filter(changed).collect();
+        for place in &places {
+            let window = &mut self.windows[*place];
+            window.begin(&self.runs[window.run]);
+        }
+        self.look(&places, point, &[], false)?;
+        Ok(())
+    }
+}

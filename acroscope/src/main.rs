@@ -2,6 +2,9 @@
 //!
 //! Exit status: 0 done; 2 the user's input is wrong; 1 anything else.
 
+#[macro_use]
+mod tell;
+
 mod bar;
 mod cli;
 mod commands;

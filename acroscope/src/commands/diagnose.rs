@@ -46,7 +46,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
         eprintln!("note: {}:{}: {}", notice.file, notice.line, notice.message);
     }
-    println!(
+    tell!(
         "{}",
         match diagnosis.verdict {
             Verdict::None => "nothing is missing that these data could show",
@@ -57,7 +57,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     );
     for effect in &diagnosis.effects {
         let [low, high] = effect.ci95;
-        println!(
+        tell!(
             "  {} = {:.4} ({low:.4} to {high:.4}): {}",
             effect.class.join(" or "),
             effect.value,
@@ -65,7 +65,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
         );
     }
     if let Some(unknown) = &diagnosis.unknown {
-        println!(
+        tell!(
             "  unknown: {}, depends on {}: {}",
             unknown.signal,
             unknown.depends_on.join(", "),
@@ -73,13 +73,13 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
         );
     }
     if let Some(closed) = diagnosis.gap.closed {
-        println!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
+        tell!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
     }
     if let Some(next) = &diagnosis.next_experiment {
         match next.separates.as_slice() {
-            [] => println!("next experiment: {}", next.what),
-            names => println!("to tell {} apart: {}", names.join(" and "), next.what),
+            [] => tell!("next experiment: {}", next.what),
+            names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
     }
-    println!("the report is {}", out.join("report.html").display());
+    tell!("the report is {}", out.join("report.html").display());
 }

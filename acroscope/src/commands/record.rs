@@ -15,7 +15,7 @@ pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
     std::fs::create_dir_all(&arguments.out).map_err(Error::file(&arguments.out))?;
     write(&arguments.runs, &arguments.out, &recording)?;
     if !quiet {
-        println!(
+        tell!(
             "{}: {} runs; diagnose it with `acroscope diagnose`",
             arguments.out.display(),
             arguments.runs.len()

@@ -41,9 +41,9 @@ fn bar(quiet: bool, studies: usize) -> ProgressBar {
 /// How many statements hold, and which don't.
 fn summary(reproduction: &studies::Reproduction, out: &Path) {
     let holding = reproduction.claims().filter(|claim| claim.holds).count();
-    println!("{holding} of {} statements hold", reproduction.claims().count());
+    tell!("{holding} of {} statements hold", reproduction.claims().count());
     for claim in reproduction.claims().filter(|claim| !claim.holds) {
-        println!("  {} does not: {}; {}", claim.id, claim.quantity, claim.ours);
+        tell!("  {} does not: {}; {}", claim.id, claim.quantity, claim.ours);
     }
-    println!("the report is {}", out.join("index.html").display());
+    tell!("the report is {}", out.join("index.html").display());
 }

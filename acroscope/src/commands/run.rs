@@ -41,7 +41,7 @@ pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
     if !quiet {
         let speed =
             bar.real_time_factor.map_or_else(String::new, |factor| format!(" at {factor:.0} x real time"));
-        println!(
+        tell!(
             "{}: ran to t = {} s{speed}; the report is {}",
             arguments.scenario,
             simulation.time(),

@@ -1,0 +1,13 @@
+//! Lines for the person at the terminal. Whoever closed the other end of the pipe (`| head`) has read enough.
+
+use std::io::Write as _;
+
+/// Writes a line; there is nobody to tell that it can't be written.
+pub fn line(text: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stdout().lock(), "{text}");
+}
+
+/// As `println!`, without its panic at a closed pipe.
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::tell::line(format_args!($($text)*)) };
+}

@@ -241,28 +241,38 @@ impl Evaluation {
     }
 }
 
-/// Standard deviation of each signal after start states and free discrepancy.
+/// A block that scatters by more than this many times what the median block does isn't all noise.
+const WILD: f64 = 10.0;
+
+/// Standard deviation of each signal after start states and free discrepancy. A few blocks that the model can't follow at all
+/// say nothing of noise.
 fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; sigmas.len()];
-    let mut freedom = vec![0.0; sigmas.len()];
-    let rests: Vec<_> = blocks
+    let count = sigmas.len();
+    let each: Vec<Vec<(f64, f64)>> = blocks
         .par_iter()
-        .flat_map_iter(|block| &block.cells)
-        .map(|cell| {
-            let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-            (cell, projected(&bare, FREE))
+        .map(|block| {
+            let mut sums = vec![(0.0, 0.0); count];
+            for cell in &block.cells {
+                let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
+                let left = projected(&bare, FREE);
+                for (row, signal) in cell.signal.iter().enumerate() {
+                    sums[*signal].0 += left.rest[row] * left.rest[row];
+                    sums[*signal].1 += left.expected[row];
+                }
+            }
+            sums
         })
         .collect();
-    for (cell, left) in rests {
-        for (row, signal) in cell.signal.iter().enumerate() {
-            sum[*signal] += left.rest[row] * left.rest[row];
-            freedom[*signal] += left.expected[row];
-        }
-    }
-    (0..sigmas.len())
-        .map(
-            |s| if freedom[s] > 3.0 { sigmas[s] * (sum[s] / freedom[s]).sqrt().max(1e-6) } else { sigmas[s] },
-        )
+    (0..count)
+        .map(|s| {
+            let mut ratios: Vec<f64> =
+                each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
+            ratios.sort_by(f64::total_cmp);
+            let most = ratios.get(ratios.len() / 2).map_or(f64::INFINITY, |median| WILD * median);
+            let sum: f64 = each.iter().map(|sums| sums[s].0.min(most * sums[s].1)).sum();
+            let freedom: f64 = each.iter().map(|sums| sums[s].1).sum();
+            if freedom > 3.0 { sigmas[s] * (sum / freedom).sqrt().max(1e-6) } else { sigmas[s] }
+        })
         .collect()
 }
 

@@ -25,6 +25,8 @@ const LEAST_SHARE: f64 = 0.03;
 const LARGE: f64 = 0.1;
 /// Fall of the deviance that a switch must bring.
 const SWITCHED: f64 = 4000.0;
+/// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
+const FOLLOWS: f64 = 0.2;
 
 /// A trial: candidate, fall of the deviance, and where it was fitted.
 pub(super) type Trial = (usize, f64, Evaluation);
@@ -159,7 +161,9 @@ pub(super) fn switched(
         Evaluation::at(cut, &last.point, &[], false)?;
         let Ok(trial) = trial else { continue };
         let fall = last.deviance() - trial.deviance();
-        if fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
+        // half a law of motion less and every window follows, or it isn't that
+        let follows = trial.softness <= FOLLOWS * last.softness;
+        if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
             best = Some((index, fall, trial));
         }
     }

@@ -1,5 +1,6 @@
 //! `report.html`: the story with its numbers and pictures.
 
+use crate::correction::Correction;
 use crate::diagnosis::{Diagnosis, NextExperiment, Trace, Verdict};
 use crate::error::Error;
 use report::{Axis, Cell, Graph, Line, Page, Table};
@@ -18,6 +19,10 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     if let Some(unknown) = &diagnosis.unknown {
         page.heading("What has no name");
         page.text(&format!("{}: {}. {}.", unknown.signal, unknown.shape, unknown.nearest));
+        if let Some(correction) = &diagnosis.correction {
+            page.text(&corrected(correction));
+            page.table(&terms(correction));
+        }
     }
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
@@ -94,6 +99,27 @@ fn effects(diagnosis: &Diagnosis) -> Table {
         ]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+fn corrected(correction: &Correction) -> String {
+    let gap = &correction.gap;
+    format!(
+        "The amended model carries {} (unit {}): on runs left out the lacking torque goes from {:.4} to {:.4} N·m, where \
+         noise alone gives {:.4}. Beyond the angles and rates that the data covered its terms stay what they are there.",
+        correction.label, correction.unit, gap.before, gap.after, gap.floor
+    )
+}
+
+fn terms(correction: &Correction) -> Table {
+    let rows = correction.terms.iter().map(|term| {
+        vec![
+            term.name.clone().into(),
+            Cell::Number(format!("{:.5}", term.value)),
+            Cell::Number(format!("{:.5} ... {:.5}", term.ci95[0], term.ci95[1])),
+            term.phrase.clone().into(),
+        ]
+    });
+    Table { head: ["parameter", "value", "95 %", "term"].map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
 fn told(next: &NextExperiment) -> String {

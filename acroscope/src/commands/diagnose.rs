@@ -72,6 +72,16 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             unknown.shape
         );
     }
+    if let Some(correction) = &diagnosis.correction {
+        for term in &correction.terms {
+            println!("  {} = {:.4}: {}", term.name, term.value, term.phrase);
+        }
+        println!(
+            "  that is {}; it takes away {:.0} % of what is left",
+            correction.label,
+            100.0 * correction.gap.closed
+        );
+    }
     if let Some(closed) = diagnosis.gap.closed {
         println!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
     }

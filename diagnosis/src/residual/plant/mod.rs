@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 mod fitting;
+mod forced;
 mod jitter;
 mod layout;
 mod window;

@@ -13,7 +13,7 @@ mod dictionary;
 mod fit;
 pub mod wiring;
 
-use crate::diagnosis::{Gap, Trace};
+use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
 use crate::residual::forced::Forced;
 use orchestrator::UnitPath;
@@ -81,6 +81,28 @@ impl Correction {
         let over = square(gap.before) - square(gap.floor);
         let closed = gap.closed.map(|_| (1.0 - (square(self.usual) - square(gap.floor)) / over).min(1.0));
         Gap { after: self.usual, closed, ..gap.clone() }
+    }
+
+    /// The rest in words: where effects were withdrawn, what they had left says little of it.
+    pub fn told(&self, unknown: Unknown) -> Unknown {
+        let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
+        let joint = first.name.ends_with("_joint");
+        let follows = |stems: &[&str]| {
+            self.terms.iter().any(|term| stems.iter().any(|stem| term.name.contains(&format!(".{stem}_"))))
+        };
+        let mut depends_on = Vec::new();
+        for (stems, names) in [
+            (&["spring", "even", "stiff"][..], ["q1", "q2"]),
+            (&["damp", "drag", "stick", "stribeck"][..], ["dq1", "dq2"]),
+        ] {
+            if follows(stems) {
+                depends_on.extend(names[..if joint { 2 } else { 1 }].iter().map(|name| (*name).to_owned()));
+            }
+        }
+        let phrases: Vec<&str> = self.terms.iter().map(|term| term.phrase.as_str()).collect();
+        let shape = format!("{} ({:.0} % of it)", phrases.join("; "), 100.0 * self.gap.closed);
+        let signal = if joint { "plant torque at the joint" } else { "plant torque on link 1" };
+        Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
 
     /// The same picture of the rest, with the amended model.

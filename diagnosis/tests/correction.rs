@@ -91,7 +91,7 @@ fn series(memory: &MemoryRecorder, name: &str) -> Vec<f64> {
     memory.series(name).expect("all outputs are recorded").to_vec()
 }
 
-fn shaken(name: &str, runs: u64) -> Folder {
+fn shaken(name: &str, runs: u64, more: &[(&str, &str)]) -> Folder {
     let folder = Folder::new(name);
     let mut head = format!(
         "format = 1\nscenario = \"visual-servo\"\n[set]\n\"plant.q2_max\" = 1e9\n\"plant.theta_2\" = 0.0\n\
@@ -104,7 +104,9 @@ fn shaken(name: &str, runs: u64) -> Folder {
             let time = 0.02 * f64::from(row);
             let _ = writeln!(controller, "{time},{}", command(run, time));
         }
-        let memory = simulated(&driven(run));
+        let mut scenario = driven(run);
+        more.iter().for_each(|(name, value)| scenario.set(name, value).expect("the name is right"));
+        let memory = simulated(&scenario);
         let (q1, q2) = (series(&memory, "plant.q1"), series(&memory, "plant.q2"));
         let mut random = Random::new(run);
         let mut plant = "time,q1,q2\n".to_owned();
@@ -131,7 +133,7 @@ fn apart(a: &MemoryRecorder, b: &MemoryRecorder) -> f64 {
 
 #[test]
 fn recovers_a_drag_as_a_labelled_correction() {
-    let data = shaken("shaken", 3);
+    let data = shaken("shaken", 3, &[]);
     let found = diagnose(data.path(), &units(), &common::options(), &mut |_| {}).expect("the data is good");
     assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
     let correction = found.correction.as_ref().expect("a correction is offered");
@@ -158,6 +160,20 @@ fn recovers_a_drag_as_a_labelled_correction() {
     let truth = simulated(&truth);
     let (with, without) = (apart(&truth, &simulated(&corrected)), apart(&truth, &simulated(&nominal)));
     assert!(with < 0.1 * without, "{with} rad with the correction, {without} without");
+}
+
+#[test]
+fn recovers_a_listed_effect_beside_a_correction() {
+    let data = shaken("beside", 3, &[("plant.I_rotor", "0.01")]);
+    let found = diagnose(data.path(), &units(), &common::options(), &mut |_| {}).expect("the data is good");
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    let rotor = found.effects.iter().find(|effect| effect.name == "plant.I_rotor");
+    let rotor = rotor.unwrap_or_else(|| panic!("{:?} {:#?}", found.effects, found.correction));
+    // fitted before the correction was there, with half the torque of the drag unexplained
+    assert!((rotor.value - 0.01).abs() < 2e-3, "{rotor:?}");
+    let correction = found.correction.as_ref().expect("a correction is offered");
+    assert!(correction.terms.iter().any(|term| term.name == "residual.drag_joint"), "{:?}", correction.terms);
+    assert!(correction.gap.closed > 0.8, "{correction:?}");
 }
 
 /// Bits of all that the plant and the others say.
@@ -216,7 +232,7 @@ fn law_a_residual_unit_without_coefficients_changes_no_bit() {
 
 #[test]
 fn law_an_earlier_correction_is_left_out_and_said() {
-    let data = shaken("earlier", 1);
+    let data = shaken("earlier", 1, &[]);
     let mut scenario = scenarios::load("visual-servo").expect("it is shipped");
     wiring::insert(&mut scenario, &still("residual"));
     let text = Simulation::new(&scenario, &units()).expect("it can be built").resolved();

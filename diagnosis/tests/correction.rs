@@ -9,7 +9,7 @@ use diagnosis::dataset::DataSet;
 use diagnosis::model::Model;
 use diagnosis::statistics::random::Random;
 use diagnosis::{Verdict, diagnose};
-use orchestrator::scenario::{SignalEntry, SourceEntry};
+use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;
 
@@ -92,6 +92,15 @@ fn series(memory: &MemoryRecorder, name: &str) -> Vec<f64> {
 }
 
 fn shaken(name: &str, runs: u64, more: &[(&str, &str)]) -> Folder {
+    recorded(name, runs, &|run| {
+        let mut scenario = driven(run);
+        more.iter().for_each(|(name, value)| scenario.set(name, value).expect("the name is right"));
+        scenario
+    })
+}
+
+/// What encoders saw of runs, and their commands.
+fn recorded(name: &str, runs: u64, scenario: &dyn Fn(u64) -> Scenario) -> Folder {
     let folder = Folder::new(name);
     let mut head = format!(
         "format = 1\nscenario = \"visual-servo\"\n[set]\n\"plant.q2_max\" = 1e9\n\"plant.theta_2\" = 0.0\n\
@@ -104,9 +113,7 @@ fn shaken(name: &str, runs: u64, more: &[(&str, &str)]) -> Folder {
             let time = 0.02 * f64::from(row);
             let _ = writeln!(controller, "{time},{}", command(run, time));
         }
-        let mut scenario = driven(run);
-        more.iter().for_each(|(name, value)| scenario.set(name, value).expect("the name is right"));
-        let memory = simulated(&scenario);
+        let memory = simulated(&scenario(run));
         let (q1, q2) = (series(&memory, "plant.q1"), series(&memory, "plant.q2"));
         let mut random = Random::new(run);
         let mut plant = "time,q1,q2\n".to_owned();
@@ -174,6 +181,27 @@ fn recovers_a_listed_effect_beside_a_correction() {
     let correction = found.correction.as_ref().expect("a correction is offered");
     assert!(correction.terms.iter().any(|term| term.name == "residual.drag_joint"), "{:?}", correction.terms);
     assert!(correction.gap.closed > 0.8, "{correction:?}");
+}
+
+#[test]
+fn every_rest_without_a_law_stays_unknown_and_uncorrected() {
+    // a push of a tenth of a second, once a run: no function of angles and rates
+    let pushed = |run: u64| {
+        let mut scenario = driven(run);
+        scenario.set("residual.drag_joint", "0.0").expect("the name is right");
+        let at = 1.5 + 0.7 * run as f64;
+        let points = vec![(0.0, 0.0), (at, 0.6), (at + 0.1, 0.0)];
+        let place = scenario.sources[0].place.clone();
+        let signal = SignalEntry::Table { shape: Shape::Hold, points };
+        scenario.sources.push(SourceEntry { to: "residual.tau_1_in".into(), signal, place });
+        scenario
+    };
+    let data = recorded("pushed", 3, &pushed);
+    let found = diagnose(data.path(), &units(), &common::options(), &mut |_| {}).expect("the data is good");
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    assert!(found.unknown.is_some());
+    assert_eq!(found.correction, None);
+    assert!(!found.amended.contains("acrobot_residual"));
 }
 
 /// Bits of all that the plant and the others say.

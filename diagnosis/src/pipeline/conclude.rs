@@ -56,8 +56,8 @@ pub(super) fn conclude(
         if gone.iter().any(|name| name == list[index].name) { list[index].off } else { point[index] }
     };
     let point: Vec<f64> = (0..point.len()).map(amended).collect();
-    if let (Some(correction), Some(left)) = (&correction, rest.take()) {
-        rest = Some(correction.told(left));
+    if let Some(correction) = &correction {
+        rest = rest.map(|left| correction.told(left));
     }
     let verdict = if rest.is_some() {
         Verdict::Unknown

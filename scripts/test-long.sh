@@ -4,7 +4,8 @@
 # a slice of each that matters for every change.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-units=(target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu target/fmus/acrobot_controller.fmu)
+units=(target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu target/fmus/acrobot_controller.fmu
+    target/fmus/acrobot_residual.fmu)
 
 step() { printf '\n== %s ==\n' "$*"; }
 

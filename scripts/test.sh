@@ -36,7 +36,7 @@ step "The maker of hidden data, and a slice of blind diagnoses"
 
 step "Random calls, legal and not (a slice; scripts/test-long.sh has the rest)"
 cargo xtask fuzz --sequences 300 target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu \
-    target/fmus/acrobot_controller.fmu
+    target/fmus/acrobot_controller.fmu target/fmus/acrobot_residual.fmu
 
 step "Documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps --workspace

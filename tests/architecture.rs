@@ -15,6 +15,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("plant", &["mechanics", "fmi2-export"]),
     ("controller", &["mechanics", "fmi2-export"]),
     ("camera", &["fmi2-export"]),
+    ("residual", &["fmi2-export"]),
     ("scenarios", &["orchestrator"]),
     ("diagnosis", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),

@@ -1,6 +1,7 @@
-//! The nominal scenario with what was found switched on.
+//! The nominal scenario with what was found switched on, and the residual unit where a rest has no name.
 
 use crate::candidates::{Candidate, Side};
+use crate::correction::{Correction, wiring};
 use crate::diagnosis::Effect;
 use crate::error::Error;
 use crate::model::Model;
@@ -15,6 +16,7 @@ pub fn amended(
     list: &[Candidate],
     point: &[f64],
     effects: &[Effect],
+    correction: Option<&Correction>,
     units: &UnitPath,
 ) -> Result<String, Error> {
     let mut scenario: Scenario = model.scenario.clone();
@@ -28,6 +30,9 @@ pub fn amended(
     }
     for effect in effects.iter().filter(|effect| effect.name == "camera.drop_rate") {
         scenario.set(&effect.name, &format!("{:?}", effect.value)).map_err(failed)?;
+    }
+    if let Some(correction) = correction {
+        wiring::insert(&mut scenario, correction);
     }
     Ok(Simulation::new(&scenario, units).map_err(failed)?.resolved())
 }

@@ -1,6 +1,7 @@
 //! What a diagnosis says: CONTRACT section 6, field by field.
 
 use crate::candidates::Candidate;
+use crate::correction::Correction;
 use crate::error::Notice;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -158,6 +159,8 @@ pub struct Diagnosis {
     pub gap: Gap,
     /// The rest that has no name.
     pub unknown: Option<Unknown>,
+    /// A labelled correction of that rest, which the amended scenario has in a residual unit.
+    pub correction: Option<Correction>,
     /// What would tell the members of an open class apart.
     pub next_experiment: Option<NextExperiment>,
     /// Distance from off that this data would show, for each candidate it says anything about.

@@ -6,11 +6,13 @@
 //! 3. [`residual`] cuts the loop at every interface and compares, with the columns of all [`candidates`].
 //! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
 //! 5. [`rest`] says whether what remains is noise, [`gap`] how far it closed, [`amend`] writes the better model.
-//! 6. `experiment` simulates what a lab could do about a class that stays open, and chooses.
+//! 6. [`correction`] fits labelled torques to a rest that has no name, for the residual unit.
+//! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses.
 
 pub mod amend;
 pub mod bench;
 pub mod candidates;
+pub mod correction;
 pub mod counting;
 pub mod dataset;
 mod diagnosis;

@@ -1,8 +1,9 @@
 //! The nominal model: the scenario that the data set names, with its `[set]`, and the units on the bench.
 
 use crate::bench::Bench;
+use crate::correction::wiring::strip;
 use crate::dataset::DataSet;
-use crate::error::Error;
+use crate::error::{Error, Notice};
 use orchestrator::scenario::Given;
 use orchestrator::{Fmu, Kind, Scenario, UnitPath, Value};
 use std::collections::BTreeMap;
@@ -21,6 +22,8 @@ pub struct Model {
     /// The camera on the bench.
     pub camera: Arc<Bench>,
     numbers: BTreeMap<String, f64>,
+    /// Residual units of the scenario, which are left out.
+    left_out: Vec<String>,
 }
 
 impl Model {
@@ -45,6 +48,7 @@ impl Model {
         if let (Some(roll), None) = (data.manifest.set.get(ROLL), data.manifest.set.get(MOUNT)) {
             scenario.set(MOUNT, &roll.to_string()).map_err(|error| set_error(MOUNT, error.to_string()))?;
         }
+        let left_out = strip(&mut scenario);
         let mut numbers = BTreeMap::new();
         let mut benches = BTreeMap::new();
         for unit in &scenario.units {
@@ -80,7 +84,17 @@ impl Model {
                 .remove(name)
                 .ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
         };
-        Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers })
+        Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers, left_out })
+    }
+
+    /// What a user should know of the nominal model.
+    pub fn notice(&self, data: &DataSet) -> Option<Notice> {
+        let message = format!(
+            "{} holds the correction of an earlier rest ({}); it is left out of the comparison, and fitted anew if a rest remains",
+            data.manifest.scenario,
+            self.left_out.join(", ")
+        );
+        (!self.left_out.is_empty()).then(|| Notice { file: "dataset.toml".into(), line: 0, message })
     }
 
     /// Nominal value of a variable, as a number.
@@ -121,7 +135,7 @@ fn nominal(data: &Path, name: &str) -> Result<Scenario, Error> {
     })
 }
 
-fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
+pub(crate) fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
     let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
     let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());
     let path = found

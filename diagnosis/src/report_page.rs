@@ -1,5 +1,6 @@
 //! `report.html`: the story with its numbers and pictures.
 
+use crate::correction::Correction;
 use crate::diagnosis::{Diagnosis, Effect, Member, NextExperiment, Trace, Verdict};
 use crate::error::Error;
 use report::{Axis, Cell, Graph, Line, Page, Table};
@@ -18,11 +19,22 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     if let Some(unknown) = &diagnosis.unknown {
         page.heading("What has no name");
         page.text(&format!("{}: {}. {}.", unknown.signal, unknown.shape, unknown.nearest));
+        if let Some(correction) = &diagnosis.correction {
+            page.text(&corrected(correction));
+            page.table(&terms(correction));
+        }
     }
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
         page.text(&told(next));
-        page.table(&experiments(next));
+        if !next.separation.is_empty() {
+            page.text(
+                "Each experiment of the catalogue, simulated with the members of the class as the truth. Loss: the deviance \
+                 that a diagnosis of its data would lose by taking one member for another; below 9 they count as not told \
+                 apart.",
+            );
+            page.table(&experiments(next));
+        }
     }
     page.heading("Step by step");
     for line in &diagnosis.story {
@@ -47,7 +59,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     page.table(&Table {
         head: vec!["candidate".into(), "smallest that would be found".into()],
         rows: (diagnosis.minimum_detectable.iter())
-            .map(|(name, size)| vec![name.clone().into(), Cell::Number(format!("{size:.2e}"))])
+            .map(|(name, size)| vec![name.clone().into(), Cell::Number(brief(*size))])
             .collect(),
     });
     if !diagnosis.notices.is_empty() {
@@ -100,6 +112,40 @@ fn effects(diagnosis: &Diagnosis) -> Table {
 fn others(effect: &Effect) -> String {
     let told = |member: &Member| format!("{} ({:.2})", member.name, member.probability);
     effect.members.iter().skip(1).map(told).collect::<Vec<_>>().join(", ")
+}
+
+/// Three digits, without an exponent where a person would write none.
+fn brief(value: f64) -> String {
+    let whole = value == value.round() && value.abs() < 1e6;
+    match value.abs() {
+        _ if whole => format!("{value:.0}"),
+        100.0..1e6 => format!("{value:.0}"),
+        10.0..100.0 => format!("{value:.1}"),
+        1.0..10.0 => format!("{value:.2}"),
+        0.01..1.0 => format!("{value:.3}"),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+fn corrected(correction: &Correction) -> String {
+    let gap = &correction.gap;
+    format!(
+        "The amended model carries {} (unit {}): on runs left out the lacking torque goes from {:.4} to {:.4} N·m, where \
+         noise alone gives {:.4}. Beyond the angles and rates that the data covered its terms stay what they are there.",
+        correction.label, correction.unit, gap.before, gap.after, gap.floor
+    )
+}
+
+fn terms(correction: &Correction) -> Table {
+    let rows = correction.terms.iter().map(|term| {
+        vec![
+            term.name.clone().into(),
+            Cell::Number(format!("{:.5}", term.value)),
+            Cell::Number(format!("{:.5} ... {:.5}", term.ci95[0], term.ci95[1])),
+            term.phrase.clone().into(),
+        ]
+    });
+    Table { head: ["parameter", "value", "95 %", "term"].map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
 fn told(next: &NextExperiment) -> String {

@@ -11,7 +11,7 @@ from fmpy.fmi2 import FMU2Slave
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = ROOT / "target" / "fmus"
-NAMES = ("plant", "camera", "controller")
+NAMES = ("plant", "camera", "controller", "residual")
 sys.path.insert(0, str(ROOT / "scripts"))
 
 

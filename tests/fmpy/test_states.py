@@ -10,12 +10,14 @@ DRIVE = {
     "plant": lambda k: {"tau": 0.05 * ((k * 7919) % 13 - 6)},
     "camera": lambda k: {"q1": 0.0004 * k, "q2": 0.1 + 0.0006 * k, "dq1": 0.24, "dq2": 0.36},
     "controller": lambda k: {"q1": 0.001 * k, "q2": -0.002 * k, "dq1": 0.6, "dq2": -1.2, "z_desired": 0.01 * k},
+    "residual": lambda k: {"q1": 0.001 * k, "q2": -0.002 * k, "dq1": 0.6, "dq2": -1.2, "tau_1_in": 0.01 * k},
 }
 # Friction, a lag and a delay line in the plant; noise, blur, dropped frames and images in flight in the camera.
 PARAMETERS = {
     "plant": {"q1_0": 0.02, "b_joint": 0.01, "fc_joint": 0.02, "tau_delay": 0.0123, "T_act": 0.02, "dtau_max": 30.0},
     "camera": {"sigma": 15.0, "E_t": 1.0, "T_delay": 0.11, "drop_rate": 0.2, "N": 1, "k1": 0.05, "seed": 9},
     "controller": {},
+    "residual": {"spring_roll": -0.2, "stiff_joint": 0.3, "drag_joint": -0.1, "stribeck_roll": 0.1, "centre_joint": 0.1},
 }
 
 

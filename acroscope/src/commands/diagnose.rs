@@ -41,6 +41,11 @@ fn spinner(quiet: bool) -> ProgressBar {
     spinner
 }
 
+/// Digits after the point that show an interval: two of its width, four at least.
+fn digits(width: f64) -> usize {
+    (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
+}
+
 /// The verdict in a few lines.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
@@ -57,8 +62,9 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     );
     for effect in &diagnosis.effects {
         let [low, high] = effect.ci95;
+        let digits = digits(high - low);
         tell!(
-            "  {} = {:.4} ({low:.4} to {high:.4}): {}",
+            "  {} = {:.digits$} ({low:.digits$} to {high:.digits$}): {}",
             effect.class.join(" or "),
             effect.value,
             effect.phrase
@@ -70,6 +76,16 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             unknown.signal,
             unknown.depends_on.join(", "),
             unknown.shape
+        );
+    }
+    if let Some(correction) = &diagnosis.correction {
+        for term in &correction.terms {
+            tell!("  {} = {:.4}: {}", term.name, term.value, term.phrase);
+        }
+        tell!(
+            "  that is {}; it takes away {:.0} % of what is left",
+            correction.label,
+            100.0 * correction.gap.closed
         );
     }
     if let Some(closed) = diagnosis.gap.closed {

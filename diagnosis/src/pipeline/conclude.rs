@@ -1,5 +1,6 @@
 //! What all parts say together.
 
+use super::correct::correct;
 use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
@@ -12,10 +13,10 @@ use std::collections::BTreeMap;
 pub(super) fn conclude(
     data: &DataSet,
     model: &Model,
-    list: &[Candidate],
+    list: &Arc<Vec<Candidate>>,
     parts: &[Part],
     point: &[f64],
-    notices: Vec<Notice>,
+    mut notices: Vec<Notice>,
     units: &UnitPath,
 ) -> Result<Diagnosis, Error> {
     let mut effects = Vec::new();
@@ -23,6 +24,7 @@ pub(super) fn conclude(
     let mut found: Vec<(f64, Where)> = Vec::new();
     let mut gaps: Vec<Gap> = Vec::new();
     let mut rest: Option<Unknown> = None;
+    let mut correction = None;
     let mut story = Vec::new();
     let mut traces: Vec<Trace> = Vec::new();
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
@@ -32,12 +34,20 @@ pub(super) fn conclude(
         effects.extend(part_effects(part, list, &free));
         detectable(part, list, &free, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
-        let gap = gap::gap(&part.study, &free, &runs, part.torque);
+        let mut gap = gap::gap(&part.study, &free, &runs, part.torque);
         let left = unknown(&part.study, &part.signals, list, part.torque)
             .or_else(|| imitation(&part.study, &part.signals, list, part.torque));
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
+        if part.torque && left.is_some() {
+            correction = correct(data, model, list, part, units, &mut notices);
+            story.push(story::of_correction(correction.as_ref()));
+        }
+        let mut trace = gap::trace(&part.study, part.torque);
+        if let Some(correction) = correction.as_ref().filter(|_| part.torque) {
+            (gap, trace) = (correction.closes(&gap), correction.drawn(trace));
+        }
         gaps.push(gap);
-        traces.push(gap::trace(&part.study, part.torque));
+        traces.push(trace);
         rest = rest.or(left);
     }
     // a rest that no effect gives scatters, too
@@ -51,6 +61,15 @@ pub(super) fn conclude(
             .for_each(|(index, candidate)| point[index] = candidate.off),
     }
     counted(data, model, list, &mut effects, &mut smallest);
+    let gone = correction.as_ref().map_or(&[][..], |correction| correction.supersedes.as_slice());
+    effects.retain(|effect| !gone.contains(&effect.name));
+    let amended = |index: usize| {
+        if gone.iter().any(|name| name == list[index].name) { list[index].off } else { point[index] }
+    };
+    let point: Vec<f64> = (0..point.len()).map(amended).collect();
+    if let Some(correction) = &correction {
+        rest = rest.map(|left| correction.told(left));
+    }
     let verdict = if rest.is_some() {
         Verdict::Unknown
     } else if effects.is_empty() {
@@ -67,13 +86,14 @@ pub(super) fn conclude(
     let certain = parts.iter().filter(|part| !part.study.outweighed);
     let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
     let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
-    let amended = amend::amended(model, list, &point, &effects, units)?;
+    let amended = amend::amended(model, list, &point, &effects, correction.as_ref(), units)?;
     Ok(Diagnosis {
         verdict,
         effects,
         place: gap::shares(found),
         gap,
         unknown: rest,
+        correction,
         next_experiment: next,
         minimum_detectable: smallest,
         gaps,

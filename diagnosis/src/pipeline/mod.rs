@@ -3,6 +3,7 @@
 mod camera;
 mod ceilings;
 mod conclude;
+mod correct;
 mod plant;
 
 use crate::candidates::{CLOCK, Candidate, candidates};
@@ -61,6 +62,7 @@ pub fn diagnose(
     let model = Model::load(&data, units)?;
     let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
     let mut notices = data.notices.clone();
+    notices.extend(model.notice(&data));
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let mut parts = Vec::new();
     let motions = plant_part(&data, &model, &list, &mut point, &mut parts, tell)?;

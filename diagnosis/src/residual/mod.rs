@@ -11,6 +11,7 @@
 
 mod actuator;
 pub mod chain;
+pub mod forced;
 pub mod image;
 pub mod picture;
 pub mod plant;

@@ -8,6 +8,8 @@
 //! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
 //! Trans. Control Syst. Technol. 21 (2013) 428.
 
+mod forced;
+
 use super::actuator::{Actuator, DYNAMIC, key};
 use super::plant::settings;
 use super::smooth::{Node, Stretch, stretches};

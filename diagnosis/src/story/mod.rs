@@ -1,6 +1,7 @@
 //! The diagnosis told: shape of the rest, hypothesis, number, what remains.
 
 use crate::candidates::Candidate;
+use crate::correction::Correction;
 use crate::diagnosis::{Gap, Unknown};
 use crate::selection::Study;
 
@@ -50,4 +51,36 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         (None, None) => lines.push("No gap stands above the noise here.".into()),
     }
     lines
+}
+
+/// What is offered for a rest without a name, in a sentence.
+pub fn of_correction(correction: Option<&Correction>) -> String {
+    let Some(correction) = correction else {
+        return "No torque that is a simple function of angles and rates takes a fair part of it away on runs left out, so \
+                the amended model gets no correction for it."
+            .into();
+    };
+    let terms: Vec<String> = correction
+        .terms
+        .iter()
+        .map(|term| format!("{} = {:.4}, {}", term.name, term.value, term.phrase))
+        .collect();
+    let superseded = match correction.supersedes.as_slice() {
+        [] => String::new(),
+        names => format!(
+            "A correction alone does as well or better with no more numbers, so {} is not named: that stood for a part of the \
+             rest. ",
+            names.join(", ")
+        ),
+    };
+    format!(
+        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {:.4} to \
+         {:.4} N·m with it (noise alone: {:.4}): {:.0} % of what the model leaves without it.",
+        correction.label,
+        terms.join("; "),
+        correction.gap.before,
+        correction.gap.after,
+        correction.gap.floor,
+        100.0 * correction.gap.closed
+    )
 }

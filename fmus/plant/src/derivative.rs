@@ -1,6 +1,6 @@
 //! What depends on what: ModelStructure and directional derivatives.
 //!
-//! The derivatives of (q̇, q̈) by (q, q̇, tau, tau_1) are the linearised plant with all its effects, at any state.
+//! The derivatives of (q̇, q̈) by (q, q̇, tau, tau_1, tau_2) are the linearised plant with all its effects, at any state.
 //! Those by states are fourth-order central differences of the equation of motion, within 1e-9 of the derivative
 //! (1e-6 of Coulomb friction's part of it); those by torques are exact.
 
@@ -29,7 +29,7 @@ pub fn dependencies(output: &str) -> Dependencies {
             &["tau"],
             Some(&["tau", "tau_0", "tau_max", "dtau_max", "T_act", "tau_delay", "k_tau", "tau_bias"]),
         ),
-        _ => (&["tau", "tau_1", "q1", "q2", "dq1", "dq2"], None),
+        _ => (&["tau", "tau_1", "tau_2", "q1", "q2", "dq1", "dq2"], None),
     };
     Dependencies { while_stepping, at_start }
 }
@@ -37,7 +37,7 @@ pub fn dependencies(output: &str) -> Dependencies {
 /// ∂unknown/∂known at the current communication point, with the torque that the actuator gives there.
 pub fn derivative(plant: &Plant, variables: &Variables, unknown: &str, known: &str) -> Option<f64> {
     let state = STATES.iter().position(|name| *name == known);
-    if state.is_none() && known != "tau" && known != "tau_1" {
+    if state.is_none() && !matches!(known, "tau" | "tau_1" | "tau_2") {
         return None;
     }
     if let Some(place) = STATES.iter().position(|name| *name == unknown) {
@@ -61,7 +61,7 @@ fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Opt
     if plant.contact {
         return [0.0; 2];
     }
-    let dynamics = Dynamics::new(variables, 0.0);
+    let dynamics = Dynamics::new(variables, [0.0; 2]);
     let equation = |state: [f64; 4]| {
         let motion = Motion { q: [state[0], state[1]], dq: [state[2], state[3]] };
         dynamics.equation(&motion, variables.outputs.applied_torque, 0.0)
@@ -78,8 +78,11 @@ fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Opt
             .map(|i| (8.0 * (after[i] - before[i]) - (far_after[i] - far_before[i])) / (12.0 * step));
     }
     let mut equation = equation(plant.state);
-    let torque = if known == "tau" { feedthrough(variables) } else { 0.0 };
-    (equation.f1, equation.f2) = if known == "tau" { (-torque, torque) } else { (1.0, 0.0) };
+    (equation.f1, equation.f2) = match known {
+        "tau" => (-feedthrough(variables), feedthrough(variables)),
+        "tau_1" => (1.0, 0.0),
+        _ => (0.0, 1.0),
+    };
     equation.accelerations()
 }
 

@@ -11,20 +11,23 @@ pub struct Dynamics<'a> {
     velocity_terms: bool,
     effects: &'a Effects,
     ground: Option<Incline>,
-    /// External torque on link 1 at the beginning of the step, N·m, and its rate, N·m/s.
-    link1_torque: (f64, f64),
+    /// External torques on the links at the beginning of the step, N·m, and their rates, N·m/s.
+    external: [(f64, f64); 2],
 }
 
 impl<'a> Dynamics<'a> {
-    /// The equations for these parameters; the external torque on link 1 has the given rate.
-    pub fn new(variables: &'a Variables, link1_torque_rate: f64) -> Dynamics<'a> {
+    /// The equations for these parameters; the external torques on the links have the given rates.
+    pub fn new(variables: &'a Variables, external_rates: [f64; 2]) -> Dynamics<'a> {
         let parameters = &variables.parameters;
         Dynamics {
             theta: parameters.theta(),
             velocity_terms: parameters.velocity_terms,
             effects: &variables.effects,
             ground: variables.effects.incline(),
-            link1_torque: (variables.inputs.link1_torque, link1_torque_rate),
+            external: [
+                (variables.inputs.link1_torque, external_rates[0]),
+                (variables.inputs.link2_torque, external_rates[1]),
+            ],
         }
     }
 
@@ -35,9 +38,10 @@ impl<'a> Dynamics<'a> {
             self.theta.equation(motion.q, motion.dq, self.ground.as_ref(), self.velocity_terms);
         self.effects.act(motion, &mut equation);
         equation.add_joint_torque(torque);
-        let (link1_torque, rate) = self.link1_torque;
-        if link1_torque != 0.0 || rate != 0.0 {
-            equation.f1 += link1_torque + rate * offset;
+        for ((torque, rate), force) in self.external.iter().zip([&mut equation.f1, &mut equation.f2]) {
+            if *torque != 0.0 || *rate != 0.0 {
+                *force += torque + rate * offset;
+            }
         }
         equation
     }

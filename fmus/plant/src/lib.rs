@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! tau   ──► delay ─► saturation ─► rate limit ─► lag ─► gain ─► bias ──► tau_applied ─┐
-//! tau_1 ─────────────────────────────────────────────────────────────────────────────┤
-//!                    M(q)·q̈ + c(q, q̇) = [−1, 1]ᵀ·tau_applied + [1, 0]ᵀ·tau_1 + friction   (12)
+//! tau_1, tau_2 ──────────────────────────────────────────────────────────────────────┤
+//!                    M(q)·q̈ + c(q, q̇) = [−1, 1]ᵀ·tau_applied + [tau_1, tau_2]ᵀ + friction   (12)
 //!                                                                          └──► q1 q2 dq1 dq2 z contact
 //! ```
 //!
@@ -70,7 +70,8 @@ impl Plant {
         step: &Step<'_>,
         log: &mut dyn Log,
     ) -> Result<Finish, ModelError> {
-        let dynamics = Dynamics::new(variables, step.input_rate("tau_1").unwrap_or(0.0));
+        let rates = ["tau_1", "tau_2"].map(|name| step.input_rate(name).unwrap_or(0.0));
+        let dynamics = Dynamics::new(variables, rates);
         let (command, rate) = (variables.inputs.torque, step.input_rate("tau").unwrap_or(0.0));
         let effects = &variables.effects;
         if effects.delay.time != 0.0 {
@@ -112,7 +113,7 @@ impl Plant {
     ) -> Result<(), ModelError> {
         let [q1, q2, dq1, dq2] = self.state;
         let place = self.place(&variables.parameters.theta(), log).map_or(0.0, |place| place.z(q2));
-        let energy = Dynamics::new(variables, 0.0).energy(&self.motion());
+        let energy = Dynamics::new(variables, [0.0; 2]).energy(&self.motion());
         variables.outputs = Outputs {
             link1_angle: q1,
             link2_angle: q2,
@@ -161,6 +162,7 @@ fn check(variables: &Variables) -> Result<(), ModelError> {
     let (inputs, parameters) = (&variables.inputs, &variables.parameters);
     finite("tau", inputs.torque)?;
     finite("tau_1", inputs.link1_torque)?;
+    finite("tau_2", inputs.link2_torque)?;
     positive("theta_1", parameters.theta_1)?;
     finite("theta_2", parameters.theta_2)?;
     positive("theta_5", parameters.theta_5)?;
@@ -228,7 +230,7 @@ impl Model for Plant {
         let command = Signal::constant(variables.inputs.torque);
         let passage = variables.effects.pass(&self.actuator, experiment.start, command, f64::INFINITY);
         let torque = passage.torque().at(0.0);
-        let equation = Dynamics::new(variables, 0.0).equation(&self.motion(), torque, 0.0);
+        let equation = Dynamics::new(variables, [0.0; 2]).equation(&self.motion(), torque, 0.0);
         if !equation.is_regular() {
             let [q1, q2, ..] = self.state;
             return Err(ModelError::Failed(format!(

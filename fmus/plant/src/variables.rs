@@ -14,6 +14,8 @@ variables! {
             "Commanded torque between the links, u = [-1, 1]' tau in eq. (12).";
         input link1_torque: f64 = 0.0, "tau_1", "τ₁", unit::NEWTON_METRE,
             "External torque on link 1; not in the paper, moves a rig that is pinned.";
+        input link2_torque: f64 = 0.0, "tau_2", "τ₂", unit::NEWTON_METRE,
+            "External torque on link 2; not in the paper. With the opposite on link 1 it acts at the joint, past the actuator.";
     }
 }
 

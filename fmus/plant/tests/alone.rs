@@ -100,13 +100,14 @@ fn alone_forces_are_what_they_claim() {
     let joint = dq2 - dq1;
     let sign = |rate: f64| (rate / 1e-3).tanh();
     type Change = fn(&mut Variables);
-    let cases: [(&str, Change, [f64; 2]); 6] = [
+    let cases: [(&str, Change, [f64; 2]); 7] = [
         ("b_roll", |v| v.effects.viscous.roll = 0.3, [-0.3 * dq1, 0.0]),
         ("b_joint", |v| v.effects.viscous.joint = 0.3, [0.3 * joint, -0.3 * joint]),
         ("fc_roll", |v| v.effects.coulomb.roll = 0.2, [-0.2 * sign(dq1), 0.0]),
         ("fc_joint", |v| v.effects.coulomb.joint = 0.2, [0.2 * sign(joint), -0.2 * sign(joint)]),
         ("tau_bias", |v| v.effects.bias.torque = 0.4, [-0.4, 0.4]),
         ("tau_1", |v| v.inputs.link1_torque = 0.4, [0.4, 0.0]),
+        ("tau_2", |v| v.inputs.link2_torque = 0.4, [0.0, 0.4]),
     ];
     let accelerations = |change: Change| {
         let locals = Rig::at(WILD, change).variables.locals;

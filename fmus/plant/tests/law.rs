@@ -125,3 +125,25 @@ fn cross_result_does_not_depend_on_the_communication_step() {
         }
     }
 }
+
+#[test]
+fn law_a_pair_of_external_torques_is_a_torque_at_the_joint() {
+    let states = |torque: f64, pair: [f64; 2]| {
+        let mut rig = Rig::at(WILD, |_| {});
+        rig.variables.inputs.torque = torque;
+        (rig.variables.inputs.link1_torque, rig.variables.inputs.link2_torque) = (pair[0], pair[1]);
+        rig.run(0.5, 50);
+        rig.state().map(f64::to_bits)
+    };
+    assert_eq!(states(0.3, [0.0; 2]), states(0.0, [-0.3, 0.3]));
+    // past the actuator: what limits the drive leaves the pair alone
+    let limited = |torque: f64, pair: [f64; 2]| {
+        let mut rig = Rig::at(WILD, |v| v.effects.saturation.limit = 0.1);
+        rig.variables.inputs.torque = torque;
+        (rig.variables.inputs.link1_torque, rig.variables.inputs.link2_torque) = (pair[0], pair[1]);
+        rig.run(0.5, 50);
+        rig.state().map(f64::to_bits)
+    };
+    assert_eq!(limited(0.0, [-0.3, 0.3]), states(0.3, [0.0; 2]));
+    assert_ne!(limited(0.3, [0.0; 2]), states(0.3, [0.0; 2]));
+}

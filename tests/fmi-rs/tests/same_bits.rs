@@ -72,3 +72,8 @@ fn cross_camera() {
 fn cross_controller() {
     agree("controller");
 }
+
+#[test]
+fn cross_residual() {
+    agree("residual");
+}

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 mod fitting;
 mod following;
+mod forced;
 mod jitter;
 mod layout;
 mod window;

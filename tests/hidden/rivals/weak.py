@@ -45,7 +45,7 @@ class Weak:
         edges = np.concatenate([times, *[commands[:, 0] + b for b in BREAKS]])
         edges = np.unique(edges[(edges >= times[0]) & (edges <= times[-1])])
         self.fine, self.width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        self.i = np.searchsorted(times, self.fine, side="right") - 1
+        self.i = np.clip(np.searchsorted(times, self.fine, side="right") - 1, 0, len(times) - 2)
         self.x = (self.fine - times[self.i]) / self.h[self.i]
         self._bumps(len(times))
 

@@ -1,4 +1,4 @@
-"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score, rival, compare}."""
+"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score, compare}."""
 
 import argparse
 import json
@@ -60,11 +60,6 @@ def _parser():
     p.add_argument("diagnoses")
     p.add_argument("truths", help="answers of the sets that were diagnosed")
     _where(p)
-    p = sub.add_parser("rival", help="run a rival over all sets of a folder, with the manifest's arguments")
-    p.add_argument("kind", choices=("sindy", "bic"))
-    p.add_argument("sets")
-    p.add_argument("diagnoses")
-    p.add_argument("--jobs", type=int, default=1, help="sets at once, one thread each")
     p = sub.add_parser("compare", help="the measures of several methods side by side, the first against the others")
     p.add_argument("methods", nargs="+", metavar="NAME=DIAGNOSES", help="e.g. ours=out/ours bic=out/bic")
     p.add_argument("--answers", nargs="+", required=True, help="folders of answers, judged together")
@@ -149,6 +144,7 @@ def _rows(sets_folder):
 def _diagnosed(row, args, threads):
     out = Path(args.diagnoses) / row["dir"]
     out.mkdir(parents=True, exist_ok=True)
+    (out / "diagnosis.json").unlink(missing_ok=True)  # of an earlier run: this one may fail
     command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
     start = time.time()
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **threads})
@@ -162,7 +158,7 @@ def _diagnose(args):
     from concurrent.futures import ThreadPoolExecutor
 
     rows = _rows(args.sets)
-    threads = {"RAYON_NUM_THREADS": "1"} if args.jobs > 1 else {}
+    threads = {"RAYON_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} if args.jobs > 1 else {}
     with ThreadPoolExecutor(args.jobs) as pool:
         list(pool.map(lambda row: _diagnosed(row, args, threads), rows))
     return 0
@@ -199,10 +195,6 @@ def main(argv=None):
         return _diagnose(args)
     elif args.command == "follow":
         _follow(args)
-    elif args.command == "rival":
-        from .rivals.verdict import run
-
-        return run(args.kind, args.sets, _rows(args.sets), args.diagnoses, args.jobs)
     elif args.command == "compare":
         from .compare import compare
 

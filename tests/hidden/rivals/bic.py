@@ -2,7 +2,8 @@
 
 Data: every logged column over windows with a free start state. Noise: Gaussian, one level per column, estimated with the
 model. A candidate is screened by its slope, the best few are refitted (Gauss-Newton on starts and parameters together).
-The verdict is `none` where nothing lowers the criterion, else `named`: it knows neither classes nor strangers.
+Candidates within 2 of the best one's criterion are named beside it (Kass and Raftery: no more than a bare mention). It is
+`none` where nothing lowers the criterion; strangers it does not know.
 """
 
 import math
@@ -10,14 +11,15 @@ import math
 import numpy as np
 
 from . import counts
-from .columns import CLOCK, Columns, Lattice, changed, continuous, trials, value_of
-from .windows import GROUPS, Model, Windows
+from .data import CLOCK, trials
+from .windows import GROUPS, Columns, Lattice, Model, Windows, changed, continuous, value_of
 
 BEST = 4  # candidates refitted per round,
 NEAR = 6.0  # as long as their slope promises no worse than this
 ROUNDS = 4  # effects at most
 ANCHORS = 3  # renewals of the lattice
 NEARLY = 0.8  # share of the best fall from which a candidate is compared with the lattice renewed
+TIE = 2.0  # of the criterion, within which two candidates are not told apart
 ENOUGH = 0.1  # gain of the last step
 STEPS = 25  # of Gauss-Newton at most
 
@@ -173,10 +175,10 @@ class Search:
         return found
 
     def run(self):
-        """(model, its linearisation, effects in the order found, BIC weight of each in its round)."""
+        """(model, its linearisation, effects in the order found, (those tied with it, BIC weight) of each in its round)."""
         start = Model(self.data.plant, self.data.camera, self.windows.guess(self.data.camera))
         model, linear, value = self.anchored(start, [])
-        chosen, weights = [], {}
+        chosen, beside = [], {}
         while len(chosen) < ROUNDS:
             tried = {}
             for guess, e, at in self.screen(linear, chosen):
@@ -187,12 +189,14 @@ class Search:
             if best <= 0.0:
                 break
             found = {e: self.anchored(tried[e][0], [*chosen, e]) for e, fall in falls.items() if fall > NEARLY * best}
+            falls |= {e: value - new[2] for e, new in found.items()}
             chosen.append(min(found, key=lambda e: found[e][2]))
-            every = np.array([0.0, *(value - found[e][2] if e in found else fall for e, fall in falls.items())])
-            ahead = every - (value - found[chosen[-1]][2])
-            weights[chosen[-1]] = float(1.0 / np.sum(np.exp(np.minimum(0.5 * ahead, 50.0))))
+            behind = {e: falls[chosen[-1]] - fall for e, fall in falls.items()}
+            ties = [e for e in sorted(behind, key=behind.get) if e is not chosen[-1] and behind[e] < TIE]
+            weight = 1.0 / sum(math.exp(-0.5 * max(b, -100.0)) for b in (*behind.values(), falls[chosen[-1]]))
+            beside[chosen[-1]] = ties, weight
             model, linear, value = self.pruned(found[chosen[-1]], chosen)
-        return model, linear, chosen, weights
+        return model, linear, chosen, beside
 
 
 def _errors(linear, effects, off):
@@ -205,10 +209,15 @@ def _errors(linear, effects, off):
 
 
 def diagnose(data):
-    """[(effect, value, standard error, probability)] in the order found."""
+    """[(names, value, standard error, probability)] in the order found."""
     search = Search(data)
-    model, linear, chosen, weights = search.run()
+    model, linear, chosen, beside = search.run()
     errors = _errors(linear, chosen, search.off)
-    found = [(e, value_of(model, e), errors.get(e), weights[e]) for e in chosen if e is not CLOCK]
-    found += [(e, value, None, 1.0 - math.exp(-0.5 * fall)) for e, value, fall in counts.extras(data, model.camera)]
-    return found
+    found = []
+    for e in chosen:
+        ties, weight = beside[e]
+        if e is not CLOCK:
+            names = [e.name, *(t.name for t in ties if t is not CLOCK and t not in chosen)]
+            found.append((names, value_of(model, e), errors.get(e), weight))
+    rest = counts.extras(data, model.camera)
+    return found + [([e.name], value, None, 1.0 - math.exp(-0.5 * fall)) for e, value, fall in rest]

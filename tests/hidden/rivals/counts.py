@@ -45,17 +45,18 @@ def noise_level(data, camera):
     return (FACTORS[best] * camera["sigma"], fall) if best > 0 and fall > 0.0 else None
 
 
+def lost(data):
+    """[(effect, value, fall of the criterion)] if frames are missing."""
+    gone, rows = sum(r.lost for r in data.runs), sum(r.rows for r in data.runs)
+    if not gone or all(e.name != "camera.drop_rate" for e in data.candidates):
+        return []
+    rate = gone / (gone + rows)
+    return [(BY_NAME["camera.drop_rate"], rate, -2.0 * (gone * math.log(rate) + rows * math.log(1.0 - rate)))]
+
+
 def extras(data, camera):
-    """[(effect, value, fall of the criterion)] of both, as far as they may be named."""
-    names = {e.name for e in data.candidates}
-    found = []
-    lost, rows = sum(r.lost for r in data.runs), sum(r.rows for r in data.runs)
-    if lost and "camera.drop_rate" in names:
-        rate = lost / (lost + rows)
-        sure = -2.0 * (lost * math.log(rate) + rows * math.log(1.0 - rate))
-        found.append((BY_NAME["camera.drop_rate"], rate, sure))
-    if "camera.sigma" in names and camera["sigma"] > 0.0:
+    """The same of both effects, as far as they may be named."""
+    level = None
+    if camera["sigma"] > 0.0 and any(e.name == "camera.sigma" for e in data.candidates):
         level = noise_level(data, camera)
-        if level:
-            found.append((BY_NAME["camera.sigma"], *level))
-    return found
+    return lost(data) + ([(BY_NAME["camera.sigma"], *level)] if level else [])

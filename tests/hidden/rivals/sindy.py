@@ -3,8 +3,9 @@
 Plant: the weak form of the equations of motion (weak.py) with rates by pySINDy's SmoothedFiniteDifference; a term is what
 one listed effect adds to the accelerations. Picture: centroids and areas beside what the nominal camera shows at the
 measured pose (or, without encoders, at the pose fitted to the picture); a term is what one effect adds to them. Both are
-stacked and a sparse combination is fitted by pySINDy's STLSQ, its threshold and ridge chosen by leaving out one run after the
-other (the sparsest within one standard error). A term that survives is named, the largest contribution first.
+stacked and a sparse combination is fitted by pySINDy's STLSQ and FROLS; which of their fits is taken is decided by leaving
+out one run after the other (the sparsest near the best). A term that survives is named, the largest contribution first, with
+those that it stands for: a library is cleared of copies.
 """
 
 import warnings
@@ -15,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from ..effects import BY_NAME
 from . import counts, image
-from .columns import CLOCK, INTEGERS, limits, probe
+from .data import CLOCK, INTEGERS, RENDERED, TIMES, limits, probe
 from .weak import SHIFT, SMOOTH, Weak
 
 ROWS = 12  # a run needs more than the smoother's window
@@ -23,7 +24,10 @@ FLOOR = np.tile([0.05, 0.003, 0.003], 3)  # px, below which two honest renderers
 PIXEL = 0.03  # px, a centroid's noise, for the weight of the encoders in a pose
 RIDGES = (0.05, 3.0, 100.0)
 THRESHOLDS = 16
+ELBOW = 0.02  # of the error that the best fit takes away: less than that earns no further term
+TERMS = 8  # that the forward path adds at most
 COPY = 0.9999  # |cos| above which a term is a copy of an earlier one
+BESIDE = np.array([2.3e-3, 3.7e-3, 0.0, 0.0])  # rad: at the camera's 26 px per world unit half a pixel and more
 BLOCKS = 12  # per run, for the standard error of a prediction
 
 
@@ -57,6 +61,7 @@ class Piece:
         else:
             self.poses = known = np.column_stack([self.q, self.dq])
         self.frames = image.rendered(self.poses, self.camera)
+        self.beside = image.rendered(self.poses + BESIDE, self.camera)
         self.turn = image.pose_jacobian(self.poses, self.camera)
         pose = np.diag(self.sd) ** 2 if self.encoders else 0.05**2 * np.eye(2)
         cover = np.diag(np.maximum(self._noise(), FLOOR) ** 2) + np.einsum("nik,kl,njl->nij", self.turn, pose, self.turn)
@@ -84,7 +89,10 @@ class Piece:
         late = new["T_delay"] - self.camera["T_delay"] + 0.5 * (new["E_t"] - self.camera["E_t"]) / new["omega_cam"]
         poses = self.poses.copy()
         poses[:, :2] -= late * poses[:, 2:]
-        change = image.rendered(poses, new) - self.frames
+        if effect.key in RENDERED:  # beside the pose: there, term and rest would share the lattice's error of one picture
+            change = image.rendered(poses + BESIDE, new) - self.beside
+        else:
+            change = image.project(poses, new) - image.project(self.poses, self.camera)
         if self.encoders:
             return np.zeros(len(self.y[0])), self._whiten(change)
         j = self.turn[:, image.PLACES]
@@ -129,13 +137,13 @@ def _values(effect, data):
         return [INTEGERS[effect.key][0]]
     if effect.shape == "limit":
         return limits(effect, data)
-    if effect.key in ("T_act", "tau_delay", "T_delay", "offset"):
+    if effect is CLOCK or effect.key in TIMES:
         return [off + SHIFT]
     return [off + probe(effect, off, off)]
 
 
 def library(data, pieces):
-    """Terms: [(effect, value it was taken at, column)] without empty ones and copies; a column holds all runs."""
+    """Terms: [(effects, value of the first it was taken at, column)] without empty ones; copies of one term share it."""
     terms, units = [], []
     chosen = [e for e in data.candidates if e.shape in ("linear", "limit", "integer", "switch")]
     if data.has_frames and data.has_plant:
@@ -144,19 +152,28 @@ def library(data, pieces):
         for value in _values(e, data):
             column = np.nan_to_num(np.concatenate([p.term(e, value) for p in pieces]))
             length = np.linalg.norm(column)
-            if length > 1e-9 and all(abs(column @ u) < COPY * length for u in units):
-                terms.append((e, value, column))
+            if length < 1e-9:
+                continue
+            twin = next((i for i, u in enumerate(units) if abs(column @ u) > COPY * length), None)
+            if twin is None:
+                terms.append(([e], value, column))
                 units.append(column / length)
+            elif e is not CLOCK and e not in terms[twin][0]:
+                terms[twin][0].append(e)
     return terms
 
 
-def _fit(x, y, threshold, ridge):
-    """STLSQ on columns of unit length: coefficients (0 where a term is dropped)."""
-    rule = ps.STLSQ(threshold=threshold, alpha=ridge)
+def _paths(x, y, thresholds):
+    """Coefficients on columns of unit length, (fits, terms): STLSQ by threshold and ridge, FROLS by the number of terms."""
+    dropped = [ps.STLSQ(threshold=t, alpha=ridge) for t in thresholds for ridge in RIDGES]
+    added, seen = np.zeros((TERMS + 1, x.shape[1])), np.linalg.norm(x, axis=0) > 1e-9  # FROLS divides by a column's length
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        rule.fit(x, y)
-    return np.asarray(rule.coef_)[0]
+        found = [rule.fit(x, y).coef_[0] for rule in dropped]
+        history = ps.FROLS(max_iter=TERMS, alpha=0.0).fit(x[:, seen], y).history_
+    added[:len(history), seen] = np.concatenate(history)
+    added[len(history):] = added[len(history) - 1]
+    return np.concatenate([found, added])
 
 
 def _small(x, y):
@@ -166,26 +183,23 @@ def _small(x, y):
 
 
 def choose(x, y, runs):
-    """Coefficients of the sparsest fit whose error on left-out runs is within a standard error of the best."""
+    """Coefficients of the sparsest fit whose error on left-out runs is within a standard error of the best, or at the elbow."""
     length = np.linalg.norm(x, axis=0)
     x = x / length
     pull = np.abs(y @ x).max()
     folds = [(runs == k, _small(x[runs != k], y[runs != k])) for k in set(runs)] if len(set(runs)) > 1 else []
     folds = folds or [(runs == runs[0], _small(x, y))]
-    whole = _small(x, y)
     parts = np.concatenate([k * BLOCKS + np.arange(n) * BLOCKS // n for k, n in enumerate(np.bincount(runs)) if n])
+    thresholds = np.geomspace(2.0, max(1.05 * pull, 4.0), THRESHOLDS)
+    rests = 0.0
+    for out, train in folds:
+        rests = rests + np.where(out, y - _paths(*train, thresholds) @ x.T, 0.0)
+    fits = _paths(*_small(x, y), thresholds)
     size = np.maximum(np.bincount(parts), 1)
-    rests, fits = [], []
-    for threshold in np.geomspace(2.0, max(1.05 * pull, 4.0), THRESHOLDS):
-        for ridge in RIDGES:
-            rest = np.zeros(len(y))
-            for out, train in folds:
-                rest[out] = y[out] - x[out] @ _fit(*train, threshold, ridge)
-            rests.append(np.bincount(parts, weights=rest**2) / size)
-            fits.append(_fit(*whole, threshold, ridge))
-    errors = np.array(rests)
-    worse = errors - errors[np.argmin(errors.mean(axis=1))]
-    close = worse.mean(axis=1) <= worse.std(axis=1) / np.sqrt(worse.shape[1]) + 1e-12
+    errors = np.array([np.bincount(parts, weights=r**2) / size for r in rests])
+    least = errors[np.argmin(errors.mean(axis=1))]
+    worse, elbow = errors - least, ELBOW * np.mean(np.bincount(parts, weights=y**2) / size - least)
+    close = worse.mean(axis=1) <= np.maximum(worse.std(axis=1) / np.sqrt(worse.shape[1]), elbow) + 1e-12
     best = min(np.flatnonzero(close), key=lambda i: (np.count_nonzero(fits[i]), errors[i].mean()))
     return fits[best] / length
 
@@ -199,7 +213,7 @@ def fit(data):
     while True:
         x = np.column_stack([c for _, _, c in terms])
         found = choose(x, y, runs)
-        wrong = [i for i in np.flatnonzero(found) if found[i] < 0.0 and len(terms[i][0].signs) == 1]
+        wrong = [i for i in np.flatnonzero(found) if found[i] < 0.0 and len(terms[i][0][0].signs) == 1]
         if not wrong:
             return terms, x, found
         terms = [t for i, t in enumerate(terms) if i not in wrong]
@@ -214,18 +228,20 @@ def _value(effect, at, share, off):
 
 
 def diagnose(data):
-    """[(effect, value, standard error, None)], the largest contribution first."""
+    """[(names, value, standard error, None)], the largest contribution first."""
     terms, x, found = fit(data)
     live = np.flatnonzero(found)
     errors = np.sqrt(np.diag(np.linalg.pinv(x[:, live].T @ x[:, live])))
-    rows, camera = [], dict(data.camera)
+    rows, camera = {}, dict(data.camera)
     for i, error in sorted(zip(live, errors), key=lambda p: -abs(found[p[0]]) * np.linalg.norm(x[:, p[0]])):
-        effect, at, _ = terms[i]
-        if effect is CLOCK or any(effect is r[0] for r in rows):
+        effects, at, _ = terms[i]
+        first = effects[0]
+        if first is CLOCK or first.name in rows:
             continue
-        off = data.off(effect)
-        value = _value(effect, at, found[i], off)
-        rows.append((effect, value, error * abs(at - off) if effect.shape == "linear" else None, None))
-        if effect.side == "camera":
-            camera[effect.key] = value
-    return rows + [(e, value, None, None) for e, value, _ in counts.extras(data, camera)]
+        value = _value(first, at, found[i], data.off(first))
+        error = error * abs(at - data.off(first)) if first.shape == "linear" else None
+        rows[first.name] = ([e.name for e in effects], value, error, None)
+        if first.side == "camera":
+            camera[first.key] = value
+    extras = counts.extras(data, camera) if camera == data.camera else counts.lost(data)  # a lens a little off scatters, too
+    return [*rows.values(), *(([e.name], value, None, None) for e, value, _ in extras)]

@@ -1,6 +1,7 @@
-"""Windows with a free start state: predictions of every log from short replays of the true machine's equations.
+"""Windows with a free start state: predictions of every log from short replays, and how they move with each effect.
 
-Long replays of an unstable machine leave the data whatever the model; short ones whose start is fitted do not.
+Long replays of an unstable machine leave the data whatever the model; short ones whose start is fitted do not. Slopes are
+finite differences, one replay or one set of pictures each.
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ import numpy as np
 
 from .. import dynamics as dyn
 from . import image
-from .data import PLANT_COLUMNS
+from .data import CLOCK, PLANT_COLUMNS, RENDERED, probe
 
 WIDTH = 0.5  # s, as in mde.py
 SUBSTEP = 1.0 / 160.0  # s: RK4 on modes of some 20 rad/s leaves 1e-7 rad in a window, far below any encoder
@@ -115,3 +116,75 @@ def _simulate(commands, times, start, p):
     nodes = np.zeros((len(times), 5))
     dyn.simulate(s, a, times, ct, cv, c1, len(ct), np.zeros(0), p, True, nodes)
     return nodes
+
+
+def continuous(effect):
+    return effect.shape in ("linear", "limit")
+
+
+def changed(model, effect, value):
+    plant, camera, clock = dict(model.plant), dict(model.camera), model.clock
+    if effect is CLOCK:
+        clock = value
+    else:
+        (plant if effect.side == "plant" else camera)[effect.key] = float(value)
+    return Model(plant, camera, model.starts, clock)
+
+
+def value_of(model, effect):
+    if effect is CLOCK:
+        return model.clock
+    return (model.plant if effect.side == "plant" else model.camera)[effect.key]
+
+
+class Lattice:
+    """What rendered frames have beyond projected outlines, at fixed poses: of a model, or of one with other photometry.
+
+    Rendering anew at every pose would give a criterion with some hundred local minima (the lattice repeats every pixel).
+    """
+
+    def __init__(self, poses, camera):
+        self.poses, self.camera, self.known = poses, camera, {}
+
+    def of(self, camera):
+        key = tuple(camera[k] for k in RENDERED)
+        if key not in self.known:
+            here = {**self.camera, **dict(zip(RENDERED, key))}
+            self.known[key] = image.rendered(self.poses, here) - image.project(self.poses, self.camera)
+        return self.known[key]
+
+
+class Columns:
+    """Prediction of one model, and differences about it."""
+
+    def __init__(self, windows, model, lattice=None):
+        self.windows, self.model = windows, model
+        self.nodes, self.poses = windows.replay(model)
+        self.lattice = lattice or Lattice(self.poses, model.camera)
+        self.frames = self._frames(self.poses, model.camera)
+        self.turn = image.pose_jacobian(self.poses, model.camera)
+        self.base = windows.stack(self.nodes, self.frames)
+        self.states = np.column_stack([self._moved(*windows.replay(model, h * np.eye(4)[j])) / h
+                                       for j, h in enumerate(STATE_STEP)])
+
+    def _frames(self, poses, camera):
+        return image.project(poses, camera) + self.lattice.of(camera)
+
+    def _moved(self, nodes, poses):
+        frames = np.einsum("nij,nj->ni", self.turn, (poses - self.poses)[:, :2])
+        return self.windows.stack([a - b for a, b in zip(nodes, self.nodes)], frames)
+
+    def difference(self, effect, value):
+        """Prediction at `value` minus that of the model."""
+        new, old = changed(self.model, effect, value), self.model.camera
+        if effect.side != "camera":
+            return self._moved(*self.windows.replay(new))
+        late = new.camera["T_delay"] - old["T_delay"] + 0.5 * (new.camera["E_t"] - old["E_t"]) / old["omega_cam"]
+        poses = self.poses.copy()
+        poses[:, :2] -= late * poses[:, 2:4]
+        return self.windows.stack([np.zeros_like(n) for n in self.nodes], self._frames(poses, new.camera) - self.frames)
+
+    def slope(self, effect, off):
+        value = value_of(self.model, effect)
+        h = probe(effect, value, off)
+        return self.difference(effect, value + h) / h

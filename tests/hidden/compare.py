@@ -5,6 +5,7 @@ from pathlib import Path
 from . import score
 
 GENEROUS = "  the same, were any member of the true class (wide) right"
+LENIENT = "  the same, were names after the first forgiven, too"
 
 
 def cases_of(diagnoses, answers):
@@ -23,23 +24,24 @@ def _seen(cases):
             and len(a["effect"]) == 1 and a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] == 0]
 
 
-def generous(answer, diagnosis):
-    """One effect whose first name the truth's wide class holds: all that a method without a notion of classes can do."""
+def generous(answer, diagnosis, more=0):
+    """The first name lies in the truth's wide class, and at most `more` follow: all that a method without classes can do."""
     found, truth = score.named(diagnosis), answer["effect"][0]
     allowed = {truth["name"], *truth.get("class", []), *truth.get("class_wide", [])}
-    return len(found) == 1 and diagnosis.get("verdict") != "unknown" and found[0]["name"] in allowed
+    return 0 < len(found) <= 1 + more and diagnosis.get("verdict") != "unknown" and found[0]["name"] in allowed
 
 
 def table(by_method):
-    """{measure: {method: row of score.measure}}, with the generous measure behind name_3x."""
+    """{measure: {method: row of score.measure}}, with what a kinder judge would say behind name_3x."""
     rows = {}
     for method, cases in by_method.items():
         for key, row in score.measure(cases).items():
             rows.setdefault(key, {})[method] = row
             if key == "name_3x":
-                hits = [generous(a, d) for a, d in _seen(cases)]
-                value = sum(hits) / len(hits) if hits else None
-                rows.setdefault("generous", {})[method] = {"text": GENEROUS, "value": value, "n": len(hits), "goal": ""}
+                for text, more in ((GENEROUS, 0), (LENIENT, 99)):
+                    hits = [generous(a, d, more) for a, d in _seen(cases)]
+                    value = sum(hits) / len(hits) if hits else None
+                    rows.setdefault(text, {})[method] = {"text": text, "value": value, "n": len(hits), "goal": ""}
     return rows
 
 

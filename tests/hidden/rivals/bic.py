@@ -16,7 +16,7 @@ from .windows import GROUPS, Columns, Lattice, Model, Windows, changed, continuo
 
 BEST = 4  # candidates refitted per round,
 NEAR = 6.0  # as long as their slope promises no worse than this
-ROUNDS = 4  # effects at most
+ROUNDS = 3  # effects at most
 ANCHORS = 3  # renewals of the lattice
 NEARLY = 0.8  # share of the best fall from which a candidate is compared with the lattice renewed
 TIE = 2.0  # of the criterion, within which two candidates are not told apart
@@ -182,7 +182,8 @@ class Search:
         while len(chosen) < ROUNDS:
             tried = {}
             for guess, e, at in self.screen(linear, chosen):
-                if e not in tried and len(tried) < BEST and guess < value + NEAR:
+                promising = len(tried) < BEST and guess < value + NEAR
+                if e not in tried and (promising or e.shape == "switch"):  # a switch has no slope that could promise
                     tried[e] = self.settle(changed(model, e, at), [*chosen, e], linear.columns.lattice)
             falls = {e: value - new[2] for e, new in tried.items()}
             best = max(falls.values(), default=0.0)

@@ -2,6 +2,7 @@
 
     python scripts/blind.py                          the slice
     python scripts/blind.py --count 300 --seed 7     300 sets of each part; hours
+    python scripts/blind.py --count 40 --rivals      40 of each, and pySINDy and a BIC search beside ours on the same sets
 
 The sets come from tests/hidden, which shares no code and no numerics with the product. Answers lie apart and are opened
 by the scorer afterwards. Prints the measures and the confusion table; exit status 1 if the slice got worse.
@@ -27,6 +28,7 @@ GATES = {
     "pairs_one": (">=", 1.0),
     "over_confident": ("<=", 0.0),
 }
+RIVALS = ("sindy", "bic")
 
 
 def hidden(*arguments):
@@ -45,6 +47,7 @@ def main():
     parser.add_argument("--count", type=int, help="sets of each part instead of the slice")
     parser.add_argument("--seed", type=int, default=1, help="of the sets (default 1)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "blind", help="folder (default out/blind)")
+    parser.add_argument("--rivals", action="store_true", help="diagnose the sets with pySINDy and BIC, too, and compare")
     arguments = parser.parse_args()
     out = arguments.out.resolve()
     sets, answers, diagnoses = out / "sets", out / "answers", out / "diagnoses"
@@ -52,6 +55,10 @@ def main():
     hidden(*what, "--seed", arguments.seed, "--out", sets, "--answers", answers)
     hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope")
     hidden("score", diagnoses, answers, "--out", out / "score.json")
+    if arguments.rivals:
+        for rival in RIVALS:
+            hidden("diagnose", sets, out / rival, "--command-line", f"{sys.executable} -m hidden.rivals {rival}")
+        hidden("compare", f"ours={diagnoses}", *(f"{r}={out / r}" for r in RIVALS), "--answers", answers)
     if not arguments.count:
         found = list(failures(json.loads((out / "score.json").read_text())))
         sys.exit("\n".join(["the slice got worse:", *found]) if found else 0)

@@ -26,5 +26,5 @@ cargo xtask same-bytes
 step "fmi-rs drives the units to the same bits"
 CARGO_TARGET_DIR=target/fmi-rs cargo test --quiet --release --manifest-path tests/fmi-rs/Cargo.toml
 
-step "Blind diagnoses, 40 of each part"
-.venv/bin/python scripts/blind.py --count 40 --seed 7
+step "Blind diagnoses, 40 of each part, ours and the rivals'"
+.venv/bin/python scripts/blind.py --count 40 --seed 7 --rivals

@@ -1,4 +1,4 @@
-"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score}."""
+"""Command line: python -m hidden {make, one, slice, mde, diagnose, follow, score, compare}."""
 
 import argparse
 import json
@@ -60,6 +60,9 @@ def _parser():
     p.add_argument("diagnoses")
     p.add_argument("truths", help="answers of the sets that were diagnosed")
     _where(p)
+    p = sub.add_parser("compare", help="the measures of several methods side by side, the first against the others")
+    p.add_argument("methods", nargs="+", metavar="NAME=DIAGNOSES", help="e.g. ours=out/ours bic=out/bic")
+    p.add_argument("--answers", nargs="+", required=True, help="folders of answers, judged together")
     p = sub.add_parser("score", help="open the answers and judge diagnoses")
     p.add_argument("diagnoses")
     p.add_argument("answers")
@@ -134,9 +137,14 @@ def _one(args):
     _write_all([spec], args)
 
 
+def _rows(sets_folder):
+    return tomllib.loads((Path(sets_folder) / "manifest.toml").read_text()).get("set", [])
+
+
 def _diagnosed(row, args, threads):
     out = Path(args.diagnoses) / row["dir"]
     out.mkdir(parents=True, exist_ok=True)
+    (out / "diagnosis.json").unlink(missing_ok=True)  # of an earlier run: this one may fail
     command = [*args.command_line.split(), "diagnose", str(Path(args.sets) / row["dir"]), "--out", str(out), *row["args"]]
     start = time.time()
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **threads})
@@ -149,8 +157,8 @@ def _diagnose(args):
     """One after the other with all cores each (seconds as the user sees them), or `--jobs` at once with one thread each."""
     from concurrent.futures import ThreadPoolExecutor
 
-    rows = tomllib.loads((Path(args.sets) / "manifest.toml").read_text()).get("set", [])
-    threads = {"RAYON_NUM_THREADS": "1"} if args.jobs > 1 else {}
+    rows = _rows(args.sets)
+    threads = {"RAYON_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} if args.jobs > 1 else {}
     with ThreadPoolExecutor(args.jobs) as pool:
         list(pool.map(lambda row: _diagnosed(row, args, threads), rows))
     return 0
@@ -187,6 +195,10 @@ def main(argv=None):
         return _diagnose(args)
     elif args.command == "follow":
         _follow(args)
+    elif args.command == "compare":
+        from .compare import compare
+
+        return compare(args.methods, args.answers)
     elif args.command == "score":
         from .score import score
 

@@ -1,7 +1,7 @@
 """Opens the answers after the diagnoses are done and prints the measures of the issue, with n and Wilson intervals.
 
 DIAGNOSES holds SET/diagnosis.json (and, where known, SET/seconds.txt with the wall time); ANSWERS holds SET/answer.toml.
-A set without a diagnosis counts as wrong.
+A set without a diagnosis counts as wrong. Rivals leave null what they cannot state; such an entry joins no measure of it.
 """
 
 import json
@@ -110,6 +110,7 @@ def measure(cases):
     clean = [(a, d) for a, d in cases if a["verdict"] == "none"]
     strange = [(a, d) for a, d in cases if a["verdict"] == "unknown"]
     pairs = [(a, d) for a, d in cases if a["verdict"] == "named" and len(a["effect"]) == 2]
+    t.share("missing", [d is None for _, d in cases], "<=0", "sets without a diagnosis")
     t.share("name_3x", [right_single(a, d) for a, d in seen], ">=0.95", "right name or class, singles >= 3x MDE")
     t.share("name_3x_jitter", [right_single(a, d) for a, d in shaky], ">=0", "  the same, jittering time stamps")
     t.share("false_alarm", [bool(named(d)) or (d or {}).get("verdict") == "unknown" for _, d in clean], "<=0.02", "any name on none sets")
@@ -132,13 +133,14 @@ def measure(cases):
         got = named(d)[0]
         if truth["size_mde"] >= 9.0:
             errors.append(abs(got["value"] - truth["value"]) / max(abs(truth["value"] - truth["off"]), 1e-300))
-        lo, hi = got["ci95"]
-        covered.append(lo <= truth["value"] <= hi)
+        if got.get("ci95"):
+            covered.append(got["ci95"][0] <= truth["value"] <= got["ci95"][1])
     t.number("parameter_error", errors, "<=0.05", "median relative parameter error at >= 10x")
     t.share("coverage", covered, [0.90, 0.98], "coverage of the 95 % interval")
     closed = [d["gap"]["closed"] for a, d in seen if right_single(a, d) and (d.get("gap") or {}).get("closed") is not None]
     t.number("gap_closed", closed, ">=0.9", "median share of the gap closed on held-out runs")
-    stated = [(e["probability"], touched_truth(a, e)) for a, d in cases for e in named(d) if a["verdict"] != "unknown"]
+    stated = [(e["probability"], touched_truth(a, e)) for a, d in cases for e in named(d)
+              if a["verdict"] != "unknown" and e.get("probability") is not None]
     t.number("calibration", [calibration(stated)] if stated else [], "<=0.05", "calibration error of the stated probability")
     t.rows["calibration"]["n"] = len(stated)
     rates = {rig: [right_single(a, d) for a, d in seen if a["rig"] == rig and a["part"] == "singles"] for rig in ("balance", "hang")}

@@ -8,7 +8,7 @@ use super::evaluation::Evaluation;
 use super::refit::refit;
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
-use crate::residual::Cut;
+use crate::residual::{Cut, Probe};
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
@@ -84,7 +84,13 @@ pub fn alternatives(
             let bent = candidates[effect].bends || candidate.bends;
             let known = if bent { BENT_COLUMN } else { COLUMN };
             let honest = if bent { BENT_HONEST } else { honest(last, &offsets, own, other) };
-            all.push((index, x, loss / (1.0 + honest + known * known * strength)));
+            let mut loss = loss / (1.0 + honest + known * known * strength);
+            if bent && loss > CLASS * temper {
+                let from = Place { others: &others, effect: index, x };
+                let there = seen_from(cut, candidates, last, &from, effect)?;
+                loss = loss.min(there.map_or(0.0, |gain| gain.max(0.0)));
+            }
+            all.push((index, x, loss));
             continue;
         }
         let mut set = others.clone();
@@ -190,6 +196,42 @@ fn predicted_loss(
         .map(|loss| (loss, size * size * length))
 }
 
+/// A candidate in the place of an effect.
+struct Place<'a> {
+    others: &'a [usize],
+    effect: usize,
+    x: f64,
+}
+
+/// What `other` gains in the place of a candidate, as seen from that candidate's own fit. A column that carries noise of the
+/// lattice looks better than it is where it is fitted itself, and worse from elsewhere.
+fn seen_from(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    from: &Place,
+    other: usize,
+) -> Result<Option<f64>, Error> {
+    let mut point = last.point.clone();
+    point[other] = candidates[other].off;
+    point[from.effect] = from.x;
+    let mut set = from.others.to_vec();
+    set.push(from.effect);
+    let fit = refit(cut, candidates, &point, &set)?;
+    let mut probes: Vec<Probe> = set
+        .iter()
+        .filter(|index| !candidates[**index].is_discrete())
+        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(fit.point[*index]) })
+        .collect();
+    probes.push(Probe { candidate: other, by: last.point[other] - candidates[other].off });
+    if candidates[from.effect].bends {
+        let by = candidates[from.effect].off - fit.point[from.effect];
+        probes.push(Probe { candidate: from.effect, by });
+    }
+    let there = Evaluation::at(cut, &fit.point, &probes, true)?;
+    Ok(linear_loss(&there, from.others, from.effect, other, candidates).map(|replaced| -replaced.loss))
+}
+
 /// Another column in the place of an effect's.
 struct Replaced {
     loss: f64,
@@ -220,7 +262,7 @@ fn linear_loss(
 ) -> Option<Replaced> {
     let size = last.point[effect] - candidates[effect].off;
     // all of the effect at once, where that column is there; else its derivative
-    let whole = |probe: &crate::residual::Probe| probe.candidate == effect && probe.by == -size;
+    let whole = |probe: &Probe| probe.candidate == effect && probe.by == -size;
     let own = last.probes.iter().position(whole).or(last.places(&[effect]).first().copied())?;
     let rest = last.places(others);
     let cleaned = |a: usize, b: usize| {

@@ -24,6 +24,9 @@ pub const ALPHA: f64 = 0.005;
 /// More effects than this are not a diagnosis any more.
 const MOST: usize = 6;
 
+/// So many may be accepted and turn out superfluous at once.
+const VAIN: usize = 4;
+
 /// One look in the story.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -101,6 +104,7 @@ pub fn study(
     }
     let mut found = screen(&last, candidates, &active);
     let mut refused: Vec<usize> = Vec::new();
+    let mut vain = 0;
     while active.len() < MOST {
         let mut step = Step {
             best: found.hits.iter().take(8).cloned().collect(),
@@ -140,7 +144,12 @@ pub fn study(
         let stuck = step.dropped.contains(&candidate);
         steps.push(step);
         if stuck {
-            break;
+            // refused from now on; what it hid may be the truth
+            vain += 1;
+            if vain > VAIN {
+                break;
+            }
+            continue;
         }
         if let Some(other) = second_opinion(cut, candidates, &last, &mut active, candidate, &steps)? {
             last = look(cut, &other, &active)?;

@@ -2,6 +2,20 @@
 
 use super::*;
 
+/// Place of `tau_applied` among the columns.
+const TORQUE: usize = 4;
+/// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
+const AT_ONCE: f64 = 2e-4;
+
+impl PlantCut {
+    /// Whether the command jumps at a time by more than the torque's noise.
+    fn jumps(&self, run: usize, time: f64) -> bool {
+        let Some(log) = &self.runs[run].controller else { return false };
+        let held = |at: f64| log.held("tau", at, 0.0);
+        (held(time + AT_ONCE) - held(time - AT_ONCE)).abs() > self.signals[TORQUE].sigma
+    }
+}
+
 /// Which simulated row goes into which bin.
 pub(super) struct Layout {
     /// Signal, rows (index among the wanted ones).
@@ -16,8 +30,11 @@ impl Layout {
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
-                let rows: Vec<usize> =
-                    chunk.iter().copied().filter(|place| values[window.rows[*place]].is_finite()).collect();
+                let tells = |place: &usize| {
+                    let row = window.rows[*place];
+                    values[row].is_finite() && !(signal == TORQUE && cut.jumps(window.run, log.time[row]))
+                };
+                let rows: Vec<usize> = chunk.iter().copied().filter(tells).collect();
                 if !rows.is_empty() {
                     bins.push((signal, rows));
                 }

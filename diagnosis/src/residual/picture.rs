@@ -40,6 +40,7 @@ pub struct Studio {
     outputs: [u32; 9],
     valid: u32,
     rate: f64,
+    half_width: f64,
     fixed: Vec<Setting>,
     noiseless: Setting,
     /// One setting of the seed for each picture that is averaged.
@@ -67,17 +68,23 @@ impl Studio {
         let interlaced = model.number("camera.interlaced").unwrap_or(0.0) > 0.5;
         let rate = model.number("camera.omega_cam").unwrap_or(30.0) * if interlaced { 2.0 } else { 1.0 };
         let valid = bench.reference("valid")?;
+        let half_width = 0.5 * model.number("camera.width").unwrap_or(512.0);
         let noisy = model.number("camera.sigma").unwrap_or(0.0) > 0.0;
         let seeds = (0..if noisy { AVERAGED } else { 1 })
             .map(|k| bench.setting("seed", f64::from(7919 * (k + 1))))
             .collect::<Result<_, _>>()?;
         let noiseless = bench.setting("sigma", 0.0)?;
-        Ok(Self { bench, inputs, outputs, valid, rate, fixed, noiseless, seeds })
+        Ok(Self { bench, inputs, outputs, valid, rate, half_width, fixed, noiseless, seeds })
     }
 
     /// Frame interval, s.
     pub fn interval(&self) -> f64 {
         1.0 / self.rate
+    }
+
+    /// Half the width of a frame, px: what one unit of u0 and v0 moves the picture by.
+    pub fn half_width(&self) -> f64 {
+        self.half_width
     }
 
     /// The bench, for settings.

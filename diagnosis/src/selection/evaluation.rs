@@ -81,7 +81,7 @@ impl Evaluation {
         let mut seen = sigmas.clone();
         // two signals share nuisances, so that the estimate of one depends on the other's: settles in a few rounds
         for _ in 0..3 {
-            seen = scatter(&blocks, &sigmas);
+            seen = scatter(&blocks, &sigmas, signals);
             let wanted: Vec<f64> = signals
                 .iter()
                 .zip(&seen)
@@ -246,7 +246,7 @@ const WILD: f64 = 10.0;
 
 /// Standard deviation of each signal after start states and free discrepancy. A few blocks that the model can't follow at all
 /// say nothing of noise.
-fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
+fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
     let count = sigmas.len();
     let each: Vec<Vec<(f64, f64)>> = blocks
         .par_iter()
@@ -268,7 +268,11 @@ fn scatter(blocks: &[Block], sigmas: &[f64]) -> Vec<f64> {
             let mut ratios: Vec<f64> =
                 each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
             ratios.sort_by(f64::total_cmp);
-            let most = ratios.get(ratios.len() / 2).map_or(f64::INFINITY, |median| WILD * median);
+            let most = match ratios.get(ratios.len() / 2) {
+                Some(median) if signals[s].honest == 0.0 => WILD * median,
+                // areas in whole pixels may not scatter at all in most blocks
+                _ => f64::INFINITY,
+            };
             let sum: f64 = each.iter().map(|sums| sums[s].0.min(most * sums[s].1)).sum();
             let freedom: f64 = each.iter().map(|sums| sums[s].1).sum();
             if freedom > 3.0 { sigmas[s] * (sum / freedom).sqrt().max(1e-6) } else { sigmas[s] }

@@ -18,15 +18,17 @@ const CHANNELS: [(usize, f64); 3] = [(0, 0.003), (1, 0.003), (6, 0.05)];
 const MADE: i32 = 4;
 /// Standard deviation of a pose read off a picture and smoothed by the plant, rad.
 const READ: f64 = 1.5e-4;
+/// How far the picture may lie from where the model has it, px: an effect of this size would hardly be seen.
+const BESIDE: f64 = 0.01;
 /// Neighbours that are needed to speak of scatter.
 const ENOUGH: usize = 60;
 /// Rows of one block, whose scatter is independent of the next one's.
 const BLOCK: usize = 25;
-/// To what share a predicted variance is known: the rim's place on the pixel lattice is known to some thousandths of a
-/// pixel, and one more pixel near the threshold is a tenth of all that flicker.
+/// To what share a predicted variance is known: honest renderers cut the rim's pixels differently, and one more pixel
+/// near the threshold is a tenth of all that flicker.
 const KNOWN: f64 = 0.1;
 /// Standard deviations from which a different noise is named, and by which a channel may contradict the others.
-const CLEAR: f64 = 5.0;
+const CLEAR: f64 = 4.5;
 const ALIKE: f64 = 3.5;
 /// Smallest noise that is tried where the nominal sensor has none, grey levels.
 const LEAST: f64 = 0.5;
@@ -89,6 +91,8 @@ impl ImageCut {
         let nominal = candidate.off;
         let from = nominal.max(LEAST);
         let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
+        let mut here = here;
+        self.unsure_lattice(point, &clean, &mut here)?;
         let apart = compare(&seen, &here);
         let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
@@ -106,15 +110,51 @@ impl ImageCut {
             if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
         }
         let value = (low * high).sqrt();
-        let (Some(there), Some(below), Some(above)) =
+        let (Some(mut there), Some(below), Some(above)) =
             (predicted(value)?, predicted(value / 1.2)?, predicted(value * 1.2)?)
         else {
             return Ok(None);
         };
+        let mut found = point.to_vec();
+        found[index] = value;
+        self.unsure_lattice(&found, &clean, &mut there)?;
         let there = compare(&seen, &there);
         let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
         let error = value * there.error / slope.max(0.1);
         Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < ALIKE }))
+    }
+
+    /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
+    /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
+    fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
+        let bench = self.studio.bench();
+        let half = self.studio.half_width();
+        let mut logs: [Vec<f64>; 3] = Default::default();
+        for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
+            let mut settings = self.settings(point, None)?;
+            for (name, by) in [("u0", u), ("v0", v)] {
+                let (reference, _) = bench.setting(name, 0.0)?;
+                let there = settings.iter().rev().find(|(known, _)| *known == reference);
+                let now = there.and_then(|(_, value)| value.as_f64()).unwrap_or(bench.nominal(reference));
+                settings.push(bench.setting(name, now + by * BESIDE / half)?);
+            }
+            let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
+            let rest = |place: usize| {
+                let (here, made) = (clean[place]?, made[place]?);
+                self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
+            };
+            let set: Vec<Option<Seen>> = (0..clean.len()).map(rest).collect();
+            if let Some(scatter) = self.scatter(&[set]) {
+                logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
+            }
+        }
+        for ((_, error), logs) in into.iter_mut().zip(&logs) {
+            let n = logs.len() as f64;
+            let mean = logs.iter().sum::<f64>() / n;
+            let spread = logs.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / (n - 1.0).max(1.0);
+            *error = error.hypot(if n > 1.0 { spread.sqrt() } else { 0.0 });
+        }
+        Ok(())
     }
 
     /// The shots at poses as far beside as those may be that were measured.

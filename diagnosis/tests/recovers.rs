@@ -55,6 +55,17 @@ fn recovers_bias_of_the_torque() {
 }
 
 #[test]
+fn recovers_a_sensor_that_is_noisier() {
+    // 24 s of 30 frames: circle 1's scatter is known to a tenth, and grows with the square root of the noise or so
+    let found = said("noisy", &[("camera.sigma", "12.0")]);
+    assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
+    let effect = &found.effects[0];
+    assert_eq!((effect.name.as_str(), effect.class.len()), ("camera.sigma", 1));
+    assert!(effect.ci95[0] < 12.0 && effect.ci95[1] > 12.0 && effect.ci95[0] > 4.0, "{effect:?}");
+    assert!((effect.value - 12.0).abs() < 3.0, "{effect:?}");
+}
+
+#[test]
 fn every_run_of_a_diagnosis_says_the_same() {
     let folder = common::recorded("same", &[("plant.fc_joint", "0.01")]);
     let once = || {

@@ -66,7 +66,7 @@ pub fn recorded(name: &str, set: &[(&str, &str)]) -> Folder {
     folder.put("dataset.toml", &manifest(2));
     for (run, start) in [(1_u64, "0.1"), (2, "0.2")] {
         let mut scenario = Scenario::load(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
-        for (name, value) in set.iter().chain(&[("plant.q2_0", start), ("camera.sigma", "4.0")]) {
+        for (name, value) in [("plant.q2_0", start), ("camera.sigma", "4.0")].iter().chain(set) {
             scenario.set(name, value).expect("the names are right");
         }
         scenario.set_stop("12").expect("a time");

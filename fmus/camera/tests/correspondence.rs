@@ -49,6 +49,26 @@ fn every_lens_is_identified_from_the_first_frame_and_never_wrongly() {
 }
 
 #[test]
+fn every_turned_mount_that_the_vision_knows_of_shows_the_same_angles() {
+    // a disc of 5 px on another lattice: its centroid lies up to 0.15 px elsewhere, links are 160 px long and more
+    const SAME: f64 = 3e-3;
+    let upright = variables(|_| ());
+    for turned in [-1.2, 0.7, std::f64::consts::FRAC_PI_2, 3.1] {
+        let mut other = variables(|_| ());
+        other.effects.mounting.roll = turned;
+        other.sensor.mount = turned;
+        for (q1, q2) in [(0.0, 0.0), (-0.05, 0.1), (0.3, -0.6)] {
+            let (here, there) = (still(&upright, q1, q2), still(&other, q1, q2));
+            assert!(here.valid && there.valid, "{turned} {q1} {q2}");
+            let apart = (here.link1_angle - there.link1_angle)
+                .abs()
+                .max((here.link2_angle - there.link2_angle).abs());
+            assert!(apart < SAME, "{turned}: {apart}");
+        }
+    }
+}
+
+#[test]
 fn every_pose_is_identified_rightly_or_not_at_all() {
     let base = Variables::default();
     let mut random = Random(3);

@@ -132,6 +132,37 @@ fn value_actuator() {
 }
 
 #[test]
+fn value_an_actuator_that_has_settled_before_the_start() {
+    // lag, limit and delay hold tau_0: no transient where the command stays, and the old one until the delay is over
+    let settled = |command: f64| {
+        Rig::at([0.0; 4], |variables| {
+            variables.parameters.start_torque = 0.4;
+            variables.inputs.torque = command;
+            variables.effects.delay.time = 0.02;
+            variables.effects.rate_limit.limit = 5.0;
+            variables.effects.lag.time = 0.05;
+        })
+    };
+    let applied = |rig: &Rig| rig.variables.outputs.applied_torque;
+    let mut stays = settled(0.4);
+    stays.run(0.1, 10);
+    assert_eq!(applied(&stays), 0.4);
+    let mut drops = settled(0.0);
+    drops.run(0.02, 4);
+    assert_eq!(applied(&drops), 0.4);
+    drops.run(0.05, 6);
+    assert!(applied(&drops) < 0.4 - 1e-3, "{}", applied(&drops));
+    // the output of a saturation can't have been more than its limit
+    let cut = Rig::at([0.0; 4], |variables| {
+        variables.parameters.start_torque = 0.4;
+        variables.inputs.torque = 0.4;
+        variables.effects.saturation.limit = 0.3;
+        variables.effects.lag.time = 0.05;
+    });
+    assert_eq!(applied(&cut), 0.3);
+}
+
+#[test]
 fn value_contact() {
     let (time, state) = (0.7524720603959446, [-1.4890521590074366, 2.35]);
     for steps in [600, 10, 1] {

@@ -51,6 +51,12 @@ pub struct Member {
 }
 
 impl Effect {
+    /// Digits after the point that show the interval's width, four at least.
+    pub fn digits(&self) -> usize {
+        let width = self.ci95[1] - self.ci95[0];
+        (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
+    }
+
     /// An effect that is what it is: no other candidate does the same.
     pub(crate) fn alone(candidate: &Candidate, value: f64, ci95: [f64; 2], probability: f64) -> Self {
         let name = candidate.name.to_owned();

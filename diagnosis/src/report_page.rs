@@ -94,12 +94,14 @@ fn summary(diagnosis: &Diagnosis) -> String {
 fn effects(diagnosis: &Diagnosis) -> Table {
     let head = ["effect", "name", "value", "95 %", "off", "probability", "can't be told from"];
     let rows = diagnosis.effects.iter().map(|effect| {
-        let number = |value: f64| Cell::Number(format!("{value:.5}"));
+        let digits = effect.digits();
+        let number = |value: f64| Cell::Number(format!("{value:.digits$}"));
+        let [low, high] = effect.ci95;
         vec![
             effect.phrase.clone().into(),
             effect.name.clone().into(),
             number(effect.value),
-            Cell::Number(format!("{:.5} ... {:.5}", effect.ci95[0], effect.ci95[1])),
+            Cell::Number(format!("{low:.digits$} ... {high:.digits$}")),
             number(effect.off),
             Cell::Number(format!("{:.3}", effect.probability)),
             others(effect).into(),

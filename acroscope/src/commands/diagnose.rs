@@ -41,11 +41,6 @@ fn spinner(quiet: bool) -> ProgressBar {
     spinner
 }
 
-/// Digits after the point that show an interval: two of its width, four at least.
-fn digits(width: f64) -> usize {
-    (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
-}
-
 /// The verdict in a few lines.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
@@ -62,7 +57,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     );
     for effect in &diagnosis.effects {
         let [low, high] = effect.ci95;
-        let digits = digits(high - low);
+        let digits = effect.digits();
         tell!(
             "  {} = {:.digits$} ({low:.digits$} to {high:.digits$}): {}",
             effect.class.join(" or "),

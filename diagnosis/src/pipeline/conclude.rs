@@ -19,7 +19,7 @@ pub(super) fn conclude(
     mut notices: Vec<Notice>,
     units: &UnitPath,
 ) -> Result<Diagnosis, Error> {
-    let mut effects = Vec::new();
+    let (mut effects, mut swaps): (_, Vec<Swap>) = (Vec::new(), Vec::new());
     let mut smallest = BTreeMap::new();
     let mut found: Vec<(f64, Where)> = Vec::new();
     let mut gaps: Vec<Gap> = Vec::new();
@@ -31,7 +31,10 @@ pub(super) fn conclude(
     for part in parts {
         let free: Vec<usize> =
             part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
-        effects.extend(part_effects(part, list, &free));
+        for (effect, swap) in part_effects(part, list, &free) {
+            effects.push(effect);
+            swaps.extend(swap);
+        }
         detectable(part, list, &free, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
         let mut gap = gap::gap(&part.study, &free, &runs, part.torque);
@@ -86,6 +89,13 @@ pub(super) fn conclude(
     let certain = parts.iter().filter(|part| !part.study.outweighed);
     let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
     let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
+    let mut point = point;
+    for (own, best, x) in swaps {
+        // not what a correction has withdrawn
+        if point[own] != list[own].off {
+            (point[own], point[best]) = (list[own].off, x);
+        }
+    }
     let amended = amend::amended(model, list, &point, &effects, correction.as_ref(), units)?;
     Ok(Diagnosis {
         verdict,
@@ -105,44 +115,71 @@ pub(super) fn conclude(
     })
 }
 
-fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<Effect> {
+/// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
+type Swap = (usize, usize, f64);
+
+fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect, Option<Swap>)> {
     let covariance = part.study.last.covariance(free);
     let systematic = part.study.last.systematic(free, &part.signals);
+    let error = |index: usize| {
+        let place = free.iter().position(|other| *other == index)?;
+        covariance.as_ref().map(|c| (c[(place, place)] + systematic[place]).sqrt())
+    };
     part.classes
         .iter()
         .map(|(index, alternatives)| {
-            let candidate = &list[*index];
             let x = part.study.last.point[*index];
-            let error = free
-                .iter()
-                .position(|other| other == index)
-                .and_then(|place| covariance.as_ref().map(|c| (c[(place, place)] + systematic[place]).sqrt()))
-                .unwrap_or(0.0);
-            let ends = [candidate.value(x - 1.96 * error), candidate.value(x + 1.96 * error)];
-            let weight = |alternative: &Alternative| libm::exp(-0.5 * alternative.loss);
-            let all: f64 = alternatives.iter().map(weight).sum();
-            let own = alternatives.iter().find(|other| other.candidate == *index);
-            let others = alternatives.iter().filter(|other| other.candidate != *index && other.loss < CLASS);
-            let members: Vec<Member> = std::iter::once((*index, own.map_or(1.0, weight)))
-                .chain(others.map(|other| (other.candidate, weight(other))))
-                .map(|(candidate, weight)| Member {
-                    name: list[candidate].name.to_owned(),
-                    probability: (weight / all).min(1.0 - ALPHA),
-                })
-                .collect();
+            let swap = better_guess(*index, alternatives).map(|best| (*index, best.candidate, best.x));
+            let (name, at) = swap.map_or((*index, x), |(_, best, at)| (best, at));
+            let candidate = &list[name];
+            // the same share of the effect's size, whatever its name
+            let share = |index: usize, x: f64| (x - list[index].off).abs();
+            let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
+            let error = known * error(*index).unwrap_or(0.0);
+            let ends = [candidate.value(at - 1.96 * error), candidate.value(at + 1.96 * error)];
+            let members = members(name, *index, alternatives, list);
             let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
-            Effect {
+            let effect = Effect {
                 name: candidate.name.to_owned(),
                 class: members.iter().map(|member| member.name.clone()).collect(),
-                value: candidate.value(x),
+                value: candidate.value(at),
                 ci95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
                 probability,
                 members,
                 phrase: candidate.phrase.to_owned(),
                 off: candidate.value(candidate.off),
-            }
+            };
+            (effect, swap)
         })
         .collect()
+}
+
+/// Loss by which another member of the class must be better to be named first.
+const FIRST: f64 = 0.2;
+
+fn better_guess(own: usize, alternatives: &[Alternative]) -> Option<&Alternative> {
+    let loss = alternatives.iter().find(|other| other.candidate == own)?.loss;
+    alternatives.first().filter(|best| best.candidate != own && best.loss + FIRST < loss)
+}
+
+/// The class, the best guess first, the others by their probability.
+fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candidate]) -> Vec<Member> {
+    let weight = |alternative: &Alternative| libm::exp(-0.5 * alternative.loss);
+    let all: f64 = alternatives.iter().map(weight).sum();
+    let mut members: Vec<(bool, Member)> = alternatives
+        .iter()
+        .filter(|other| other.candidate == own || other.loss < CLASS)
+        .map(|other| {
+            let name = list[other.candidate].name.to_owned();
+            let probability = (weight(other) / all).min(1.0 - ALPHA);
+            (other.candidate != first, Member { name, probability })
+        })
+        .collect();
+    if members.is_empty() {
+        members.push((false, Member { name: list[own].name.to_owned(), probability: 1.0 - ALPHA }));
+    }
+    members.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.probability.total_cmp(&a.1.probability)));
+    members.into_iter().map(|(_, member)| member).collect()
 }
 
 /// Smallest size that would have been found, for each candidate of a part.

@@ -52,8 +52,7 @@ pub(super) fn camera_part(
 }
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
-/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur; the
-/// simpler of the two stories is kept.
+/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
 fn with_noise<C: Cut>(
     cut: &mut C,
     image: impl Fn(&C) -> &ImageCut,
@@ -73,13 +72,16 @@ fn with_noise<C: Cut>(
     let Some(sensor) = list.iter().position(|candidate| candidate.side == Side::Scatter) else {
         return Ok(plain);
     };
+    if !clear(&plain.noise) {
+        return Ok(plain);
+    }
     // a blur scatters too, and would hide a part of the noise that it imitates
     let mut sharp = plain.study.last.point.clone();
     let blurs: Vec<usize> =
         plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
     blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
     let guess = if blurs.is_empty() { plain.noise } else { noise(cut, &sharp)? };
-    let Some(guess) = guess.filter(|guess| guess.clear || clear(&plain.noise)) else { return Ok(plain) };
+    let Some(guess) = guess else { return Ok(plain) };
     let mut start = point.to_vec();
     start[sensor] = guess.value;
     cut.afresh();
@@ -87,8 +89,7 @@ fn with_noise<C: Cut>(
     let mut then = noisy.study.last.point.clone();
     then[sensor] = list[sensor].off;
     noisy.noise = noise(cut, &then)?;
-    let simpler = noisy.study.active.len() < plain.study.active.len();
-    if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
+    if clear(&noisy.noise) {
         noisy.study.last.point[sensor] = noisy.noise.map_or(guess.value, |noise| noise.value);
         return Ok(noisy);
     }

@@ -72,16 +72,15 @@ fn with_noise<C: Cut>(
     let Some(sensor) = list.iter().position(|candidate| candidate.side == Side::Scatter) else {
         return Ok(plain);
     };
-    if !clear(&plain.noise) {
-        return Ok(plain);
-    }
     // a blur scatters too, and would hide a part of the noise that it imitates
     let mut sharp = plain.study.last.point.clone();
     let blurs: Vec<usize> =
         plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
     blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
     let guess = if blurs.is_empty() { plain.noise } else { noise(cut, &sharp)? };
-    let Some(guess) = guess else { return Ok(plain) };
+    // one blur that explains picture and scatter alike is the whole story
+    let imitated = clear(&guess) && plain.study.active.len() > 1;
+    let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
     let mut start = point.to_vec();
     start[sensor] = guess.value;
     cut.afresh();
@@ -89,7 +88,8 @@ fn with_noise<C: Cut>(
     let mut then = noisy.study.last.point.clone();
     then[sensor] = list[sensor].off;
     noisy.noise = noise(cut, &then)?;
-    if clear(&noisy.noise) {
+    let simpler = noisy.study.active.len() < plain.study.active.len();
+    if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
         noisy.study.last.point[sensor] = noisy.noise.map_or(guess.value, |noise| noise.value);
         return Ok(noisy);
     }

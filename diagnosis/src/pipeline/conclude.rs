@@ -129,7 +129,7 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect,
         .iter()
         .map(|(index, alternatives)| {
             let x = part.study.last.point[*index];
-            let swap = better_guess(*index, alternatives).map(|best| (*index, best.candidate, best.x));
+            let swap = better_guess(*index, alternatives, list).map(|best| (*index, best.candidate, best.x));
             let (name, at) = swap.map_or((*index, x), |(_, best, at)| (best, at));
             let candidate = &list[name];
             // the same share of the effect's size, whatever its name
@@ -157,7 +157,15 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect,
 /// Loss by which another member of the class must be better to be named first.
 const FIRST: f64 = 0.2;
 
-fn better_guess(own: usize, alternatives: &[Alternative]) -> Option<&Alternative> {
+fn better_guess<'a>(
+    own: usize,
+    alternatives: &'a [Alternative],
+    list: &[Candidate],
+) -> Option<&'a Alternative> {
+    // fits in the place of a whole number are judged by the lattice
+    if list[own].is_discrete() {
+        return None;
+    }
     let loss = alternatives.iter().find(|other| other.candidate == own)?.loss;
     alternatives.first().filter(|best| best.candidate != own && best.loss + FIRST < loss)
 }

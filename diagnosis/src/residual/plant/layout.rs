@@ -6,13 +6,15 @@ use super::*;
 const TORQUE: usize = 4;
 /// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
 const AT_ONCE: f64 = 2e-4;
+/// A jump up to this share of the torque's noise doesn't matter.
+const SMALL: f64 = 0.3;
 
 impl PlantCut {
-    /// Whether the command jumps at a time by more than the torque's noise.
+    /// Whether the command jumps at a time by more than the torque's noise hides.
     fn jumps(&self, run: usize, time: f64) -> bool {
         let Some(log) = &self.runs[run].controller else { return false };
         let held = |at: f64| log.held("tau", at, 0.0);
-        (held(time + AT_ONCE) - held(time - AT_ONCE)).abs() > self.signals[TORQUE].sigma
+        (held(time + AT_ONCE) - held(time - AT_ONCE)).abs() > SMALL * self.signals[TORQUE].sigma
     }
 }
 

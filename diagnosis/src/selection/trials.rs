@@ -24,7 +24,7 @@ const LEAST_SHARE: f64 = 0.03;
 /// differ by what the pixel lattice does when the picture moves under it.
 const LARGE: f64 = 0.1;
 /// Fall of the deviance that a switch must bring.
-const SWITCHED: f64 = 4000.0;
+const SWITCHED: f64 = 200.0;
 /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
 const FOLLOWS: f64 = 0.2;
 

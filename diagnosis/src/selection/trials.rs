@@ -3,7 +3,7 @@
 use super::evaluation::{Evaluation, Folds};
 use super::refit::refit;
 use super::screen::{Hit, Screen};
-use crate::candidates::{Candidate, Motion, Side};
+use crate::candidates::{Candidate, Cuts, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 
@@ -25,6 +25,8 @@ const LEAST_SHARE: f64 = 0.03;
 const LARGE: f64 = 0.1;
 /// Fall of the deviance that a switch must bring.
 const SWITCHED: f64 = 200.0;
+/// Squares over what noise gives from which a window is one in which the machine ran away.
+const RUNAWAY: f64 = 30.0;
 /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
 const FOLLOWS: f64 = 0.2;
 
@@ -147,25 +149,32 @@ pub(super) fn switched(
     if last.softness == 0.0 || cut.outweighed() || cut.lattice() {
         return Ok(None);
     }
+    // a machine that ran away from its ceiling: no tangent says anything of such a window
+    let wild = last.reduced.iter().any(|block| block.square > RUNAWAY * block.freedom.max(1.0));
     for (index, candidate) in candidates.iter().enumerate() {
-        let open =
-            candidate.motion == Motion::Switch && !active.contains(&index) && !refused.contains(&index);
+        let worth = match candidate.motion {
+            Motion::Switch => true,
+            Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque,
+            _ => false,
+        };
+        let open = worth && !active.contains(&index) && !refused.contains(&index);
         if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
             continue;
         }
-        let mut point = last.point.clone();
-        point[index] += candidate.steps[0];
-        cut.afresh();
-        let trial = Evaluation::at(cut, &point, &[], false);
+        for step in &candidate.steps {
+            let mut point = last.point.clone();
+            point[index] += step;
+            cut.afresh();
+            let Ok(trial) = Evaluation::at(cut, &point, &[], false) else { continue };
+            let fall = last.deviance() - trial.deviance();
+            // half a law of motion less and every window follows, or it isn't that
+            let follows = trial.softness <= FOLLOWS * last.softness;
+            if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
+                best = Some((index, fall, trial));
+            }
+        }
         cut.afresh();
         Evaluation::at(cut, &last.point, &[], false)?;
-        let Ok(trial) = trial else { continue };
-        let fall = last.deviance() - trial.deviance();
-        // half a law of motion less and every window follows, or it isn't that
-        let follows = trial.softness <= FOLLOWS * last.softness;
-        if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
-            best = Some((index, fall, trial));
-        }
     }
     Ok(best)
 }

@@ -38,15 +38,13 @@ impl Model {
         let set_error =
             |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
         for (name, value) in &data.manifest.set {
-            let text = match value {
-                toml::Value::String(text) => text.clone(),
-                other => other.to_string(),
-            };
-            scenario.set(name, &text).map_err(|error| set_error(name, error.to_string()))?;
+            scenario.set(name, &text(value)).map_err(|error| set_error(name, error.to_string()))?;
         }
-        // a mount that is said to be turned is one that the vision knows of
-        if let (Some(roll), None) = (data.manifest.set.get(ROLL), data.manifest.set.get(MOUNT)) {
-            scenario.set(MOUNT, &roll.to_string()).map_err(|error| set_error(MOUNT, error.to_string()))?;
+        // a mount that is said to be turned is one that the vision knows of; what is no angle is refused under its own name
+        let angle = |roll: &String| roll.parse::<f64>().is_ok_and(f64::is_finite);
+        let roll = data.manifest.set.get(ROLL).map(text).filter(angle);
+        if let (Some(roll), None) = (roll, data.manifest.set.get(MOUNT)) {
+            scenario.set(MOUNT, &roll).map_err(|error| set_error(MOUNT, error.to_string()))?;
         }
         let left_out = strip(&mut scenario);
         let mut numbers = BTreeMap::new();
@@ -100,6 +98,14 @@ impl Model {
     /// Nominal value of a variable, as a number.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers.get(name).copied()
+    }
+}
+
+/// A value of `[set]` as `Scenario::set` reads it.
+fn text(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        other => other.to_string(),
     }
 }
 

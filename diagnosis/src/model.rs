@@ -5,7 +5,7 @@ use crate::correction::wiring::strip;
 use crate::dataset::DataSet;
 use crate::error::{Error, Notice};
 use orchestrator::scenario::Given;
-use orchestrator::{Fmu, Kind, Scenario, UnitPath, Value};
+use orchestrator::{Fmu, Kind, Scenario, Simulation, UnitPath, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -47,6 +47,9 @@ impl Model {
             scenario.set(MOUNT, &roll).map_err(|error| set_error(MOUNT, error.to_string()))?;
         }
         let left_out = strip(&mut scenario);
+        // a value that no unit takes is told now, with its file, and not when the amended scenario is written
+        Simulation::new(&scenario, units)
+            .map_err(|error| Error::Model(format!("{}: [set]: {error}", manifest.display())))?;
         let mut numbers = BTreeMap::new();
         let mut benches = BTreeMap::new();
         for unit in &scenario.units {

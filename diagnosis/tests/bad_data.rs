@@ -100,3 +100,17 @@ fn every_mistake_in_the_manifest_has_a_line() {
         }
     }
 }
+
+#[test]
+fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
+    let folder = common::recorded("refused", &[]);
+    for value in ["nan", "99.0"] {
+        let head = common::manifest(2).replace("[set]\n", &format!("[set]\n\"camera.roll\" = {value}\n"));
+        folder.put("dataset.toml", &head);
+        let said = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+        let text = said.expect_err("no mount is turned by that").to_string();
+        for word in ["dataset.toml", "camera.roll", value, "3.2"] {
+            assert!(text.contains(word), "{word} is missing in {text:?}");
+        }
+    }
+}

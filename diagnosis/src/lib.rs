@@ -5,7 +5,7 @@
 //! 2. [`model`] loads the nominal scenario; [`mod@bench`] holds its units, reached through FMI only.
 //! 3. [`residual`] cuts the loop at every interface and compares, with the columns of all [`candidates`].
 //! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
-//! 5. [`rest`] says whether what remains is noise, [`gap`] how far it closed, [`amend`] writes the better model.
+//! 5. [`rest`] says whether what remains is noise, `imitation` whether names only stand for something else, [`gap`] how far it closed, [`amend`] writes the better model.
 //! 6. [`correction`] fits labelled torques to a rest that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses.
 
@@ -19,6 +19,7 @@ mod diagnosis;
 mod error;
 mod experiment;
 pub mod gap;
+mod imitation;
 pub mod model;
 mod pipeline;
 pub mod record;

@@ -5,7 +5,7 @@ use crate::diagnosis::Unknown;
 use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
-use crate::statistics::linear::{Cell, projected, reduce, submatrix};
+use crate::statistics::linear::{Cell, projected, reduce};
 use nalgebra::{DMatrix, DVector};
 
 /// How a rest differs from noise.
@@ -84,11 +84,6 @@ const CORRELATED: f64 = 0.25;
 /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest.
 const MEANS: f64 = 2.5;
 
-/// So many effects on one cut whose sum's square is below this share of the sum of their squares imitate something else. Seen:
-/// 0.02 where a lens of fifth order was imitated, 0.35 to 1.5 for effects that are there.
-const IMITATORS: usize = 3;
-const CANCELLED: f64 = 0.1;
-
 /// The rest in words, if it is more than noise.
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let rest = rest(&study.last, signals);
@@ -116,50 +111,6 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     }
     let (depends_on, shape) = image_shape(&study.last, worst);
     Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest })
-}
-
-/// Effects that mostly take each other away, and by that imitate something that none of them is: a lens of fifth order, say,
-/// by one of third order, a scale and a tilt. What is missing shows in the nominal model then.
-pub fn imitation(
-    study: &Study,
-    signals: &[Signal],
-    candidates: &[Candidate],
-    torque: bool,
-) -> Option<Unknown> {
-    let (last, nominal) = (&study.last, &study.nominal);
-    let places = last.places(&study.active);
-    if study.active.len() < IMITATORS || places.len() < study.active.len() {
-        return None;
-    }
-    let gram = submatrix(&last.total.gram, &places);
-    let sizes = DVector::from_iterator(
-        places.len(),
-        study.active.iter().map(|index| last.point[*index] - candidates[*index].off),
-    );
-    let each: f64 = (0..places.len()).map(|i| sizes[i] * sizes[i] * gram[(i, i)]).sum();
-    let together = sizes.dot(&(&gram * &sizes));
-    if together > CANCELLED * each {
-        return None;
-    }
-    let (signal, depends_on, shape) = if torque {
-        torque_shape(study, nominal)
-    } else {
-        let square = |s: usize| -> f64 {
-            let cells = nominal.blocks.iter().flat_map(|block| &block.cells);
-            let rows = cells.flat_map(|cell| cell.signal.iter().zip(cell.residual.iter().zip(&cell.sigma)));
-            rows.filter(|(signal, _)| **signal == s).map(|(_, (rest, sigma))| (rest / sigma).powi(2)).sum()
-        };
-        let worst = (0..signals.len().min(6)).max_by(|a, b| square(*a).total_cmp(&square(*b)))?;
-        let (depends_on, shape) = image_shape(nominal, worst);
-        (signals[worst].name.clone(), depends_on, shape)
-    };
-    let names: Vec<&str> = study.active.iter().map(|index| candidates[*index].name).collect();
-    let nearest = format!(
-        "{} together imitate it, but take each other away: {:.1} % of their squares is left",
-        names.join(", "),
-        100.0 * together / each
-    );
-    Some(Unknown { signal, depends_on, shape, nearest })
 }
 
 fn nearest(study: &Study, candidates: &[Candidate]) -> String {
@@ -206,7 +157,7 @@ fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'st
     ]
 }
 
-fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
+pub(crate) fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
     let lacking = torques(&at.blocks, &[], &[], &study.folds.of);
     let mut best: Option<(f64, usize, &'static [&'static str], &'static str)> = None;
     let mut squares = [0.0; 2];
@@ -271,7 +222,7 @@ fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String)
     }
 }
 
-fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, String) {
+pub(crate) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, String) {
     type Law = (&'static [&'static str], &'static str);
     const LAWS: [Law; 7] = [
         (&[], "constant: this circle sits elsewhere than the model has it"),

@@ -5,7 +5,8 @@ use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
-use crate::rest::{imitation, unknown};
+use crate::imitation::{anything, imitation};
+use crate::rest::unknown;
 use crate::selection::{ALPHA, CLASS};
 use crate::{amend, experiment, gap, story};
 use std::collections::BTreeMap;
@@ -39,7 +40,8 @@ pub(super) fn conclude(
         found.extend(gap::places(&part.study, &part.signals));
         let mut gap = gap::gap(&part.study, &free, &runs, part.torque);
         let left = unknown(&part.study, &part.signals, list, part.torque)
-            .or_else(|| imitation(&part.study, &part.signals, list, part.torque));
+            .or_else(|| imitation(&part.study, &part.signals, list, part.torque))
+            .or_else(|| anything(&part.study, &part.signals, list, &part.classes, part.torque));
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         if part.torque && left.is_some() {
             correction = correct(data, model, list, part, units, &mut notices);

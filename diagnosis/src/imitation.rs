@@ -1,0 +1,115 @@
+//! Named effects that only imitate something else: when what was found is no knowledge.
+
+use crate::candidates::Candidate;
+use crate::diagnosis::Unknown;
+use crate::residual::Signal;
+use crate::rest::{image_shape, torque_shape};
+use crate::selection::{Alternative, CLASS};
+use crate::selection::{Evaluation, Study};
+use crate::statistics::linear::submatrix;
+use nalgebra::{DMatrix, DVector};
+
+/// So many effects on one cut may imitate another one together.
+const IMITATORS: usize = 3;
+/// They take each other away if their sum's square is below this share of the sum of their squares. Seen: 0.02 where a lens of
+/// fifth order was imitated, 0.35 to 1.5 for effects that are there.
+const CANCELLED: f64 = 0.1;
+/// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
+/// clearly there, and resemble it by more than that (a correlation). Seen: 0.014 and 0.49 to 0.96 where k1 imitated k2 in noisy
+/// pictures.
+const MENDED: f64 = 0.04;
+const RESEMBLES: f64 = 0.4;
+/// An effect for which this share of all candidates could stand says only that something is there.
+const ANYTHING: f64 = 0.3;
+
+/// Effects that imitate something which none of them is: a lens of fifth order, say, by one of third order, a scale and a
+/// tilt. What is missing shows in the nominal model then.
+pub fn imitation(
+    study: &Study,
+    signals: &[Signal],
+    candidates: &[Candidate],
+    torque: bool,
+) -> Option<Unknown> {
+    let last = &study.last;
+    let places = last.places(&study.active);
+    if study.active.len() < IMITATORS || places.len() < study.active.len() {
+        return None;
+    }
+    let gram = submatrix(&last.total.gram, &places);
+    let sizes = study.active.iter().map(|index| last.point[*index] - candidates[*index].off);
+    let sizes = DVector::from_iterator(places.len(), sizes);
+    let names: Vec<&str> = study.active.iter().map(|index| candidates[*index].name).collect();
+    let nearest = cancelled(&gram, &sizes, &names).or_else(|| mended(&gram, &sizes, &names))?;
+    let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
+    Some(Unknown { signal, depends_on, shape, nearest })
+}
+
+/// Effects that mostly take each other away.
+fn cancelled(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<String> {
+    let each: f64 = (0..sizes.len()).map(|i| sizes[i] * sizes[i] * gram[(i, i)]).sum();
+    let together = sizes.dot(&(gram * sizes));
+    (together <= CANCELLED * each).then(|| {
+        format!(
+            "{} together imitate it, but take each other away: {:.1} % of their squares is left",
+            names.join(", "),
+            100.0 * together / each
+        )
+    })
+}
+
+/// One effect that explains nearly all, and others like it that only mend its form.
+fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<String> {
+    let answer = gram * sizes;
+    let alone = |i: usize| answer[i] * answer[i] / gram[(i, i)];
+    let first = (0..sizes.len()).max_by(|a, b| alone(*a).total_cmp(&alone(*b)))?;
+    let share = 1.0 - alone(first) / sizes.dot(&answer);
+    let alike = |i: usize| gram[(first, i)].abs() / (gram[(first, first)] * gram[(i, i)]).sqrt();
+    let others: Vec<usize> = (0..sizes.len()).filter(|i| *i != first).collect();
+    (share < MENDED && others.iter().all(|i| alike(*i) > RESEMBLES)).then(|| {
+        let mends: Vec<&str> = others.iter().map(|i| names[*i]).collect();
+        format!(
+            "{} comes nearest, but its form is wrong: {}, which resemble it, are there only to mend the last {:.1} %",
+            names[first],
+            mends.join(" and "),
+            100.0 * share
+        )
+    })
+}
+
+/// An effect in whose place nearly anything could stand: something is there, and that is all that is known of it.
+pub fn anything(
+    study: &Study,
+    signals: &[Signal],
+    candidates: &[Candidate],
+    classes: &[(usize, Vec<Alternative>)],
+    torque: bool,
+) -> Option<Unknown> {
+    let open = |alternatives: &[Alternative]| alternatives.iter().filter(|other| other.loss < CLASS).count();
+    let seen = study.seen.len() as f64;
+    let (index, count) = classes
+        .iter()
+        .map(|(index, alternatives)| (*index, open(alternatives)))
+        .find(|(_, count)| *count > 2 && *count as f64 > ANYTHING * seen)?;
+    let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
+    let nearest = format!("{} and {} others explain it equally well", candidates[index].name, count - 1);
+    Some(Unknown { signal, depends_on, shape, nearest })
+}
+
+/// Where and how the nominal model misses the data.
+fn nominal_shape(study: &Study, signals: &[Signal], torque: bool) -> Option<(String, Vec<String>, String)> {
+    let nominal = &study.nominal;
+    if torque {
+        return Some(torque_shape(study, nominal));
+    }
+    let worst =
+        (0..signals.len().min(6)).max_by(|a, b| square(nominal, *a).total_cmp(&square(nominal, *b)))?;
+    let (depends_on, shape) = image_shape(nominal, worst);
+    Some((signals[worst].name.clone(), depends_on, shape))
+}
+
+/// Sum of squares of one signal, in its standard deviations.
+fn square(at: &Evaluation, signal: usize) -> f64 {
+    let cells = at.blocks.iter().flat_map(|block| &block.cells);
+    let rows = cells.flat_map(|cell| cell.signal.iter().zip(cell.residual.iter().zip(&cell.sigma)));
+    rows.filter(|(own, _)| **own == signal).map(|(_, (rest, sigma))| (rest / sigma).powi(2)).sum()
+}

@@ -47,6 +47,20 @@ fn recovers_radial_distortion() {
 }
 
 #[test]
+fn recovers_radial_distortion_from_pictures_alone() {
+    // without torque and encoders nothing smooths the poses: were frames rendered where the nominal lens has them, the lattice
+    // would scatter like a noisy sensor
+    let folder = common::recorded("alone", &[("camera.k1", "0.05")]);
+    for run in ["run-01", "run-02"] {
+        for log in ["plant.csv", "controller.csv"] {
+            std::fs::remove_file(folder.path().join(run).join(log)).expect("the log was recorded");
+        }
+    }
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    named(&found.expect("the data is good"), "camera.k1", 0.05, 3e-4);
+}
+
+#[test]
 fn recovers_bias_of_the_torque() {
     // the standard error is about 1e-4 N·m; slope looks much the same, so the class is not looked at
     let found = said("bias", &[("plant.tau_bias", "0.02")]);

@@ -8,7 +8,6 @@
 use super::image::{ImageCut, Pose, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Probe, Signal};
-use crate::bench::Setting;
 use crate::candidates::{Candidate, Side};
 use crate::dataset::{DataSet, Table};
 use crate::error::Error;
@@ -24,11 +23,6 @@ fn candidates_step(candidates: &[Candidate]) -> f64 {
 /// Three standard deviations of an angle read off a picture, rad.
 const NEAR: f64 = 3e-3;
 
-/// Frames to either side over which a change of poses is averaged: a lens or mount that moves shifts poses smoothly.
-const BESIDE: usize = 7;
-/// A change of poses below this moves no pixel that matters, rad.
-const STILL: f64 = 1e-4;
-
 /// Picture and torque.
 pub struct Chain {
     /// The picture with free poses.
@@ -36,9 +30,6 @@ pub struct Chain {
     plant: PlantCut,
     candidates: Arc<Vec<Candidate>>,
     signals: Vec<Signal>,
-    /// Settings of the camera that the poses have followed, now and at the last look that was not quick.
-    followed: Option<Vec<Setting>>,
-    marked: Option<Vec<Setting>>,
 }
 
 impl Chain {
@@ -52,7 +43,7 @@ impl Chain {
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
         let most = usize::MAX;
-        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Free, most)? else {
+        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Led, most)? else {
             return Ok(None);
         };
         let mut seen = data.clone();
@@ -73,7 +64,7 @@ impl Chain {
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
-        let mut chain = Self { image, plant, candidates, signals, followed: None, marked: None };
+        let mut chain = Self { image, plant, candidates, signals };
         let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
         chain.linearise(&off, &first, false)?;
         chain.image.forget();
@@ -98,52 +89,6 @@ impl Chain {
             if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < NEAR) {
                 frame.shot.end = end;
                 frame.shot.before = motion.at(frame.time - delay - interval).unwrap_or(frame.shot.before);
-            }
-        }
-        Ok(())
-    }
-
-    /// Lets the poses follow a camera that was moved, so that frames are rendered where this camera has them: the
-    /// pixel lattice is part of the model only there.
-    fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
-        // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
-        let now = self.image.settings(point, None)?;
-        if self.followed.as_ref() == Some(&now) {
-            return Ok(());
-        }
-        self.followed = Some(now);
-        let blocks = self.image.linearise(point, &[], true)?;
-        let mut cells =
-            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
-        let shifts: Vec<Option<[f64; 2]>> = (self.image.frames.iter())
-            .map(|frame| {
-                let here =
-                    cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
-                here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
-            })
-            .collect();
-        let frames = &mut self.image.frames;
-        let runs: Vec<usize> = frames.iter().map(|frame| frame.run).collect();
-        let smooth: Vec<[f64; 2]> = (0..shifts.len())
-            .map(|place| {
-                let near = place.saturating_sub(BESIDE)..(place + BESIDE + 1).min(shifts.len());
-                let near: Vec<[f64; 2]> = near
-                    .filter(|other| runs[*other] == runs[place])
-                    .filter_map(|other| shifts[other])
-                    .collect();
-                [0, 1].map(|angle| {
-                    near.iter().map(|shift| shift[angle]).sum::<f64>() / near.len().max(1) as f64
-                })
-            })
-            .collect();
-        let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
-        if size < STILL * STILL * smooth.len() as f64 {
-            return Ok(());
-        }
-        for (frame, shift) in frames.iter_mut().zip(&smooth) {
-            for (angle, by) in shift.iter().enumerate() {
-                frame.shot.end[angle] += by;
-                frame.shot.before[angle] += by;
             }
         }
         Ok(())
@@ -186,7 +131,6 @@ impl Cut for Chain {
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        self.follow(point)?;
         let mut blocks = self.image.linearise(point, probes, quick)?;
         let poses = self.poses(&blocks, probes);
         let read = if quick { Vec::new() } else { poses.angles.clone() };
@@ -199,7 +143,6 @@ impl Cut for Chain {
         }
         if !quick {
             self.image.mark();
-            self.marked.clone_from(&self.followed);
         }
         let offset = self.image.signals().len();
         blocks.extend(more.into_iter().map(|block| {
@@ -228,7 +171,6 @@ impl Cut for Chain {
 
     fn back(&mut self) {
         self.image.back();
-        self.followed.clone_from(&self.marked);
         self.plant.back();
     }
 

@@ -1,5 +1,6 @@
 //! Stretches of a log for the weak form: states on a grid, a test function, and what the log gives against it.
 
+use super::plant::jitter::unevenness;
 use super::trajectory::{State, average};
 use crate::dataset::{DataSet, Table};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
@@ -81,6 +82,7 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
         let log = Log {
             time: rows.iter().map(|row| plant.time[*row]).collect(),
             angles: [q1, q2].map(|q| rows.iter().map(|row| q[*row]).collect()),
+            late: unevenness(&plant.time),
         };
         if log.time.len() > ROWS as usize {
             cut(&mut Grid::new(index, &log, controller, &mut nodes), &sigma, &mut all);
@@ -92,6 +94,8 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
 struct Log {
     time: Vec<f64>,
     angles: [Vec<f64>; 2],
+    /// By how much the stamps may scatter, s: an angle is off by its rate times that.
+    late: f64,
 }
 
 /// The nodes of one run, at even distances from its first row; half a stretch is a whole number of them.
@@ -188,8 +192,11 @@ fn stretch(
             let before = log.time[row.saturating_sub(1).max(first)];
             let after = log.time[(row + 1).min(log.time.len() - 1)];
             let weight = 0.5 * (after - before) * second(place(log.time[row])) / (half * half * half * AREA);
+            let rate = (log.angles[axis][(row + 1).min(log.time.len() - 1)]
+                - log.angles[axis][row.saturating_sub(1).max(first)])
+                / (after - before);
             measured[axis] += weight * (log.angles[axis][row] - middle);
-            noise[axis] += weight * weight * sigma[axis] * sigma[axis];
+            noise[axis] += (weight * sigma[axis].hypot(log.late * rate)).powi(2);
         }
         noise[axis] = noise[axis].sqrt();
     }

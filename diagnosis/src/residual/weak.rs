@@ -11,6 +11,7 @@
 mod forced;
 
 use super::actuator::{Actuator, DYNAMIC, key};
+use super::plant::jitter::torque_scatter;
 use super::plant::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::{Block, Cut, Probe, Signal};
@@ -51,6 +52,8 @@ pub struct Weak {
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
+    /// Torque that the scatter of the torques' stamps gives, N·m.
+    explained: f64,
 }
 
 impl Weak {
@@ -83,6 +86,8 @@ impl Weak {
             |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1, honest: 0.0 };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
+        let length = found[0].to - found[0].from;
+        let explained = torque_scatter(&data.runs, 0.5 * length);
         let mut weak = Self {
             bench,
             candidates,
@@ -93,6 +98,7 @@ impl Weak {
             signals,
             inputs,
             outputs,
+            explained,
         };
         weak.weigh()?;
         Ok(Some(weak))
@@ -249,6 +255,10 @@ impl Cut for Weak {
 
     fn outweighed(&self) -> bool {
         true
+    }
+
+    fn explained(&self) -> f64 {
+        self.explained
     }
 
     fn discrepancy_unit(&self) -> &'static str {

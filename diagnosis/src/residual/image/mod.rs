@@ -55,7 +55,9 @@ pub struct Frame {
 pub enum Pose {
     /// A motion per run, and how well it is known (rad).
     Logged(Vec<Motion>, f64),
-    /// The picture itself.
+    /// The picture itself, where a plant that is driven by the torque will follow it.
+    Led,
+    /// The picture alone.
     Free,
 }
 
@@ -80,8 +82,10 @@ pub struct ImageCut {
     made: Option<Made>,
     /// Frames beside the poses, without a candidate moved.
     still: Vec<Made>,
-    /// Poses at the last look that was not quick.
-    looked: Option<Vec<Shot>>,
+    /// Settings of the camera that poses read off the picture have followed.
+    followed: Option<Vec<Setting>>,
+    /// Poses, and what they had followed, at the last look that was not quick.
+    looked: Option<(Vec<Shot>, Option<Vec<Setting>>)>,
 }
 
 impl ImageCut {
@@ -108,7 +112,7 @@ impl ImageCut {
                 }
             }
         }
-        if let Pose::Free = pose {
+        if !matches!(pose, Pose::Logged(..)) {
             free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0));
         }
         let every = frames.len().div_ceil(most.max(1)).max(1);
@@ -146,6 +150,7 @@ impl ImageCut {
             kept: BTreeMap::new(),
             made: None,
             still: Vec::new(),
+            followed: None,
             looked: None,
         }))
     }
@@ -162,7 +167,7 @@ impl ImageCut {
 
     /// Poses as they are now are those to come back to.
     pub fn mark(&mut self) {
-        self.looked = Some(self.frames.iter().map(|frame| frame.shot).collect());
+        self.looked = Some((self.frames.iter().map(|frame| frame.shot).collect(), self.followed.clone()));
     }
 
     /// Forgets kept columns, since the frames have moved.
@@ -200,7 +205,7 @@ impl ImageCut {
         }
     }
 
-    /// Renders, and moves free poses to where the picture wants them.
+    /// Renders at the poses.
     fn base(&mut self, point: &[f64]) -> Result<Vec<Option<Seen>>, Error> {
         let settings = self.settings(point, None)?;
         let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
@@ -221,7 +226,7 @@ impl Cut for ImageCut {
     fn name(&self) -> &'static str {
         match self.pose {
             Pose::Logged(..) => "camera: motion in, picture out",
-            Pose::Free => "camera: picture alone, pose free",
+            Pose::Led | Pose::Free => "camera: picture alone, pose free",
         }
     }
 
@@ -230,12 +235,16 @@ impl Cut for ImageCut {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        let free = matches!(self.pose, Pose::Free);
+        let free = !matches!(self.pose, Pose::Logged(..));
         candidate.side == Side::Camera && !(free && candidate.name == "camera.T_delay")
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
         self.place(point);
+        self.follow(point)?;
+        if !quick {
+            self.mark();
+        }
         let base = self.base(point)?;
         let mut columns = Vec::with_capacity(probes.len());
         for probe in probes {
@@ -246,7 +255,7 @@ impl Cut for ImageCut {
                 Some(self.column(point, *probe)?)
             });
         }
-        let (delay, free) = (self.delay, matches!(self.pose, Pose::Free));
+        let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
         let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };
         let turns = self.turns.as_deref().unwrap_or(&[]);
         let mut blocks: Vec<Block> = Vec::new();
@@ -309,8 +318,9 @@ impl Cut for ImageCut {
     }
 
     fn back(&mut self) {
-        if let Some(shots) = &self.looked {
+        if let Some((shots, followed)) = &self.looked {
             self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+            self.followed.clone_from(followed);
         }
     }
 

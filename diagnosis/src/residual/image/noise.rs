@@ -170,7 +170,7 @@ impl ImageCut {
     }
 
     fn placed(&self, place: usize) -> bool {
-        matches!(self.pose, super::Pose::Free) || self.frames[place].known
+        !matches!(self.pose, super::Pose::Logged(..)) || self.frames[place].known
     }
 
     /// Half the mean square of neighbours' differences.

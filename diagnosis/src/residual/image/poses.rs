@@ -4,6 +4,12 @@ use super::*;
 use crate::residual::trajectory::State;
 use nalgebra::{DVector, Matrix2, Vector2};
 
+/// Frames to either side over which a change of poses is averaged where a plant smooths them afterwards: a lens or mount that
+/// moves shifts poses smoothly.
+const BESIDE: usize = 7;
+/// A change of poses below this moves no pixel that matters, rad.
+const STILL: f64 = 1e-4;
+
 pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
 }
@@ -32,6 +38,59 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64) {
         let end = [poses[place][0], poses[place][1], rate(0), rate(1)];
         frames[place].shot = Shot { before: back(&end, 1.0 / 30.0), end };
         frames[place].known = true;
+    }
+}
+
+impl ImageCut {
+    /// Lets poses that were read off the picture follow a camera that was moved, so that frames are rendered where this camera
+    /// has them: the pixel lattice is part of the model only there.
+    pub(super) fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
+        if let Pose::Logged(..) = self.pose {
+            return Ok(());
+        }
+        // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
+        let now = self.settings(point, None)?;
+        if self.followed.as_ref() == Some(&now) {
+            return Ok(());
+        }
+        self.followed = Some(now);
+        let blocks = self.linearise(point, &[], true)?;
+        let smooth = self.smoothed(&blocks);
+        let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
+        if size < STILL * STILL * smooth.len() as f64 {
+            return Ok(());
+        }
+        for (frame, shift) in self.frames.iter_mut().zip(&smooth) {
+            for (angle, by) in shift.iter().enumerate() {
+                frame.shot.end[angle] += by;
+                frame.shot.before[angle] += by;
+            }
+        }
+        Ok(())
+    }
+
+    /// The shift that each frame's rest asks for, averaged with its neighbours' if a plant follows them.
+    fn smoothed(&self, blocks: &[Block]) -> Vec<[f64; 2]> {
+        let mut cells =
+            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
+        let shifts: Vec<Option<[f64; 2]>> = (self.frames.iter())
+            .map(|frame| {
+                let here =
+                    cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
+                here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
+            })
+            .collect();
+        let beside = if let Pose::Led = self.pose { BESIDE } else { 0 };
+        let smooth = |place: usize| {
+            let run = self.frames[place].run;
+            let near = place.saturating_sub(beside)..(place + beside + 1).min(shifts.len());
+            let near: Vec<[f64; 2]> = near
+                .filter(|other| self.frames[*other].run == run)
+                .filter_map(|other| shifts[other])
+                .collect();
+            [0, 1].map(|angle| near.iter().map(|shift| shift[angle]).sum::<f64>() / near.len().max(1) as f64)
+        };
+        (0..shifts.len()).map(smooth).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::selection::Evaluation;
 /// Sizes that are tried: from 20 µs in factors of two to 5 ms.
 const SMALLEST: f64 = 2e-5;
 const SIZES: i32 = 9;
-/// Size at which the columns are taken.
+/// Size at which the columns are taken, at least.
 const UNIT: f64 = 1e-4;
 /// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
 const EVIDENCE: f64 = 20.0;
@@ -19,7 +19,12 @@ impl PlantCut {
     /// # Errors
     /// The unit failed.
     pub fn begin(&mut self, point: &[f64]) -> Result<(), Error> {
-        self.jitter = UNIT;
+        // stamps that stand unevenly may scatter by as much: a plant that was led along such rows would hide it
+        let uneven = (self.runs.iter())
+            .filter_map(|run| run.plant.as_ref())
+            .map(|log| unevenness(&log.time))
+            .fold(UNIT, f64::max);
+        self.jitter = uneven;
         let unit = self.linearise(point, &[], false);
         self.jitter = 0.0;
         let unit = unit?;
@@ -27,7 +32,7 @@ impl PlantCut {
             let mut blocks = unit.clone();
             for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
                 for place in 0..cell.discrepancy {
-                    cell.soft.column_mut(place).scale_mut(size / UNIT);
+                    cell.soft.column_mut(place).scale_mut(size / uneven);
                 }
             }
             Evaluation::of(blocks, point, &[], &self.signals).deviance()
@@ -41,6 +46,8 @@ impl PlantCut {
             && lowest < steady - EVIDENCE
         {
             self.jitter = size;
+        }
+        if self.jitter > 0.0 || uneven > UNIT {
             self.lead_again(point)?;
         }
         self.windows.iter_mut().for_each(|window| window.free = None);
@@ -88,7 +95,7 @@ impl PlantCut {
 ///
 /// The stamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
 /// rightly, this allows for too much.
-pub(super) fn torque_scatter(runs: &[Run], part: f64) -> f64 {
+pub fn torque_scatter(runs: &[Run], part: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for log in runs.iter().filter(|run| run.plant.is_some()).filter_map(|run| run.controller.as_ref()) {
         let Some(tau) = log.column("tau") else { continue };
@@ -105,7 +112,7 @@ pub(super) fn torque_scatter(runs: &[Run], part: f64) -> f64 {
 }
 
 /// Standard deviation of stamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
-fn unevenness(time: &[f64]) -> f64 {
+pub fn unevenness(time: &[f64]) -> f64 {
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
     let Some(typical) = gaps.get(gaps.len() / 2).copied() else { return 0.0 };

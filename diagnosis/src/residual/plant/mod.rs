@@ -15,7 +15,7 @@ use std::sync::Arc;
 mod fitting;
 mod following;
 mod forced;
-mod jitter;
+pub mod jitter;
 mod layout;
 mod window;
 

@@ -12,8 +12,34 @@ const ABOVE: f64 = 1.05;
 /// Share of the disagreement below which a signal isn't listed.
 const LISTED: f64 = 0.02;
 
-/// The gap of one study. `free` are its continuous active candidates.
-pub fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
+/// The gap of one study, and whether it is one of torques. `free` are its continuous active candidates. Where a plant follows
+/// poses that were read off pictures, both are looked at: what a lens leaves shows in pixels, what a plant leaves in torques.
+pub fn widest(
+    study: &Study,
+    free: &[usize],
+    runs: &[String],
+    torque: bool,
+    signals: &[Signal],
+) -> (Gap, bool) {
+    let own = (gap(study, free, runs, torque), torque);
+    if torque || !led(signals) {
+        return own;
+    }
+    let other = (gap(study, free, runs, true), true);
+    if above(&other.0) > above(&own.0) { other } else { own }
+}
+
+/// How far a gap stands above its floor.
+pub fn above(gap: &Gap) -> f64 {
+    if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
+}
+
+/// Whether signals are both the picture's and a plant's.
+pub fn led(signals: &[Signal]) -> bool {
+    ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
+}
+
+fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
     let (nominal, last, folds) = (study.nominal.under(&study.last), &study.last, &study.folds);
     let places = last.places(free);
     let shifts =

@@ -38,7 +38,7 @@ pub(super) fn conclude(
         }
         detectable(part, list, &free, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
-        let mut gap = gap::gap(&part.study, &free, &runs, part.torque);
+        let (mut gap, torque) = gap::widest(&part.study, &free, &runs, part.torque, &part.signals);
         let left = unknown(&part.study, &part.signals, list, part.torque)
             .or_else(|| imitation(&part.study, &part.signals, list, part.torque))
             .or_else(|| anything(&part.study, &part.signals, list, &part.classes, part.torque));
@@ -47,7 +47,7 @@ pub(super) fn conclude(
             correction = correct(data, model, list, part, units, &mut notices);
             story.push(story::of_correction(correction.as_ref()));
         }
-        let mut trace = gap::trace(&part.study, part.torque);
+        let mut trace = gap::trace(&part.study, torque);
         if let Some(correction) = correction.as_ref().filter(|_| part.torque) {
             (gap, trace) = (correction.closes(&gap), correction.drawn(trace));
         }
@@ -84,8 +84,7 @@ pub(super) fn conclude(
     } else {
         Verdict::Named
     };
-    let ratio = |gap: &Gap| if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 };
-    let gap = gaps.iter().cloned().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let gap = gaps.iter().cloned().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
     // where a model lacks much, noise says nothing of what an experiment would tell
     let certain = parts.iter().filter(|part| !part.study.outweighed);

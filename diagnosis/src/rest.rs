@@ -83,7 +83,9 @@ const PICTURED_EACH: f64 = 0.5;
 const TORQUE_RATIO: f64 = 1.4;
 /// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
 const STAMPS: f64 = 3.0;
-/// Scatter and correlation of a rest too quick for the torques.
+/// Scatter and correlation of a rest too quick for the torques, in angles and rates: a logged torque may be that before or after
+/// a command, which scatters without a rest.
+const MOTION: usize = 4;
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
 /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest.
@@ -94,7 +96,8 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let rest = rest(&study.last, signals);
     let nearest = nearest(study, candidates);
     if torque {
-        let quick = rest.signals.iter().position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
+        let quick =
+            rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
         let stamps = STAMPS * study.explained;
         let evident = rest.discrepancy >= TORQUE_EVIDENCE && rest.size > stamps;

@@ -74,6 +74,13 @@ pub struct Correction {
     pub left: Vec<(usize, f64, f64, f64)>,
 }
 
+impl Term {
+    /// Its value in a few digits.
+    pub fn short(&self) -> String {
+        crate::story::brief(self.value)
+    }
+}
+
 impl Correction {
     /// The gap of the amended model: effects and correction together.
     pub fn closes(&self, gap: &Gap) -> Gap {

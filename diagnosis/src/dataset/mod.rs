@@ -3,6 +3,7 @@
 //! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
 //! can't be read, or nothing usable at all, is an error.
 
+mod angles;
 mod check;
 mod manifest;
 mod table;
@@ -67,6 +68,7 @@ impl DataSet {
     /// The manifest can't be read, or no run is usable.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let manifest = Manifest::load(&path.join("dataset.toml"))?;
+        let falling = angles::falling(&manifest);
         let mut notices = Vec::new();
         let mut runs = Vec::new();
         for name in &manifest.runs {
@@ -75,7 +77,7 @@ impl DataSet {
                 run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
                 run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
                 run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
-                check::run(&mut run, &mut notices);
+                check::run(&mut run, falling, &mut notices);
             } else {
                 notices.push(Notice { file: name.clone(), line: 0, message: "no such folder".into() });
             }

@@ -43,6 +43,8 @@ pub(super) fn conclude(
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         if part.torque && left.is_some() {
             correction = correct(data, model, list, part, units, &mut notices);
+            // measured as the effects' gap is: with it no more may be left than with effects alone
+            correction = correction.filter(|correction| correction.usual <= gap.after);
             story.push(story::of_correction(correction.as_ref()));
         }
         let mut trace = gap::trace(&part.study, part.torque);
@@ -196,7 +198,7 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
         let candidate = &list[*index];
-        if candidate.side == Side::Clock {
+        if candidate.side.is_of_log() {
             continue;
         }
         let size = if let Some(place) = free.iter().position(|other| other == index) {

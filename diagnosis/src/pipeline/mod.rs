@@ -6,7 +6,7 @@ mod conclude;
 mod correct;
 mod plant;
 
-use crate::candidates::{CLOCK, Candidate, candidates};
+use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
 use crate::dataset::DataSet;
 use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
@@ -60,7 +60,12 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Error> {
     let data = DataSet::load(path)?;
     let model = Model::load(&data, units)?;
-    let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
+    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
+    if data.runs.iter().any(|run| run.camera.is_some()) {
+        // the picture has a mount of its own, and knows the angles
+        list.retain(|candidate| candidate.side != Side::Zero);
+    }
+    let list = Arc::new(list);
     let mut notices = data.notices.clone();
     notices.extend(model.notice(&data));
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
@@ -71,6 +76,7 @@ pub fn diagnose(
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
     clear_clock(&list, &mut parts, &mut point, &mut notices);
+    clear_zeros(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
@@ -106,6 +112,25 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
             1e3 * late
         );
         notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+    }
+}
+
+/// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.
+fn clear_zeros(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    for (zero, angle) in ZEROS.into_iter().zip(["q1", "q2"]) {
+        let Some(index) = list.iter().position(|candidate| candidate.name == zero) else { continue };
+        if point[index] == 0.0 {
+            continue;
+        }
+        let message = format!(
+            "{angle} reads {:.4} rad ({:.2}°) too large against gravity: taken as its sensor's zero (or the camera's \
+             upright), not as an effect",
+            point[index],
+            point[index].to_degrees()
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+        point[index] = 0.0;
+        parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
     }
 }
 

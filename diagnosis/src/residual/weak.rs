@@ -11,8 +11,9 @@
 mod forced;
 
 use super::actuator::{Actuator, DYNAMIC, key};
-use super::plant::settings;
+use super::plant::{settings, zeros};
 use super::smooth::{Node, Stretch, stretches};
+use super::trajectory::State;
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::{Bench, Setting};
 use crate::candidates::{Candidate, Side};
@@ -137,11 +138,13 @@ impl Weak {
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
     fn given(&mut self, point: &[f64], moved: Option<Probe>) -> Result<Given, Error> {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
-        let key = key(&all);
+        let zeros = zeros(&self.candidates, point, moved);
+        let mut key = key(&all);
+        key.extend(zeros.map(f64::to_bits));
         if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let given = Arc::new(self.ask(all, point, moved)?);
+        let given = Arc::new(self.ask(all, zeros, point, moved)?);
         if self.known.len() == KNOWN {
             self.known.pop_front();
         }
@@ -152,6 +155,7 @@ impl Weak {
     fn ask(
         &self,
         all: Vec<Setting>,
+        zeros: [f64; 2],
         point: &[f64],
         moved: Option<Probe>,
     ) -> Result<Vec<Vector2<f64>>, Error> {
@@ -166,13 +170,19 @@ impl Weak {
             .nodes
             .par_chunks(CHUNK)
             .map(|nodes| match &applied {
-                Some(applied) => {
-                    let tau = |node: &Node| applied.at(node.run, node.time);
-                    let nodes: Vec<Node> =
-                        nodes.iter().map(|node| Node { tau: tau(node), ..*node }).collect();
+                None if zeros == [0.0; 2] => self.accelerations(&fixed, nodes),
+                applied => {
+                    let tau = |node: &Node| match applied {
+                        Some(applied) => applied.at(node.run, node.time),
+                        None => node.tau,
+                    };
+                    let [q1, q2] = zeros;
+                    let turned = |[a, b, da, db]: State| [a - q1, b - q2, da, db];
+                    let nodes: Vec<Node> = (nodes.iter())
+                        .map(|node| Node { tau: tau(node), state: turned(node.state), ..*node })
+                        .collect();
                     self.accelerations(&fixed, &nodes)
                 }
-                None => self.accelerations(&fixed, nodes),
             })
             .collect::<Result<_, _>>()?;
         let sum = |stretch: &Stretch, axis: usize| {
@@ -193,7 +203,7 @@ impl Cut for Weak {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        candidate.side == Side::Plant
+        matches!(candidate.side, Side::Plant | Side::Zero)
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {

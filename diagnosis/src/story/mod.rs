@@ -8,8 +8,12 @@ use crate::selection::Study;
 /// One study in sentences.
 pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
     let mut lines = vec![format!(
-        "{}: the nominal model leaves {:.3} {} of {} (noise alone: {:.3}).",
-        study.name, gap.before, gap.unit, gap.signal, gap.floor
+        "{}: the nominal model leaves {} {} of {} (noise alone: {}).",
+        study.name,
+        brief(gap.before),
+        gap.unit,
+        gap.signal,
+        brief(gap.floor)
     )];
     for step in &study.steps {
         let best: Vec<String> = step
@@ -42,9 +46,9 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             left.signal, left.shape, left.nearest
         )),
         (Some(closed), None) => lines.push(format!(
-            "On runs left out the gap goes from {:.3} to {:.3} {}: {:.0} % of it is closed.",
-            gap.before,
-            gap.after,
+            "On runs left out the gap goes from {} to {} {}: {:.0} % of it is closed.",
+            brief(gap.before),
+            brief(gap.after),
             gap.unit,
             100.0 * closed
         )),
@@ -63,7 +67,7 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
     let terms: Vec<String> = correction
         .terms
         .iter()
-        .map(|term| format!("{} = {:.4}, {}", term.name, term.value, term.phrase))
+        .map(|term| format!("{} = {}, {}", term.name, brief(term.value), term.phrase))
         .collect();
     let superseded = match correction.supersedes.as_slice() {
         [] => String::new(),
@@ -74,13 +78,26 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         ),
     };
     format!(
-        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {:.4} to \
-         {:.4} N·m with it (noise alone: {:.4}): {:.0} % of what the model leaves without it.",
+        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {} to \
+         {} N·m with it (noise alone: {}): {:.0} % of what the model leaves without it.",
         correction.label,
         terms.join("; "),
-        correction.gap.before,
-        correction.gap.after,
-        correction.gap.floor,
+        brief(correction.gap.before),
+        brief(correction.gap.after),
+        brief(correction.gap.floor),
         100.0 * correction.gap.closed
     )
+}
+
+/// Three digits, without an exponent where a person would write none.
+pub fn brief(value: f64) -> String {
+    let whole = value == value.round() && value.abs() < 1e6;
+    match value.abs() {
+        _ if whole => format!("{value:.0}"),
+        100.0..1e6 => format!("{value:.0}"),
+        10.0..100.0 => format!("{value:.1}"),
+        1.0..10.0 => format!("{value:.2}"),
+        0.01..1.0 => format!("{value:.3}"),
+        _ => format!("{value:.2e}"),
+    }
 }

@@ -1,6 +1,6 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
-use super::angles::{in_degrees, unwrapped};
+use super::angles::{far_apart, in_degrees, unwrapped};
 use super::{Run, Table};
 use crate::error::Notice;
 
@@ -65,6 +65,13 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
         } else if let Some((line, message)) = degrees {
             notices.push(Notice { file: file("plant.csv"), line, message });
             run.plant = None;
+        } else if let Some(apart) = far_apart(plant, falling) {
+            let message = format!(
+                "rows are {apart} s apart, and the arm falls in between; time is in seconds (are these milliseconds?); \
+                 file put aside"
+            );
+            notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
+            run.plant = None;
         } else if run.controller.is_none() {
             let message = without_torque(run, commanded);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
@@ -106,7 +113,14 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
         run.controller = Some(Table::new(vec![plant.time[0]], vec![("tau".to_owned(), vec![0.0])]));
         return "no controller.csv beside it and the arm isn't held up: taken as a free swing, without torque".into();
     }
-    "no usable controller.csv beside it; only the picture can be judged".into()
+    let seen = if run.camera.is_some() { "only the picture can be judged" } else { "the run says nothing" };
+    if commanded {
+        return format!("no usable controller.csv beside it; {seen}");
+    }
+    format!(
+        "no controller.csv beside it, and link 1 stays above the horizontal, so that something holds it: without its torque \
+         {seen} (angles are counted from the upright: does this arm hang?)"
+    )
 }
 
 /// CONTRACT: in a row with `valid` = 0 the centroids, empty or held, are not measured.

@@ -24,6 +24,9 @@ pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
 /// Columns that `plant.csv` may hold.
 pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
 
+/// Links that touch may give way by this, or be logged a little off, rad.
+const TOUCHING: f64 = 0.2;
+
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
 pub struct Run {
@@ -89,6 +92,16 @@ impl DataSet {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
         Ok(Self { path: path.to_owned(), manifest, runs, notices })
+    }
+
+    /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
+    pub fn contact(&self, q2_max: f64) -> f64 {
+        let beyond = |run: &Run| {
+            let q2 = run.plant.as_ref().and_then(|log| log.column("q2")).unwrap_or(&[]);
+            let rows = q2.iter().filter(|angle| angle.abs() > q2_max + TOUCHING).count();
+            rows * 20 > q2.len()
+        };
+        if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
     }
 
     /// A known standard deviation from `[noise]`.

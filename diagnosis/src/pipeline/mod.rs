@@ -3,11 +3,12 @@
 mod camera;
 mod ceilings;
 mod conclude;
+mod conventions;
 mod correct;
 mod plant;
 
 use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
-use crate::dataset::DataSet;
+use crate::dataset::{DataSet, Table};
 use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::model::Model;
@@ -18,6 +19,7 @@ use crate::selection::{Alternative, Study, alternatives, study};
 use camera::camera_part;
 use ceilings::ceilings;
 use conclude::conclude;
+use conventions::conventions;
 use orchestrator::UnitPath;
 use plant::plant_part;
 use std::path::Path;
@@ -67,10 +69,11 @@ pub fn diagnose(
     }
     let list = Arc::new(list);
     let mut notices = data.notices.clone();
-    notices.extend(model.notice(&data));
+    notices.extend(model.notices(&data));
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let mut parts = Vec::new();
     let motions = plant_part(&data, &model, &list, &mut point, &mut parts, tell)?;
+    notices.extend(conventions(&data, &model, &list, &parts)?);
     camera_part(&data, &model, &list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });

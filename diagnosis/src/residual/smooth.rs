@@ -174,7 +174,9 @@ fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
 /// Whether rows are lacking that the integral over a stretch would miss.
 fn torn(time: &[f64], rows: &std::ops::Range<usize>, grid: &Grid<'_>) -> bool {
     let most = (TORN * grid.typical).max(TORN_SHARE * grid.length);
-    time[rows.clone()].windows(2).any(|pair| pair[1] - pair[0] > most)
+    // with the neighbours: a gap at an end would weigh the last row too much
+    let all = rows.start.saturating_sub(1)..(rows.end + 1).min(time.len());
+    time[all].windows(2).any(|pair| pair[1] - pair[0] > most)
 }
 
 fn stretch(

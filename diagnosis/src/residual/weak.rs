@@ -22,6 +22,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
+use orchestrator::Value;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -30,12 +31,20 @@ use std::sync::Arc;
 const OUTLYING: f64 = 4.0;
 /// Stretches that overlap belong to one block, s.
 const BLOCK: f64 = 1.0;
+/// Logs shorter than this in all, s, are cut into so many blocks, down to a stretch each: a statistic over n blocks is at
+/// most √n, and none below 4.5 counts.
+const SHORT: f64 = 30.0;
+const BLOCKS: f64 = 40.0;
+const SHORT_BLOCK: f64 = 0.15;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
 /// How many of the latest answers are kept: a look at all candidates and the fits around it.
 const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
+
+/// An angle between the links that none reaches, rad.
+const FAR: f64 = 1e9;
 
 /// For each stretch ∫φ q̈ dt.
 type Given = Arc<Vec<Vector2<f64>>>;
@@ -52,6 +61,7 @@ pub struct Weak {
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
+    contact: u32,
 }
 
 impl Weak {
@@ -75,7 +85,8 @@ impl Weak {
             reference("tau")?,
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
-        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let limit = reference("q2_max")?;
+        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
@@ -94,6 +105,7 @@ impl Weak {
             signals,
             inputs,
             outputs,
+            contact: limit,
         };
         weak.weigh()?;
         Ok(Some(weak))
@@ -122,7 +134,7 @@ impl Weak {
     /// What the unit gives at states, in initialization mode: inputs and start values are set, outputs are read.
     fn accelerations(&self, settings: &[Setting], nodes: &[Node]) -> Result<Vec<[f64; 2]>, Error> {
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(settings, |instance| {
+        self.bench.initialising(&self.apart(settings), |instance| {
             let mut all = Vec::with_capacity(nodes.len());
             for node in nodes {
                 let [q1, q2, dq1, dq2] = node.state;
@@ -133,6 +145,12 @@ impl Weak {
             }
             Ok(all)
         })
+    }
+
+    /// Rows at which the links touch are no part of a stretch, so the unit must not hold them.
+    fn apart(&self, settings: &[Setting]) -> Vec<Setting> {
+        let open = (self.contact, Value::Real(FAR));
+        settings.iter().cloned().chain([open]).collect()
     }
 
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
@@ -214,6 +232,8 @@ impl Cut for Weak {
             columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
         }
         let mut blocks: Vec<Block> = Vec::new();
+        let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
+        let length = if covered < SHORT { (covered / BLOCKS).clamp(SHORT_BLOCK, BLOCK) } else { BLOCK };
         for (place, stretch) in self.stretches.iter().enumerate() {
             let torque = stretch.inertia * (stretch.measured - base[place]);
             let mut matrix = DMatrix::zeros(2, probes.len());
@@ -234,7 +254,7 @@ impl Cut for Weak {
                 floor: stretch.floor().to_vec(),
             };
             match blocks.last_mut() {
-                Some(block) if block.run == stretch.run && stretch.from - block.from < BLOCK => {
+                Some(block) if block.run == stretch.run && stretch.from - block.from < length - 1e-9 => {
                     block.to = stretch.to;
                     block.cells.push(cell);
                 }

@@ -107,7 +107,7 @@ impl PlantCut {
         short: bool,
     ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
-        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
             cut_run(index, run, contact, short, &mut windows);

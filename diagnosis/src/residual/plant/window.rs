@@ -3,8 +3,9 @@
 use super::*;
 use crate::statistics::linear::solve;
 
-/// So many rows tell a curvature from noise.
+/// So many rows tell a curvature from noise; the fewest that are looked at.
 const CURVED: usize = 8;
+const FEWEST: usize = 3;
 
 /// What a full look found of a window's nuisances.
 pub(super) struct Kept {
@@ -133,13 +134,13 @@ pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
 
 /// A state to begin with: parabolas through the rows around, or straight lines where these are few.
 pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
-    let place = time.partition_point(|t| *t < at).min(time.len() - 1);
-    let (mut from, mut to) = (place.saturating_sub(1), (place + 2).min(time.len()));
-    while from > 0 && at - time[from] < AROUND {
-        from -= 1;
-    }
-    while to < time.len() && time[to - 1] - at < AROUND {
-        to += 1;
+    let (mut from, mut to) =
+        (time.partition_point(|t| *t < at - AROUND), time.partition_point(|t| *t <= at + AROUND));
+    // the nearer side first: rows beyond a gap say little
+    while to - from < FEWEST && to - from < time.len() {
+        let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
+        let after = if to < time.len() { time[to] - at } else { f64::INFINITY };
+        if before < after { from -= 1 } else { to += 1 }
     }
     let curve = |values: &[f64]| {
         let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();

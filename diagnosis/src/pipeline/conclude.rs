@@ -40,6 +40,9 @@ pub(super) fn conclude(
         let mut gap = gap::gap(&part.study, &free, &runs, part.torque);
         let left = unknown(&part.study, &part.signals, list, part.torque)
             .or_else(|| imitation(&part.study, &part.signals, list, part.torque));
+        if !part.coarse.is_empty() {
+            story.push(story::of_coarse(&part.coarse, list));
+        }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         if part.torque && left.is_some() {
             correction = correct(data, model, list, part, units, &mut notices);

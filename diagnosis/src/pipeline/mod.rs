@@ -46,6 +46,8 @@ struct Part {
     signals: Vec<Signal>,
     classes: Vec<(usize, Vec<Alternative>)>,
     torque: bool,
+    /// What torques found before the plant could follow the log.
+    coarse: Vec<usize>,
     /// What the scatter of the picture says of the sensor.
     noise: Option<Noise>,
 }
@@ -150,5 +152,5 @@ fn part(
     for effect in &study.active {
         classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
     }
-    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, noise: None })
+    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, coarse: Vec::new(), noise: None })
 }

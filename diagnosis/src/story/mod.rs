@@ -26,9 +26,11 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         match step.accepted {
             Some(index) => lines.push(format!(
                 "The rest looks most like {looked} (in standard deviations; by chance the best of all would look so \
-                 with probability {:.4}). Fitted through the units, {} - {} - explains it best: the rest's mean \
-                 square goes from {:.2} to {:.2} of the noise in use, and left-out runs agree.",
-                step.p_value, list[index].name, list[index].phrase, step.rest.0, step.rest.1
+                 with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
+                step.p_value,
+                list[index].name,
+                list[index].phrase,
+                fall(step.rest)
             )),
             None => lines.push(format!(
                 "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
@@ -55,6 +57,25 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         (None, None) => lines.push("No gap stands above the noise here.".into()),
     }
     lines
+}
+
+/// How the rest falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+fn fall((before, after): (f64, f64)) -> String {
+    let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
+    if before == after {
+        return String::new();
+    }
+    format!(": the rest's mean square goes from {before} to {after} of the noise in use")
+}
+
+/// What torques found before the plant could follow the log.
+pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
+    let names: Vec<&str> = found.iter().map(|index| list[*index].name).collect();
+    format!(
+        "The nominal model leaves the log within most windows. So the torques that it lacks at the measured states were \
+         compared first. They name {}; with that it follows the log, and what comes now is compared in windows.",
+        names.join(", ")
+    )
 }
 
 /// What is offered for a rest without a name, in a sentence.

@@ -1,6 +1,6 @@
 //! The nominal scenario with what was found switched on, and the residual unit where a rest has no name.
 
-use crate::candidates::{Candidate, Side};
+use crate::candidates::Candidate;
 use crate::correction::{Correction, wiring};
 use crate::diagnosis::Effect;
 use crate::error::Error;
@@ -22,7 +22,7 @@ pub fn amended(
     let mut scenario: Scenario = model.scenario.clone();
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     for (index, candidate) in list.iter().enumerate() {
-        if point[index] != candidate.off && candidate.side != Side::Clock {
+        if point[index] != candidate.off && !candidate.side.is_of_log() {
             scenario
                 .set(candidate.name, &written(candidate, candidate.value(point[index])))
                 .map_err(failed)?;

@@ -164,25 +164,25 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
     let of = |evaluation: &Evaluation| -> Vec<(f64, f64)> {
         let mut base = 0.0;
         let mut run = usize::MAX;
-        let mut end = 0.0;
+        let (mut begin, mut end) = (0.0, 0.0);
         let lacking =
             if torque { torques(&evaluation.blocks, &[], &[], &study.folds.of) } else { Vec::new() };
         let mut points = Vec::new();
         for (index, block) in evaluation.blocks.iter().enumerate() {
             if block.run != run {
-                base += end;
-                run = block.run;
+                base += end - begin;
+                (run, begin) = (block.run, block.from);
             }
             end = block.to + 1.0;
             if torque {
                 let own: Vec<f64> =
                     lacking.iter().filter(|t| t.block == index).map(|t| t.torque[1]).collect();
-                let middle = base + 0.5 * (block.from + block.to);
+                let middle = base - begin + 0.5 * (block.from + block.to);
                 points.push((middle, own.iter().sum::<f64>() / own.len().max(1) as f64));
             } else {
                 for cell in &block.cells {
                     if let Some(row) = cell.signal.iter().position(|s| *s == 4) {
-                        points.push((base + cell.time[row], cell.residual[row]));
+                        points.push((base - begin + cell.time[row], cell.residual[row]));
                     }
                 }
             }

@@ -89,7 +89,20 @@ impl Model {
     }
 
     /// What a user should know of the nominal model.
-    pub fn notice(&self, data: &DataSet) -> Option<Notice> {
+    pub fn notices(&self, data: &DataSet) -> Vec<Notice> {
+        let limit = self.number("plant.q2_max").filter(|limit| data.contact(*limit) > *limit);
+        let beyond = limit.map(|limit| Notice {
+            file: "dataset.toml".into(),
+            line: 0,
+            message: format!(
+                "the arm moves on beyond plant.q2_max = {limit} rad, where the model's links touch: taken as no limit in the \
+                 comparison (an arm that turns over wants `\"plant.q2_max\" = 1e9` in [set])"
+            ),
+        });
+        self.without_residual(data).into_iter().chain(beyond).collect()
+    }
+
+    fn without_residual(&self, data: &DataSet) -> Option<Notice> {
         let message = format!(
             "{} holds the correction of an earlier rest ({}); it is left out of the comparison, and fitted anew if a rest remains",
             data.manifest.scenario,

@@ -3,6 +3,7 @@
 use crate::correction::Correction;
 use crate::diagnosis::{Diagnosis, Effect, Member, NextExperiment, Trace, Verdict};
 use crate::error::Error;
+use crate::story::brief;
 use report::{Axis, Cell, Graph, Line, Page, Table};
 
 /// The page.
@@ -116,25 +117,16 @@ fn others(effect: &Effect) -> String {
     effect.members.iter().skip(1).map(told).collect::<Vec<_>>().join(", ")
 }
 
-/// Three digits, without an exponent where a person would write none.
-fn brief(value: f64) -> String {
-    let whole = value == value.round() && value.abs() < 1e6;
-    match value.abs() {
-        _ if whole => format!("{value:.0}"),
-        100.0..1e6 => format!("{value:.0}"),
-        10.0..100.0 => format!("{value:.1}"),
-        1.0..10.0 => format!("{value:.2}"),
-        0.01..1.0 => format!("{value:.3}"),
-        _ => format!("{value:.2e}"),
-    }
-}
-
 fn corrected(correction: &Correction) -> String {
     let gap = &correction.gap;
     format!(
-        "The amended model carries {} (unit {}): on runs left out the lacking torque goes from {:.4} to {:.4} N·m, where \
-         noise alone gives {:.4}. Beyond the angles and rates that the data covered its terms stay what they are there.",
-        correction.label, correction.unit, gap.before, gap.after, gap.floor
+        "The amended model carries {} (unit {}): on runs left out the lacking torque goes from {} to {} N·m, where \
+         noise alone gives {}. Beyond the angles and rates that the data covered its terms stay what they are there.",
+        correction.label,
+        correction.unit,
+        brief(gap.before),
+        brief(gap.after),
+        brief(gap.floor)
     )
 }
 
@@ -180,7 +172,7 @@ fn experiments(next: &NextExperiment) -> Table {
 fn gaps(diagnosis: &Diagnosis) -> Table {
     let head = ["signal", "unit", "before", "after", "noise alone", "closed"];
     let rows = diagnosis.gaps.iter().map(|gap| {
-        let number = |value: f64| Cell::Number(format!("{value:.4}"));
+        let number = |value: f64| Cell::Number(brief(value));
         let closed = gap.closed.map_or("no gap".to_owned(), |closed| format!("{:.1} %", 100.0 * closed));
         vec![
             gap.signal.clone().into(),

@@ -114,3 +114,85 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
         }
     }
 }
+
+/// A pinned arm's log: link 1 swings by `reach` about `middle`, link 2 beside it, at 100 Hz.
+fn swing(middle: f64, reach: f64, turn: &dyn Fn(f64) -> f64) -> String {
+    let mut text = "time,q1,q2\n".to_owned();
+    for row in 0..300 {
+        let time = f64::from(row) / 100.0;
+        let angle = |size: f64, rate: f64| turn(middle + size * (rate * time).sin());
+        let _ = writeln!(text, "{time},{},{}", angle(reach, 5.0), angle(1.5 * reach, 7.0));
+    }
+    text
+}
+
+fn alone(plant: &str, name: &str) -> Result<DataSet, Error> {
+    let folder = Folder::new(name);
+    folder.put("dataset.toml", &manifest(1));
+    folder.put("run-01/plant.csv", plant);
+    DataSet::load(folder.path())
+}
+
+const HANGING: f64 = std::f64::consts::PI;
+
+#[test]
+fn every_arm_that_is_not_held_up_swings_freely() {
+    // far enough to be above the horizontal most of the time
+    let set = alone(&swing(HANGING, 3.0, &|angle| angle), "free").expect("a free swing");
+    assert!(notice(&set.notices, "free swing").message.contains("without torque"));
+    assert_eq!(set.runs[0].controller.as_ref().map(|log| log.held("tau", 1.0, 9.0)), Some(0.0));
+    let held = alone(&swing(0.0, 0.3, &|angle| angle), "held").expect("the log itself is good");
+    assert!(notice(&held.notices, "stays above the horizontal").message.contains("does this arm hang?"));
+    assert!(held.runs[0].controller.is_none());
+}
+
+#[test]
+fn every_angle_that_was_wrapped_is_made_whole_again() {
+    use std::f64::consts::TAU;
+    let wrapped = |angle: f64| (angle + HANGING).rem_euclid(TAU) - HANGING;
+    let set = alone(&swing(HANGING, 1.0, &wrapped), "wrapped").expect("usable");
+    assert_eq!(notice(&set.notices, "whole turn").file, "run-01/plant.csv");
+    let whole = alone(&swing(HANGING, 1.0, &|angle| angle), "whole").expect("usable");
+    for name in ["q1", "q2"] {
+        let of =
+            |set: &DataSet| set.runs[0].plant.as_ref().and_then(|log| log.column(name)).map(<[f64]>::to_vec);
+        let (mended, whole) = (of(&set).expect("measured"), of(&whole).expect("measured"));
+        // the same but for whole turns; 1e-9 is rounding of a few turns
+        let first = ((mended[0] - whole[0]) / TAU).round() * TAU;
+        assert!(mended.iter().zip(&whole).all(|(a, b)| (a - b - first).abs() < 1e-9), "{name}");
+    }
+}
+
+#[test]
+fn every_arm_that_turns_over_many_times_is_in_radians() {
+    let tumbling = |angle: f64| 8.0 * angle;
+    let set = alone(&swing(HANGING, 1.0, &tumbling), "tumbling").expect("six turns are no degrees");
+    assert!(set.runs[0].plant.is_some());
+}
+
+#[test]
+fn every_log_with_milliseconds_for_seconds_is_put_aside() {
+    let text = swing(HANGING, 1.0, &|angle| angle);
+    let scaled: Vec<String> = (text.lines().enumerate())
+        .map(|(line, text)| match text.split_once(',') {
+            Some((time, rest)) if line > 0 => {
+                format!("{},{rest}", 1e3 * time.parse::<f64>().expect("a time"))
+            }
+            _ => text.to_owned(),
+        })
+        .collect();
+    let error = alone(&scaled.join("\n"), "milliseconds").expect_err("nothing else is there").to_string();
+    assert!(error.contains("10 s apart") && error.contains("milliseconds"), "{error}");
+}
+
+#[test]
+fn every_motor_at_the_first_link_alone_drives_it() {
+    let folder = Folder::new("shoulder");
+    folder.put("dataset.toml", &manifest(1));
+    folder.put("run-01/plant.csv", &swing(HANGING, 1.0, &|angle| angle));
+    folder.put("run-01/controller.csv", &torque(90).replacen("tau", "tau_1", 1));
+    let set = DataSet::load(folder.path()).expect("usable");
+    assert!(notice(&set.notices, "driven by tau_1 alone").line == 1);
+    let log = set.runs[0].controller.as_ref().expect("it is kept");
+    assert_eq!((log.held("tau", 1.0, 9.0), log.held("tau_1", 1.0, 9.0)), (0.0, 0.1));
+}

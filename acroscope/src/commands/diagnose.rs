@@ -75,7 +75,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     }
     if let Some(correction) = &diagnosis.correction {
         for term in &correction.terms {
-            tell!("  {} = {:.4}: {}", term.name, term.value, term.phrase);
+            tell!("  {} = {}: {}", term.name, term.short(), term.phrase);
         }
         tell!(
             "  that is {}; it takes away {:.0} % of what is left",

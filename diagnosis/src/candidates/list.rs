@@ -22,6 +22,8 @@ const fn bent(entry: Entry) -> Entry {
 
 /// Not a variable of a unit: how late the plant's log is stamped, s.
 pub const CLOCK: &str = "plant log's clock";
+/// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
+pub const ZEROS: [&str; 2] = ["plant log's zero of q1", "plant log's zero of q2"];
 const BIG: f64 = 1e9;
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
@@ -70,6 +72,8 @@ pub const LIST: &[Entry] = &[
     real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
     bent(real("camera.E_t", Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time")),
     real(CLOCK, Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
+    real(ZEROS[0], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle"),
+    real(ZEROS[1], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle"),
     // below 0 only to tell a clock that is off: no camera is that quick
     real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results"),
     real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames"),

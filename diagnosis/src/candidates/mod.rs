@@ -5,9 +5,11 @@
 
 mod list;
 
-pub use list::{CLOCK, LIST};
+pub use list::{CLOCK, LIST, ZEROS};
 
 use crate::model::Model;
+
+const SLOPE: &str = "plant.slope";
 
 /// Which cut of the loop shows a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,10 +20,19 @@ pub enum Side {
     Camera,
     /// In the plant log's time stamps: a nuisance that is found like an effect and never named.
     Clock,
+    /// In the zeros of the plant log's angles: a nuisance, too.
+    Zero,
     /// In the camera's time stamps.
     Count,
     /// In the scatter of the picture's signals.
     Scatter,
+}
+
+impl Side {
+    /// It is about the log and no part of the machine: cleared, told, and never named.
+    pub fn is_of_log(self) -> bool {
+        matches!(self, Self::Clock | Self::Zero)
+    }
 }
 
 /// How a parameter moves away from its off value.
@@ -137,9 +148,14 @@ impl Candidate {
 pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) -> Vec<f64>) -> Vec<Candidate> {
     let mut found = Vec::new();
     for entry in LIST {
-        let nominal = if entry.side == Side::Clock { Some(0.0) } else { model.number(entry.name) };
+        let nominal = if entry.side.is_of_log() { Some(0.0) } else { model.number(entry.name) };
         let Some(nominal) = nominal else { continue };
         if withheld.iter().any(|name| name == entry.name) {
+            continue;
+        }
+        // a rolling arm's upright is where the ground says; a pinned arm has no ground, and its zeros were set by hand
+        let other = if pinned(model) { entry.name == SLOPE } else { entry.side == Side::Zero };
+        if other {
             continue;
         }
         let (off, steps, range) = match entry.motion {
@@ -173,4 +189,9 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         found.push(Candidate { name, side, phrase, motion, off, steps, range, bends });
     }
     found
+}
+
+/// The arm turns about a fixed pin instead of rolling.
+fn pinned(model: &Model) -> bool {
+    ["plant.theta_2", "plant.theta_7"].iter().all(|name| model.number(name) == Some(0.0))
 }

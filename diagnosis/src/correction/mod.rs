@@ -74,6 +74,13 @@ pub struct Correction {
     pub left: Vec<(usize, f64, f64, f64)>,
 }
 
+impl Term {
+    /// Its value in a few digits.
+    pub fn short(&self) -> String {
+        crate::story::brief(self.value)
+    }
+}
+
 impl Correction {
     /// The gap of the amended model: effects and correction together.
     pub fn closes(&self, gap: &Gap) -> Gap {
@@ -107,14 +114,14 @@ impl Correction {
 
     /// The same picture of the rest, with the amended model.
     pub fn drawn(&self, trace: Trace) -> Trace {
-        let (mut base, mut run, mut end) = (0.0, usize::MAX, 0.0);
+        let (mut base, mut run, mut begin, mut end) = (0.0, usize::MAX, 0.0, 0.0);
         let points = self.left.iter().map(|(of, from, to, torque)| {
             if *of != run {
-                base += end;
-                run = *of;
+                base += end - begin;
+                (run, begin) = (*of, *from);
             }
             end = to + 1.0;
-            (base + 0.5 * (from + to), *torque)
+            (base - begin + 0.5 * (from + to), *torque)
         });
         Trace { after: points.collect(), ..trace }
     }

@@ -1,19 +1,17 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
+use super::angles::{far_apart, in_degrees, unwrapped};
 use super::{Run, Table};
 use crate::error::Notice;
 
 /// A log with fewer rows says nothing after four start values were fitted.
 const FEWEST_ROWS: usize = 12;
-/// Six turns: a free pendulum hardly gets there in radians, and 38 degrees is little motion.
-const LARGEST_ANGLE: f64 = 12.0 * std::f64::consts::PI;
-/// Degrees are 57 times radians; halfway on a logarithmic scale.
-const DEGREE_RATIO: f64 = 7.6;
-/// Motion below this (rad) can't tell degrees from radians.
-const LEAST_MOTION: f64 = 0.02;
+/// An arm that is below the horizontal in this share of the rows is not being balanced.
+const BELOW: f64 = 0.2;
 
-/// Puts aside what can't be used.
-pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
+/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model.
+pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
+    let commanded = run.controller.is_some();
     for (table, file) in [
         (&mut run.camera, "camera.csv"),
         (&mut run.controller, "controller.csv"),
@@ -41,6 +39,15 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
             run.camera = None;
         }
     }
+    if let Some(controller) = &mut run.controller
+        && controller.column("tau").is_none()
+        && controller.column("tau_1").is_some()
+    {
+        let message =
+            "column `tau` is missing: link 1 is driven by tau_1 alone, the joint is free".to_owned();
+        notices.push(Notice { file: file("controller.csv"), line: 1, message });
+        controller.push("tau", 0.0);
+    }
     if let Some(controller) = &run.controller
         && controller.column("tau").is_none()
     {
@@ -50,7 +57,7 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
     }
     if let Some(plant) = &run.plant {
         let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());
-        let degrees = in_degrees(plant, run.camera.as_ref());
+        let degrees = in_degrees(plant, run.camera.as_ref(), falling);
         if let Some(name) = missing {
             let message = format!("column `{name}` is missing; the plant's log is put aside");
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
@@ -58,15 +65,34 @@ pub fn run(run: &mut Run, notices: &mut Vec<Notice>) {
         } else if let Some((line, message)) = degrees {
             notices.push(Notice { file: file("plant.csv"), line, message });
             run.plant = None;
+        } else if let Some(apart) = far_apart(plant, falling) {
+            let message = format!(
+                "rows are {apart} s apart, and the arm falls in between; time is in seconds (are these milliseconds?); \
+                 file put aside"
+            );
+            notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
+            run.plant = None;
         } else if run.controller.is_none() {
-            let message = without_torque(run);
+            let message = without_torque(run, commanded);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
+        }
+    }
+    if let Some(plant) = &mut run.plant {
+        for name in ["q1", "q2"] {
+            if let Some((row, turns)) = plant.column_mut(name).and_then(|values| unwrapped(values)) {
+                let message = format!(
+                    "{name} jumps by a whole turn ({turns} such rows, this is the first): taken as an angle that was \
+                     wrapped, and unwrapped"
+                );
+                notices.push(Notice { file: file("plant.csv"), line: plant.line[row], message });
+            }
         }
     }
 }
 
-/// A torque for a run without a command: the one measured at the joint, or none at all for an arm that hangs and swings.
-fn without_torque(run: &mut Run) -> String {
+/// A torque for a run without a command: the one measured at the joint, or none at all for an arm that swings. Where there
+/// was a command (`commanded`) that can't be used, the arm did not swing freely.
+fn without_torque(run: &mut Run, commanded: bool) -> String {
     let Some(plant) = &mut run.plant else { return String::new() };
     if let Some(applied) = plant.column("tau_applied").map(<[f64]>::to_vec) {
         let rows: Vec<usize> = (0..plant.len()).filter(|row| applied[*row].is_finite()).collect();
@@ -78,14 +104,23 @@ fn without_torque(run: &mut Run) -> String {
                 told"
             .into();
     }
-    let hanging = plant.column("q1").is_some_and(|q1| {
-        q1.iter().filter(|angle| angle.is_finite()).map(|angle| libm::cos(*angle)).sum::<f64>() < 0.0
+    let below = plant.column("q1").map_or(0.0, |q1| {
+        let rows: Vec<f64> = q1.iter().copied().filter(|angle| angle.is_finite()).collect();
+        let below = rows.iter().filter(|angle| libm::cos(**angle) < 0.0).count();
+        below as f64 / rows.len().max(1) as f64
     });
-    if hanging {
+    if below >= BELOW && !commanded {
         run.controller = Some(Table::new(vec![plant.time[0]], vec![("tau".to_owned(), vec![0.0])]));
-        return "no controller.csv beside it and the arm hangs: taken as a free swing, without torque".into();
+        return "no controller.csv beside it and the arm isn't held up: taken as a free swing, without torque".into();
     }
-    "no usable controller.csv beside it; only the picture can be judged".into()
+    let seen = if run.camera.is_some() { "only the picture can be judged" } else { "the run says nothing" };
+    if commanded {
+        return format!("no usable controller.csv beside it; {seen}");
+    }
+    format!(
+        "no controller.csv beside it, and link 1 stays above the horizontal, so that something holds it: without its torque \
+         {seen} (angles are counted from the upright: does this arm hang?)"
+    )
 }
 
 /// CONTRACT: in a row with `valid` = 0 the centroids, empty or held, are not measured.
@@ -101,49 +136,4 @@ fn mask_invalid(run: &mut Run) {
             }
         }
     }
-}
-
-/// Angles in degrees show by their range, by rates that don't fit, or by the picture.
-fn in_degrees(plant: &Table, camera: Option<&Table>) -> Option<(usize, String)> {
-    for name in ["q1", "q2"] {
-        let values = plant.column(name)?;
-        if let Some(row) = values.iter().position(|value| value.abs() > LARGEST_ANGLE) {
-            let value = values[row];
-            let message = format!(
-                "{name} = {value} rad is {:.1} turns; angles are in radians (are these degrees?); file put aside",
-                value.abs() / std::f64::consts::TAU
-            );
-            return Some((plant.line[row], message));
-        }
-    }
-    let camera = camera?;
-    let pairs = [("q1", "u1", "v1", "u2", "v2"), ("q2", "u2", "v2", "u3", "v3")];
-    for (name, ua, va, ub, vb) in pairs {
-        let seen: Vec<f64> = (0..camera.len())
-            .filter_map(|row| {
-                let cell = |column| Some(camera.column(column)?[row]);
-                let angle = libm::atan2(cell(ub)? - cell(ua)?, cell(vb)? - cell(va)?);
-                angle.is_finite().then_some(angle)
-            })
-            .collect();
-        let logged = plant.column(name)?;
-        let ratio = spread(logged) / spread(&seen);
-        if spread(&seen) > LEAST_MOTION && ratio > DEGREE_RATIO {
-            let message = format!(
-                "{name} moves {ratio:.0} times as far as the picture shows (are these degrees?); file put aside"
-            );
-            return Some((plant.line[0], message));
-        }
-    }
-    None
-}
-
-fn spread(values: &[f64]) -> f64 {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
-    at(0.95) - at(0.05)
 }

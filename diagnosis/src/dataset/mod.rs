@@ -3,6 +3,7 @@
 //! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
 //! can't be read, or nothing usable at all, is an error.
 
+mod angles;
 mod check;
 mod manifest;
 mod table;
@@ -22,6 +23,9 @@ pub const CAMERA_COLUMNS: &[&str] = &[
 pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
 /// Columns that `plant.csv` may hold.
 pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
+
+/// Links that touch may give way by this, or be logged a little off, rad.
+const TOUCHING: f64 = 0.2;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
@@ -67,6 +71,7 @@ impl DataSet {
     /// The manifest can't be read, or no run is usable.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let manifest = Manifest::load(&path.join("dataset.toml"))?;
+        let falling = angles::falling(&manifest);
         let mut notices = Vec::new();
         let mut runs = Vec::new();
         for name in &manifest.runs {
@@ -75,7 +80,7 @@ impl DataSet {
                 run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
                 run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
                 run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
-                check::run(&mut run, &mut notices);
+                check::run(&mut run, falling, &mut notices);
             } else {
                 notices.push(Notice { file: name.clone(), line: 0, message: "no such folder".into() });
             }
@@ -87,6 +92,16 @@ impl DataSet {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
         Ok(Self { path: path.to_owned(), manifest, runs, notices })
+    }
+
+    /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
+    pub fn contact(&self, q2_max: f64) -> f64 {
+        let beyond = |run: &Run| {
+            let q2 = run.plant.as_ref().and_then(|log| log.column("q2")).unwrap_or(&[]);
+            let rows = q2.iter().filter(|angle| angle.abs() > q2_max + TOUCHING).count();
+            rows * 20 > q2.len()
+        };
+        if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
     }
 
     /// A known standard deviation from `[noise]`.

@@ -30,6 +30,11 @@ impl Table {
         self.columns.iter_mut().find(|(column, _)| column == name).map(|(_, values)| values)
     }
 
+    /// One more column, the same in all rows.
+    pub fn push(&mut self, name: &str, value: f64) {
+        self.columns.push((name.to_owned(), vec![value; self.time.len()]));
+    }
+
     /// Takes a column away.
     pub fn remove(&mut self, name: &str) {
         self.columns.retain(|(column, _)| column != name);

@@ -62,7 +62,7 @@ impl<'a> Bench<'a> {
         let mut point = question.point.to_vec();
         for (candidate, x) in list.iter_mut().zip(&mut point) {
             let moved = prepared.set.iter().find(|(name, _)| name == candidate.name);
-            if let Some((_, value)) = moved.filter(|_| candidate.side != Side::Clock) {
+            if let Some((_, value)) = moved.filter(|_| !candidate.side.is_of_log()) {
                 // what differs from nominal stays as it is, about another nominal value
                 *x += value - candidate.off;
                 candidate.off = *value;

@@ -42,9 +42,14 @@ pub(super) fn conclude(
         let left = unknown(&part.study, &part.signals, list, part.torque)
             .or_else(|| imitation(&part.study, &part.signals, list, part.torque))
             .or_else(|| anything(&part.study, &part.signals, list, &part.classes, part.torque));
+        if !part.coarse.is_empty() {
+            story.push(story::of_coarse(&part.coarse, list));
+        }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         if part.torque && left.is_some() {
             correction = correct(data, model, list, part, units, &mut notices);
+            // measured as the effects' gap is: with it no more may be left than with effects alone
+            correction = correction.filter(|correction| correction.usual <= gap.after);
             story.push(story::of_correction(correction.as_ref()));
         }
         let mut trace = gap::trace(&part.study, torque);
@@ -197,7 +202,7 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
         let candidate = &list[*index];
-        if candidate.side == Side::Clock {
+        if candidate.side.is_of_log() {
             continue;
         }
         let size = if let Some(place) = free.iter().position(|other| other == index) {

@@ -24,6 +24,10 @@ const TWINS: [(&str, &str); 8] = [
     ("plant.theta_10", "spring_joint"),
 ];
 
+/// Terms that are a listed effect under another name, friction in its two forms: what they alone give is no rest that an
+/// effect stood for.
+const FRICTION: [&str; 4] = ["damp_roll", "damp_joint", "stick_roll", "stick_joint"];
+
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
 pub(super) fn correct(
     data: &DataSet,
@@ -77,10 +81,12 @@ fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
         let has = |other: &Term| other.name.ends_with(&format!(".{term}"));
         withdrawn.iter().any(|name| name == effect) && correction.terms.iter().any(has)
     };
+    let friction = |term: &Term| FRICTION.iter().any(|name| term.name.ends_with(&format!(".{name}")));
+    let listed = correction.terms.iter().all(friction);
     let (now, before) = (terms(without), withdrawn.len() + terms(beside));
     let fewer = now < before && without.left <= beside.left.max(correction.gap.floor);
     let better = now == before && without.left <= FAR_LESS * beside.left;
-    !TWINS.iter().any(twin) && (fewer || better)
+    !listed && !TWINS.iter().any(twin) && (fewer || better)
 }
 
 /// The cut on which the rest was judged, at its beginning.

@@ -3,11 +3,12 @@
 mod camera;
 mod ceilings;
 mod conclude;
+mod conventions;
 mod correct;
 mod plant;
 
-use crate::candidates::{CLOCK, Candidate, candidates};
-use crate::dataset::DataSet;
+use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
+use crate::dataset::{DataSet, Table};
 use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::model::Model;
@@ -18,6 +19,7 @@ use crate::selection::{Alternative, Study, alternatives, study};
 use camera::camera_part;
 use ceilings::ceilings;
 use conclude::conclude;
+use conventions::conventions;
 use orchestrator::UnitPath;
 use plant::plant_part;
 use std::path::Path;
@@ -44,6 +46,8 @@ struct Part {
     signals: Vec<Signal>,
     classes: Vec<(usize, Vec<Alternative>)>,
     torque: bool,
+    /// What torques found before the plant could follow the log.
+    coarse: Vec<usize>,
     /// What the scatter of the picture says of the sensor.
     noise: Option<Noise>,
 }
@@ -60,17 +64,24 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Error> {
     let data = DataSet::load(path)?;
     let model = Model::load(&data, units)?;
-    let list = Arc::new(candidates(&model, &options.without, &|cuts| ceilings(&data, cuts)));
+    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
+    if data.runs.iter().any(|run| run.camera.is_some()) {
+        // the picture has a mount of its own, and knows the angles
+        list.retain(|candidate| candidate.side != Side::Zero);
+    }
+    let list = Arc::new(list);
     let mut notices = data.notices.clone();
-    notices.extend(model.notice(&data));
+    notices.extend(model.notices(&data));
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let mut parts = Vec::new();
     let motions = plant_part(&data, &model, &list, &mut point, &mut parts, tell)?;
+    notices.extend(conventions(&data, &model, &list, &parts)?);
     camera_part(&data, &model, &list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
     clear_clock(&list, &mut parts, &mut point, &mut notices);
+    clear_zeros(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
@@ -109,6 +120,25 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
     }
 }
 
+/// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.
+fn clear_zeros(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    for (zero, angle) in ZEROS.into_iter().zip(["q1", "q2"]) {
+        let Some(index) = list.iter().position(|candidate| candidate.name == zero) else { continue };
+        if point[index] == 0.0 {
+            continue;
+        }
+        let message = format!(
+            "{angle} reads {:.4} rad ({:.2}°) too large against gravity: taken as its sensor's zero (or the camera's \
+             upright), not as an effect",
+            point[index],
+            point[index].to_degrees()
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+        point[index] = 0.0;
+        parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
+    }
+}
+
 fn part(
     cut: &mut dyn Cut,
     list: &[Candidate],
@@ -122,5 +152,5 @@ fn part(
     for effect in &study.active {
         classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
     }
-    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, noise: None })
+    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, coarse: Vec::new(), noise: None })
 }

@@ -40,7 +40,8 @@ pub(super) fn plant_part(
         Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
         Some(_) => {
             rows.linearise(point, &[], false)?;
-            part(&mut rows, list, point, &start, true, tell)?
+            let fine = part(&mut rows, list, point, &start, true, tell)?;
+            Part { coarse: start, ..fine }
         }
         None => part(&mut rows, list, point, &start, true, tell)?,
     };

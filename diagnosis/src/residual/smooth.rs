@@ -14,6 +14,9 @@ const GRID: f64 = 0.008;
 /// A state is read off a local cubic over rows this far to either side, s, and at least so many rows in all.
 const AROUND: f64 = 0.03;
 const AROUND_ROWS: usize = 7;
+/// Rows further apart than this many times the usual, and this share of a stretch, tear it.
+const TORN: f64 = 1.5;
+const TORN_SHARE: f64 = 0.06;
 /// Standard deviation of an angle where none is stated, rad.
 const FIRST_GUESS: f64 = 1e-3;
 /// φ = (1 - s²)^POWER: its slopes vanish at the ends up to the third.
@@ -161,7 +164,7 @@ fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
             return;
         }
         let rows = time.partition_point(|t| *t < from)..time.partition_point(|t| *t <= to);
-        if (rows.len() as f64) < 0.7 * grid.length / grid.typical {
+        if (rows.len() as f64) < 0.7 * grid.length / grid.typical || torn(time, &rows, grid) {
             continue;
         }
         let first = half as usize * (grid.count / 2);
@@ -170,6 +173,14 @@ fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
             into.push(stretch(grid, nodes, sigma, rows, (from, to)));
         }
     }
+}
+
+/// Whether rows are lacking that the integral over a stretch would miss.
+fn torn(time: &[f64], rows: &std::ops::Range<usize>, grid: &Grid<'_>) -> bool {
+    let most = (TORN * grid.typical).max(TORN_SHARE * grid.length);
+    // with the neighbours: a gap at an end would weigh the last row too much
+    let all = rows.start.saturating_sub(1)..(rows.end + 1).min(time.len());
+    time[all].windows(2).any(|pair| pair[1] - pair[0] > most)
 }
 
 fn stretch(

@@ -12,8 +12,9 @@ mod forced;
 
 use super::actuator::{Actuator, DYNAMIC, key};
 use super::plant::jitter::torque_scatter;
-use super::plant::settings;
+use super::plant::{settings, zeros};
 use super::smooth::{Node, Stretch, stretches};
+use super::trajectory::State;
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::{Bench, Setting};
 use crate::candidates::{Candidate, Side};
@@ -22,6 +23,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
+use orchestrator::Value;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -30,12 +32,20 @@ use std::sync::Arc;
 const OUTLYING: f64 = 4.0;
 /// Stretches that overlap belong to one block, s.
 const BLOCK: f64 = 1.0;
+/// Logs shorter than this in all, s, are cut into so many blocks, down to a stretch each: a statistic over n blocks is at
+/// most √n, and none below 4.5 counts.
+const SHORT: f64 = 30.0;
+const BLOCKS: f64 = 40.0;
+const SHORT_BLOCK: f64 = 0.15;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
 /// How many of the latest answers are kept: a look at all candidates and the fits around it.
 const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
+
+/// An angle between the links that none reaches, rad.
+const FAR: f64 = 1e9;
 
 /// For each stretch ∫φ q̈ dt.
 type Given = Arc<Vec<Vector2<f64>>>;
@@ -54,6 +64,7 @@ pub struct Weak {
     outputs: [u32; 2],
     /// Torque that the scatter of the torques' stamps gives, N·m.
     explained: f64,
+    contact: u32,
 }
 
 impl Weak {
@@ -77,7 +88,8 @@ impl Weak {
             reference("tau")?,
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
-        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let limit = reference("q2_max")?;
+        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
@@ -99,6 +111,7 @@ impl Weak {
             inputs,
             outputs,
             explained,
+            contact: limit,
         };
         weak.weigh()?;
         Ok(Some(weak))
@@ -127,7 +140,7 @@ impl Weak {
     /// What the unit gives at states, in initialization mode: inputs and start values are set, outputs are read.
     fn accelerations(&self, settings: &[Setting], nodes: &[Node]) -> Result<Vec<[f64; 2]>, Error> {
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(settings, |instance| {
+        self.bench.initialising(&self.apart(settings), |instance| {
             let mut all = Vec::with_capacity(nodes.len());
             for node in nodes {
                 let [q1, q2, dq1, dq2] = node.state;
@@ -140,14 +153,22 @@ impl Weak {
         })
     }
 
+    /// Rows at which the links touch are no part of a stretch, so the unit must not hold them.
+    fn apart(&self, settings: &[Setting]) -> Vec<Setting> {
+        let open = (self.contact, Value::Real(FAR));
+        settings.iter().cloned().chain([open]).collect()
+    }
+
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
     fn given(&mut self, point: &[f64], moved: Option<Probe>) -> Result<Given, Error> {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
-        let key = key(&all);
+        let zeros = zeros(&self.candidates, point, moved);
+        let mut key = key(&all);
+        key.extend(zeros.map(f64::to_bits));
         if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let given = Arc::new(self.ask(all, point, moved)?);
+        let given = Arc::new(self.ask(all, zeros, point, moved)?);
         if self.known.len() == KNOWN {
             self.known.pop_front();
         }
@@ -158,6 +179,7 @@ impl Weak {
     fn ask(
         &self,
         all: Vec<Setting>,
+        zeros: [f64; 2],
         point: &[f64],
         moved: Option<Probe>,
     ) -> Result<Vec<Vector2<f64>>, Error> {
@@ -172,13 +194,19 @@ impl Weak {
             .nodes
             .par_chunks(CHUNK)
             .map(|nodes| match &applied {
-                Some(applied) => {
-                    let tau = |node: &Node| applied.at(node.run, node.time);
-                    let nodes: Vec<Node> =
-                        nodes.iter().map(|node| Node { tau: tau(node), ..*node }).collect();
+                None if zeros == [0.0; 2] => self.accelerations(&fixed, nodes),
+                applied => {
+                    let tau = |node: &Node| match applied {
+                        Some(applied) => applied.at(node.run, node.time),
+                        None => node.tau,
+                    };
+                    let [q1, q2] = zeros;
+                    let turned = |[a, b, da, db]: State| [a - q1, b - q2, da, db];
+                    let nodes: Vec<Node> = (nodes.iter())
+                        .map(|node| Node { tau: tau(node), state: turned(node.state), ..*node })
+                        .collect();
                     self.accelerations(&fixed, &nodes)
                 }
-                None => self.accelerations(&fixed, nodes),
             })
             .collect::<Result<_, _>>()?;
         let sum = |stretch: &Stretch, axis: usize| {
@@ -199,7 +227,7 @@ impl Cut for Weak {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        candidate.side == Side::Plant
+        matches!(candidate.side, Side::Plant | Side::Zero)
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
@@ -210,6 +238,8 @@ impl Cut for Weak {
             columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
         }
         let mut blocks: Vec<Block> = Vec::new();
+        let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
+        let length = if covered < SHORT { (covered / BLOCKS).clamp(SHORT_BLOCK, BLOCK) } else { BLOCK };
         for (place, stretch) in self.stretches.iter().enumerate() {
             let torque = stretch.inertia * (stretch.measured - base[place]);
             let mut matrix = DMatrix::zeros(2, probes.len());
@@ -230,7 +260,7 @@ impl Cut for Weak {
                 floor: stretch.floor().to_vec(),
             };
             match blocks.last_mut() {
-                Some(block) if block.run == stretch.run && stretch.from - block.from < BLOCK => {
+                Some(block) if block.run == stretch.run && stretch.from - block.from < length - 1e-9 => {
                     block.to = stretch.to;
                     block.cells.push(cell);
                 }

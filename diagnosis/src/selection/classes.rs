@@ -65,7 +65,7 @@ pub fn alternatives(
     let own = reference.deviance();
     let mut all = vec![(effect, reference.point[effect], 0.0)];
     for (index, candidate) in candidates.iter().enumerate() {
-        if active.contains(&index) || !cut.sees(candidate) || candidate.side == Side::Clock {
+        if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() {
             continue;
         }
         if candidates[effect].is_discrete() && !resembled(steps, effect, index) {

@@ -3,7 +3,7 @@
 use super::evaluation::{Evaluation, Folds};
 use super::refit::refit;
 use super::screen::{Hit, Screen};
-use crate::candidates::{Candidate, Cuts, Motion, Side};
+use crate::candidates::{Candidate, Cuts, Motion};
 use crate::error::Error;
 use crate::residual::Cut;
 
@@ -91,7 +91,7 @@ impl Trials<'_> {
             };
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
-            let nuisance = self.candidates[hit.candidate].side == Side::Clock;
+            let nuisance = self.candidates[hit.candidate].side.is_of_log();
             let handicap = if nuisance { HANDICAP } else { 0.0 };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper - handicap, trial));
         }

@@ -8,8 +8,12 @@ use crate::selection::Study;
 /// One study in sentences.
 pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
     let mut lines = vec![format!(
-        "{}: the nominal model leaves {:.3} {} of {} (noise alone: {:.3}).",
-        study.name, gap.before, gap.unit, gap.signal, gap.floor
+        "{}: the nominal model leaves {} {} of {} (noise alone: {}).",
+        study.name,
+        brief(gap.before),
+        gap.unit,
+        gap.signal,
+        brief(gap.floor)
     )];
     for step in &study.steps {
         let best: Vec<String> = step
@@ -22,9 +26,11 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         match step.accepted {
             Some(index) => lines.push(format!(
                 "The rest looks most like {looked} (in standard deviations; by chance the best of all would look so \
-                 with probability {:.4}). Fitted through the units, {} - {} - explains it best: the rest's mean \
-                 square goes from {:.2} to {:.2} of the noise in use, and left-out runs agree.",
-                step.p_value, list[index].name, list[index].phrase, step.rest.0, step.rest.1
+                 with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
+                step.p_value,
+                list[index].name,
+                list[index].phrase,
+                fall(step.rest)
             )),
             None => lines.push(format!(
                 "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
@@ -42,15 +48,34 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             left.signal, left.shape, left.nearest
         )),
         (Some(closed), None) => lines.push(format!(
-            "On runs left out the gap goes from {:.3} to {:.3} {}: {:.0} % of it is closed.",
-            gap.before,
-            gap.after,
+            "On runs left out the gap goes from {} to {} {}: {:.0} % of it is closed.",
+            brief(gap.before),
+            brief(gap.after),
             gap.unit,
             100.0 * closed
         )),
         (None, None) => lines.push("No gap stands above the noise here.".into()),
     }
     lines
+}
+
+/// How the rest falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+fn fall((before, after): (f64, f64)) -> String {
+    let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
+    if before == after {
+        return String::new();
+    }
+    format!(": the rest's mean square goes from {before} to {after} of the noise in use")
+}
+
+/// What torques found before the plant could follow the log.
+pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
+    let names: Vec<&str> = found.iter().map(|index| list[*index].name).collect();
+    format!(
+        "The nominal model leaves the log within most windows. So the torques that it lacks at the measured states were \
+         compared first. They name {}; with that it follows the log, and what comes now is compared in windows.",
+        names.join(", ")
+    )
 }
 
 /// What is offered for a rest without a name, in a sentence.
@@ -63,7 +88,7 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
     let terms: Vec<String> = correction
         .terms
         .iter()
-        .map(|term| format!("{} = {:.4}, {}", term.name, term.value, term.phrase))
+        .map(|term| format!("{} = {}, {}", term.name, brief(term.value), term.phrase))
         .collect();
     let superseded = match correction.supersedes.as_slice() {
         [] => String::new(),
@@ -74,13 +99,26 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         ),
     };
     format!(
-        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {:.4} to \
-         {:.4} N·m with it (noise alone: {:.4}): {:.0} % of what the model leaves without it.",
+        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {} to \
+         {} N·m with it (noise alone: {}): {:.0} % of what the model leaves without it.",
         correction.label,
         terms.join("; "),
-        correction.gap.before,
-        correction.gap.after,
-        correction.gap.floor,
+        brief(correction.gap.before),
+        brief(correction.gap.after),
+        brief(correction.gap.floor),
         100.0 * correction.gap.closed
     )
+}
+
+/// Three digits, without an exponent where a person would write none.
+pub fn brief(value: f64) -> String {
+    let whole = value == value.round() && value.abs() < 1e6;
+    match value.abs() {
+        _ if whole => format!("{value:.0}"),
+        100.0..1e6 => format!("{value:.0}"),
+        10.0..100.0 => format!("{value:.1}"),
+        1.0..10.0 => format!("{value:.2}"),
+        0.01..1.0 => format!("{value:.3}"),
+        _ => format!("{value:.2e}"),
+    }
 }

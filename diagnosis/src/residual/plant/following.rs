@@ -21,10 +21,8 @@ impl PlantCut {
     /// # Errors
     /// The unit failed.
     pub fn follows(&mut self, point: &[f64], most: f64) -> Result<bool, Error> {
+        self.mend(point);
         self.afresh();
-        if let Some(clock) = self.clock {
-            self.shift(point[clock]);
-        }
         let settings = self.settings(point, None)?;
         let total = self.windows.len();
         let (mut led, mut seen) = (0, 0);

@@ -17,10 +17,13 @@ mod following;
 mod forced;
 pub mod jitter;
 mod layout;
+mod log;
 mod window;
 
 use fitting::Look;
 use layout::Layout;
+use log::steered;
+pub use log::zeros;
 use window::{Kept, Window, cut_run};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
@@ -86,6 +89,8 @@ pub struct PlantCut {
     signals: Vec<Signal>,
     through: Option<Through>,
     clock: Option<usize>,
+    /// By how much the log's angles were turned back, rad.
+    zeros: [f64; 2],
     /// Scatter of the log's time stamps, s.
     jitter: f64,
 }
@@ -102,7 +107,7 @@ impl PlantCut {
         short: bool,
     ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
-        let contact = model.number("plant.q2_max").unwrap_or(f64::INFINITY);
+        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
             cut_run(index, run, contact, short, &mut windows);
@@ -119,8 +124,12 @@ impl PlantCut {
             })
             .collect();
         let runs = Arc::new(data.runs.clone());
-        let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
-        let through = Some(Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
+        // without a torque that changes there is no other log that this one could be late against
+        let clock = candidates
+            .iter()
+            .position(|candidate| candidate.side == Side::Clock)
+            .filter(|_| runs.iter().any(steered));
+        let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
             bench: model.plant.clone(),
             ports,
@@ -130,6 +139,7 @@ impl PlantCut {
             signals,
             through,
             clock,
+            zeros: [0.0; 2],
             jitter: 0.0,
         }))
     }
@@ -194,26 +204,6 @@ impl PlantCut {
         }
     }
 
-    /// Moves the log to when the exposures ended.
-    fn shift(&mut self, delay: f64) {
-        let Some(through) = &mut self.through else { return };
-        let by = through.delay - delay;
-        if by == 0.0 {
-            return;
-        }
-        through.delay = delay;
-        for log in Arc::make_mut(&mut self.runs).iter_mut().filter_map(|run| run.plant.as_mut()) {
-            log.time.iter_mut().for_each(|time| *time += by);
-        }
-        for window in &mut self.windows {
-            let run = &self.runs[window.run];
-            let Some(log) = &run.plant else { continue };
-            let times: Vec<f64> = window.rows.iter().map(|row| log.time[*row]).collect();
-            window.edges.iter_mut().for_each(|edge| *edge += by);
-            window.drive = Drive::new(run, window.drive.start() + by, &times, &window.edges);
-        }
-    }
-
     /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
     fn seen_column(
         &self,
@@ -223,6 +213,9 @@ impl PlantCut {
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
+        if let Some(angle) = log::angle(&self.candidates[candidate]) {
+            return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
+        }
         let (Some(through), Some(log)) = (&self.through, &self.runs[window.run].plant) else {
             return vec![0.0; layout.len()];
         };
@@ -314,15 +307,14 @@ impl Cut for PlantCut {
         match candidate.side {
             Side::Plant => true,
             Side::Clock => self.clock.is_some(),
+            Side::Zero => true,
             Side::Camera => self.through.is_some() && self.clock.is_none(),
             _ => false,
         }
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        if let Some(clock) = self.clock {
-            self.shift(point[clock]);
-        }
+        self.mend(point);
         let all: Vec<usize> = (0..self.windows.len()).collect();
         self.look(&all, point, probes, quick)
     }

@@ -1,6 +1,11 @@
 //! Windows of a log: where they begin and end, which rows count, and a guess of the state at their begin.
 
 use super::*;
+use crate::statistics::linear::solve;
+
+/// So many rows tell a curvature from noise; the fewest that are looked at.
+const CURVED: usize = 8;
+const FEWEST: usize = 3;
 
 /// What a full look found of a window's nuisances.
 pub(super) struct Kept {
@@ -68,7 +73,10 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
         usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let short = if short && PLENTY * typical < SHORT_WINDOW { SHORT_WINDOW } else { WINDOW };
+    let plenty = PLENTY * typical < SHORT_WINDOW;
+    let short = if plenty && (short || tumbles(&plant.time, &usable, q2)) { SHORT_WINDOW } else { WINDOW };
+    // only an actuator has a past that must fill up
+    let before = if steered(run) { PREROLL } else { 0.0 };
     let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
     let usable = thinned(&plant.time, usable);
     let mut from = 0;
@@ -85,7 +93,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
         if rows.len() >= 6 {
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
             let earliest = plant.time[usable[0]];
-            let start = (begin - PREROLL).max(earliest);
+            let start = (begin - before).max(earliest);
             let end = times[times.len() - 1];
             let edges: Vec<f64> =
                 (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
@@ -104,6 +112,15 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
     }
 }
 
+/// Whether link 2 turns so fast that it goes over the top within a window, time after time: then errors of the start state
+/// grow much faster than at the upright.
+fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
+    let speed = |pair: &[usize]| ((q2[pair[1]] - q2[pair[0]]) / (time[pair[1]] - time[pair[0]])).abs();
+    let mut speeds: Vec<f64> = usable.windows(2).map(speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOW > std::f64::consts::TAU)
+}
+
 /// Rows at least `DENSE` apart.
 pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
@@ -115,26 +132,30 @@ pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
     kept
 }
 
-/// A state to begin with: straight lines through the rows around.
+/// A state to begin with: parabolas through the rows around, or straight lines where these are few.
 pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
-    let place = time.partition_point(|t| *t < at).min(time.len() - 1);
-    let (mut from, mut to) = (place.saturating_sub(1), (place + 2).min(time.len()));
-    while from > 0 && at - time[from] < AROUND {
-        from -= 1;
+    let (mut from, mut to) =
+        (time.partition_point(|t| *t < at - AROUND), time.partition_point(|t| *t <= at + AROUND));
+    // the nearer side first: rows beyond a gap say little
+    while to - from < FEWEST && to - from < time.len() {
+        let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
+        let after = if to < time.len() { time[to] - at } else { f64::INFINITY };
+        if before < after { from -= 1 } else { to += 1 }
     }
-    while to < time.len() && time[to - 1] - at < AROUND {
-        to += 1;
-    }
-    let line = |values: &[f64]| {
+    let curve = |values: &[f64]| {
         let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();
-        let n = rows.len().max(1) as f64;
-        let mean = |f: &dyn Fn(usize) -> f64| rows.iter().map(|row| f(*row)).sum::<f64>() / n;
-        let (t, x) = (mean(&|row| time[row] - at), mean(&|row| values[row]));
-        let tt = mean(&|row| (time[row] - at - t).powi(2));
-        let tx = mean(&|row| (time[row] - at - t) * (values[row] - x));
-        let slope = if tt > 0.0 { tx / tt } else { 0.0 };
-        (x - slope * t, slope)
+        let Some(first) = rows.first() else { return (0.0, 0.0) };
+        let powers = if rows.len() < CURVED { 2 } else { 3 };
+        // in units of the rows' reach, so that the normal equations are well conditioned
+        let design = DMatrix::from_fn(rows.len(), powers, |row, power| {
+            ((time[rows[row]] - at) / AROUND).powi(power as i32)
+        });
+        let rest = DVector::from_fn(rows.len(), |row, _| values[rows[row]] - values[*first]);
+        match solve(&design.tr_mul(&design), &design.tr_mul(&rest)) {
+            Some(found) => (values[*first] + found[0], found[1] / AROUND),
+            None => (values[*first], 0.0),
+        }
     };
-    let ((a, da), (b, db)) = (line(q1), line(q2));
+    let ((a, da), (b, db)) = (curve(q1), curve(q2));
     [a, b, da, db]
 }

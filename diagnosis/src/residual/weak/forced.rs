@@ -11,7 +11,7 @@ impl Weak {
         let starts = [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?];
         let external = [reference("tau_1")?, reference("tau_2")?];
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(settings, |instance| {
+        self.bench.initialising(&self.apart(settings), |instance| {
             let mut all = Vec::with_capacity(states.len());
             for state in states {
                 instance.set_real(&starts, state).map_err(failed)?;

@@ -1,0 +1,118 @@
+//! What angles of a log show by themselves: whether they are degrees, and where they were wrapped.
+
+use super::{Manifest, Table};
+use crate::dataset::manifest::number;
+use mechanics::Theta;
+use std::f64::consts::{PI, TAU};
+
+/// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
+const LARGEST_ANGLE: f64 = 12.0 * PI;
+/// Degrees are 57 times radians; halfway on a logarithmic scale.
+const DEGREE_RATIO: f64 = 7.6;
+/// Time between rows over the time of falling: 30 Hz gives 0.2, milliseconds taken for seconds 6 and more at 1 kHz.
+const FALLEN: f64 = 1.5;
+/// Motion below this (rad) can't tell degrees from radians.
+const LEAST_MOTION: f64 = 0.02;
+
+/// The rate (rad/s) that gravity gives each link of the nominal model, √(θ₉/θ₁) and √(θ₁₀/θ₅). A free arm of 9 cm that
+/// tumbles moves up to 4 times as fast (seen on a real one); in degrees a swing of 10° is 10 times as fast.
+pub fn falling(manifest: &Manifest) -> [f64; 2] {
+    let of = |name: &str, usual: f64| {
+        let given = manifest.set.get(&format!("plant.{name}")).and_then(number);
+        given.filter(|value| *value > 0.0).unwrap_or(usual)
+    };
+    let usual = Theta::TABLE_2;
+    [
+        (of("theta_9", usual.theta_9) / of("theta_1", usual.theta_1)).sqrt(),
+        (of("theta_10", usual.theta_10) / of("theta_5", usual.theta_5)).sqrt(),
+    ]
+}
+
+/// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
+pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
+    let mut gaps: Vec<f64> = plant.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let typical = gaps.get(gaps.len() / 2).copied()?;
+    (typical * falling[0].max(falling[1]) > FALLEN).then_some(typical)
+}
+
+/// Makes an angle continuous where it jumps by whole turns; the first such row and how many there are. Only where all of it
+/// lies within a turn: an angle that counts turns was never wrapped.
+pub fn unwrapped(values: &mut [f64]) -> Option<(usize, usize)> {
+    let (low, high) = (values.iter().copied().filter(|value| value.is_finite()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if high - low > TAU * 1.01 || high - low < PI {
+        return None;
+    }
+    let (mut first, mut count, mut turns, mut last) = (0, 0, 0.0, f64::NAN);
+    for (row, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
+        let jump = ((*value - last) / TAU).round();
+        last = *value;
+        if jump.is_finite() && jump != 0.0 {
+            turns -= jump;
+            count += 1;
+            first = if count == 1 { row } else { first };
+        }
+        *value += TAU * turns;
+    }
+    (count > 0).then_some((first, count))
+}
+
+/// Angles in degrees show by their range together with their speed, or by the picture. Range alone doesn't do: a free arm
+/// turns over many times.
+pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> Option<(usize, String)> {
+    for (name, falling) in ["q1", "q2"].into_iter().zip(falling) {
+        let values = plant.column(name)?;
+        let far = values.iter().position(|value| value.abs() > LARGEST_ANGLE);
+        let speed = speed(&plant.time, values);
+        if let Some(row) = far.filter(|_| speed > DEGREE_RATIO * falling) {
+            let message = format!(
+                "{name} = {} rad is {:.1} turns, and it moves by up to {speed:.0} rad/s, where gravity gives about \
+                 {falling:.0}; angles are in radians (are these degrees?); file put aside",
+                values[row],
+                values[row].abs() / TAU
+            );
+            return Some((plant.line[row], message));
+        }
+    }
+    let camera = camera?;
+    let pairs = [("q1", "u1", "v1", "u2", "v2"), ("q2", "u2", "v2", "u3", "v3")];
+    for (name, ua, va, ub, vb) in pairs {
+        let seen: Vec<f64> = (0..camera.len())
+            .filter_map(|row| {
+                let cell = |column| Some(camera.column(column)?[row]);
+                let angle = libm::atan2(cell(ub)? - cell(ua)?, cell(vb)? - cell(va)?);
+                angle.is_finite().then_some(angle)
+            })
+            .collect();
+        let logged = plant.column(name)?;
+        let ratio = spread(logged) / spread(&seen);
+        if spread(&seen) > LEAST_MOTION && ratio > DEGREE_RATIO {
+            let message = format!(
+                "{name} moves {ratio:.0} times as far as the picture shows (are these degrees?); file put aside"
+            );
+            return Some((plant.line[0], message));
+        }
+    }
+    None
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+    at(0.95) - at(0.05)
+}
+
+/// The speed that is exceeded in a twentieth of the rows, rad/s.
+fn speed(time: &[f64], values: &[f64]) -> f64 {
+    let mut rates: Vec<f64> = (1..values.len())
+        .map(|row| ((values[row] - values[row - 1]) / (time[row] - time[row - 1])).abs())
+        .filter(|rate| rate.is_finite())
+        .collect();
+    rates.sort_by(f64::total_cmp);
+    rates.get(rates.len().saturating_sub(1) * 19 / 20).copied().unwrap_or(0.0)
+}

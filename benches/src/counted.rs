@@ -63,10 +63,11 @@ fn main() {
     match std::env::args().nth(1).as_deref() {
         Some("master") => master_steps(&Ring::new()),
         Some("mixed") => master_steps(&Ring::of_oscillators()),
+        Some("texts") => master_steps(&Ring::of_feedthroughs(true)),
         Some("plant") => plant_steps(),
         Some("runs") => short_runs(),
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master, mixed, plant, runs or loop30"),
+        None => panic!("which work? a, b16, c, d, master, mixed, texts, plant, runs or loop30"),
     }
 }

@@ -181,5 +181,8 @@ number of frames or of rounds. What guards against regressions is `scripts/instr
 Peers: OpenCV and numpy in `scripts/peers/opencv_frame.py`, one thread, in three degrees of tuning; FMPy, libcosim and
 Ecos in `scripts/peers/masters.py`, libcosim also without its threads (`scripts/peers/libcosim_serial.py`); for the master
 also a plain C loop over the same functions, the limit: of a nearly free unit (`benches/ring.c`), of one that costs what a
-small real one does (`benches/oscillator.c`), and of our own three (`benches/closed.c`). The last two must end at our bits.
+small real one does (`benches/oscillator.c`), of one that hands on what it gets and costs what the Feedthrough of the FMI
+project's reference units does (`benches/feedthrough.c`; to within a tenth, by instructions), and of our own three
+(`benches/closed.c`). All but the first must end at our bits. Where a unit copies texts, its cost depends by a third on where
+its instances lie in memory, so both sides are measured in several places.
 ";

@@ -1,5 +1,6 @@
 //! The units of the master's measurement, compiled and packed, and the scenario of a ring of three: the nearly free one
-//! of `ring.c`, and one that costs what a small real one does, of `oscillator.c`.
+//! of `ring.c`, one that costs what a small real one does, of `oscillator.c`, and one that hands on what it gets, of
+//! `feedthrough.c`.
 
 use orchestrator::{Scenario, Simulation, UnitPath};
 use std::io::Write;
@@ -16,7 +17,9 @@ pub struct Ring {
 
 /// What each unit of a ring passes on to the next one: from, to.
 const REALS: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2")];
-const ALL: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in")];
+const NUMBERS: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in")];
+const ALL: &[(&str, &str)] =
+    &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in"), ("t_out", "t_in")];
 
 impl Default for Ring {
     fn default() -> Self {
@@ -27,22 +30,32 @@ impl Default for Ring {
 impl Ring {
     /// The nearly free one.
     pub fn new() -> Self {
-        Self::of("ring", REALS, &[])
+        Self::of("ring", REALS, &[], true)
     }
 
     /// The oscillator, with an integer and a Boolean on the way as well.
     pub fn of_oscillators() -> Self {
-        Self::of("oscillator", ALL, WHOLE)
+        Self::of("oscillator", NUMBERS, WHOLE, false)
     }
 
-    fn of(name: &str, ports: &'static [(&'static str, &'static str)], more: &[Variable]) -> Self {
+    /// The one that hands on what it gets, with the texts or without.
+    pub fn of_feedthroughs(texts: bool) -> Self {
+        Self::of("feedthrough", if texts { ALL } else { NUMBERS }, WHOLE_AND_TEXT, true)
+    }
+
+    fn of(
+        name: &str,
+        ports: &'static [(&'static str, &'static str)],
+        more: &[Variable],
+        feeds_through: bool,
+    ) -> Self {
         let folder = TempDir::new().expect("a temporary folder");
         let library = compile(&format!("{name}.c"), folder.path());
         let ring = Self { folder, library, ports };
         let binary = std::fs::read(&ring.library).expect("compiled");
         let mut zip = zip::ZipWriter::new(std::fs::File::create(ring.fmu()).expect("writable"));
         let options = zip::write::SimpleFileOptions::default();
-        let description = description(name, more);
+        let description = description(name, more, feeds_through);
         for (name, bytes) in
             [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/unit.so", &binary)]
         {
@@ -108,19 +121,23 @@ const REAL: &[Variable] = &[
     ("Real", "y1", 2, "output"),
     ("Real", "y2", 3, "output"),
 ];
-const WHOLE: &[Variable] = &[
+const WHOLE_AND_TEXT: &[Variable] = &[
     ("Integer", "n_in", 0, "input"),
     ("Integer", "n_out", 1, "output"),
     ("Boolean", "b_in", 0, "input"),
     ("Boolean", "b_out", 1, "output"),
+    ("String", "t_in", 0, "input"),
+    ("String", "t_out", 1, "output"),
 ];
+const WHOLE: &[Variable] = WHOLE_AND_TEXT.split_at(4).0;
 
 /// The description; libcosim caches units by GUID, so it is that of this process. `more` are variables that are no
-/// reals.
-fn description(name: &str, more: &[Variable]) -> String {
+/// reals. Outputs depend on inputs while stepping, or on the state alone.
+fn description(name: &str, more: &[Variable], feeds_through: bool) -> String {
     let variable = |(kind, name, reference, causality): Variable| {
         let (initial, start) = match (causality, kind) {
             ("input", "Boolean") => ("", " start=\"false\""),
+            ("input", "String") => ("", " start=\"a text on its way\""),
             ("input", _) => ("", " start=\"0\""),
             _ => (" initial=\"calculated\"", ""),
         };
@@ -131,13 +148,13 @@ fn description(name: &str, more: &[Variable]) -> String {
         )
     };
     let variables: String = REAL.iter().chain(more).copied().map(variable).collect();
-    // Outputs of nearly free units depend on the inputs; those of the oscillator on its state alone.
     let unknown = |index: usize, on: &str| format!("<Unknown index=\"{index}\" dependencies=\"{on}\"/>");
-    let free = more.is_empty();
     let (mut step, mut initial) = (String::new(), String::new());
     for (at, (.., causality)) in REAL.iter().chain(more).enumerate() {
         if *causality == "output" {
-            step += &unknown(at + 1, if free { ["1", "2"][at - 2] } else { "" });
+            // An input comes two places before its output among the reals, one before among the others.
+            let input = if at < REAL.len() { at - 1 } else { at }.to_string();
+            step += &unknown(at + 1, if feeds_through { &input } else { "" });
             initial += &unknown(at + 1, "");
         }
     }

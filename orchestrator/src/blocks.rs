@@ -4,13 +4,89 @@
 use crate::error::Error;
 use crate::fmu::Instance;
 use crate::system::Values;
-use std::ops::Range;
+use crate::text::Text;
+use std::cell::Cell;
 
-/// Variables of one type that are set or read in one call: their references, and where their values lie.
+/// Variables of one type that are set or read in one call: their references, and where their values begin.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Block {
     pub(crate) references: Vec<u32>,
-    pub(crate) at: Range<usize>,
+    pub(crate) at: usize,
+    /// Where each value is copied from before it is set; its own place where no plain copy leads to it. Empty if there
+    /// is none at all.
+    sources: Vec<u32>,
+}
+
+impl Block {
+    pub(crate) fn new(references: Vec<u32>, at: usize) -> Self {
+        Self { references, at, sources: Vec::new() }
+    }
+
+    /// Has a value copied before it is set; both are places among all values of the type.
+    pub(crate) fn copy(&mut self, from: u32, to: u32) {
+        if self.sources.is_empty() {
+            self.sources = (self.at as u32..).take(self.references.len()).collect();
+        }
+        self.sources[to as usize - self.at] = from;
+    }
+
+    /// Its values among all of the type.
+    #[inline(always)]
+    pub(crate) fn of<'a, T>(&self, all: &'a [T]) -> &'a [T] {
+        &all[self.at..][..self.references.len()]
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    fn within<'a, T>(&self, all: &'a mut [T]) -> &'a mut [T] {
+        &mut all[self.at..][..self.references.len()]
+    }
+
+    /// The same, once what is to be copied is.
+    #[inline(always)]
+    fn fetched<'a, T: Copy>(&self, all: &'a mut [T], convert: impl Fn(T) -> T) -> &'a [T] {
+        let (at, length) = (self.at, self.references.len());
+        let cells = Cell::from_mut(&mut *all).as_slice_of_cells();
+        for (number, to) in cells[at..][..length].iter().enumerate() {
+            // Shorter than a zip, which first finds out which of the two is the longer one.
+            let Some(&from) = self.sources.get(number) else { break };
+            to.set(convert(cells[from as usize].get()));
+        }
+        &all[at..][..length]
+    }
+
+    /// The same for texts.
+    #[inline(always)]
+    fn fetched_texts<'a>(&self, all: &'a mut [Text]) -> &'a [Text] {
+        for (to, &from) in (self.at..).zip(&self.sources) {
+            if !all[to].is(&all[from as usize]) {
+                take_over(all, from as usize, to);
+            }
+        }
+        self.of(all)
+    }
+
+    /// Never inlined, so that numbers keep their registers; the error is boxed, so that it comes back in one.
+    #[inline(never)]
+    fn set_texts<const FETCH: bool>(
+        &self,
+        instance: &mut Instance,
+        all: &mut [Text],
+    ) -> Result<(), Box<Error>> {
+        let given = if FETCH { self.fetched_texts(all) } else { self.of(all) };
+        Ok(instance.set_texts(&self.references, given)?)
+    }
+
+    /// Likewise.
+    #[inline(never)]
+    fn get_texts(&self, instance: &mut Instance, all: &mut [Text]) -> Result<(), Box<Error>> {
+        Ok(instance.get_texts(&self.references, self.within(all))?)
+    }
+
+    #[inline(always)]
+    fn is_empty(&self) -> bool {
+        self.references.is_empty()
+    }
 }
 
 /// A block for each type.
@@ -22,48 +98,85 @@ pub(crate) struct Blocks {
     pub(crate) strings: Block,
     /// There is something besides reals.
     pub(crate) mixed: bool,
+    /// The first so many reals go to other units and must be numbers.
+    pub(crate) connected: usize,
 }
 
 impl Blocks {
-    /// Sets what is no real. Never inlined, so that a step of reals alone keeps its values in registers; the error is
-    /// boxed, so that it comes back in one.
-    #[inline(never)]
-    pub(crate) fn set_rest(&self, instance: &mut Instance, values: &Values) -> Result<(), Box<Error>> {
-        let Self { integers, booleans, strings, .. } = self;
-        if !integers.references.is_empty() {
-            instance.set_integer(&integers.references, &values.integers[integers.at.clone()])?;
+    /// Makes the plain copies: values as they are, Booleans as 1 for whatever is not 0.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, values: &mut Values) {
+        self.reals.fetched(&mut values.reals, |value| value);
+        if self.mixed {
+            self.integers.fetched(&mut values.integers, |value| value);
+            self.booleans.fetched(&mut values.integers, truth);
+            self.strings.fetched_texts(&mut values.strings);
         }
-        if !booleans.references.is_empty() {
-            instance.set_boolean(&booleans.references, &values.integers[booleans.at.clone()])?;
+    }
+
+    /// Sets all of them, with `FETCH` once the plain copies are made: type by type, so that each is looked up once.
+    #[inline(always)]
+    pub(crate) fn set<const FETCH: bool>(
+        &self,
+        instance: &mut Instance,
+        values: &mut Values,
+    ) -> Result<(), Box<Error>> {
+        let Self { reals, integers, booleans, strings, mixed, .. } = self;
+        if !reals.is_empty() {
+            let all = values.reals.as_mut_slice();
+            let given = if FETCH { reals.fetched(all, |value| value) } else { reals.of(all) };
+            instance.set_real(&reals.references, given)?;
         }
-        if !strings.references.is_empty() {
-            instance.set_string(&strings.references, &values.strings[strings.at.clone()])?;
+        if *mixed {
+            let all = values.integers.as_mut_slice();
+            if !integers.is_empty() {
+                let given = if FETCH { integers.fetched(all, |value| value) } else { integers.of(all) };
+                instance.set_integer(&integers.references, given)?;
+            }
+            if !booleans.is_empty() {
+                let given = if FETCH { booleans.fetched(all, truth) } else { booleans.of(all) };
+                instance.set_boolean(&booleans.references, given)?;
+            }
+            if !strings.is_empty() {
+                strings.set_texts::<FETCH>(instance, &mut values.strings)?;
+            }
         }
         Ok(())
     }
 
-    /// Reads what is no real.
-    #[inline(never)]
-    pub(crate) fn get_rest(&self, instance: &mut Instance, values: &mut Values) -> Result<(), Box<Error>> {
-        let Self { integers, booleans, strings, .. } = self;
-        if !integers.references.is_empty() {
-            instance.get_integer(&integers.references, &mut values.integers[integers.at.clone()])?;
+    /// Reads all of them; false if a real that goes to another unit is no number.
+    #[inline(always)]
+    pub(crate) fn get(&self, instance: &mut Instance, values: &mut Values) -> Result<bool, Box<Error>> {
+        let Self { reals, integers, booleans, strings, mixed, connected } = self;
+        let mut numbers = true;
+        if !reals.is_empty() {
+            let read = reals.within(&mut values.reals);
+            instance.get_real(&reals.references, read)?;
+            numbers = !read[..*connected].iter().any(|value| value.is_nan());
         }
-        if !booleans.references.is_empty() {
-            instance.get_boolean(&booleans.references, &mut values.integers[booleans.at.clone()])?;
+        if *mixed {
+            let all = values.integers.as_mut_slice();
+            if !integers.is_empty() {
+                instance.get_integer(&integers.references, integers.within(all))?;
+            }
+            if !booleans.is_empty() {
+                instance.get_boolean(&booleans.references, booleans.within(all))?;
+            }
+            if !strings.is_empty() {
+                strings.get_texts(instance, &mut values.strings)?;
+            }
         }
-        if !strings.references.is_empty() {
-            instance.get_string(&strings.references, &mut values.strings[strings.at.clone()])?;
-        }
-        Ok(())
+        Ok(numbers)
     }
+}
 
-    /// Reads all of them.
-    pub(crate) fn get_all(&self, instance: &mut Instance, values: &mut Values) -> Result<(), Error> {
-        let reals = &self.reals;
-        if !reals.references.is_empty() {
-            instance.get_real(&reals.references, &mut values.reals[reals.at.clone()])?;
-        }
-        if self.mixed { self.get_rest(instance, values).map_err(|error| *error) } else { Ok(()) }
-    }
+/// Texts change rarely.
+#[cold]
+#[inline(never)]
+fn take_over(all: &mut [Text], from: usize, to: usize) {
+    all[to] = all[from].clone();
+}
+
+fn truth(value: i32) -> i32 {
+    i32::from(value != 0)
 }

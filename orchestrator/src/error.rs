@@ -222,13 +222,11 @@ impl Error {
 
     /// An error with `time` put in, where a call during a step failed.
     #[cold]
-    pub(crate) fn during(self, now: f64) -> Self {
-        match self {
-            Self::Call { unit, function, status, time: None, log } => {
-                Self::Call { unit, function, status, time: Some(now), log }
-            }
-            other => other,
+    pub(crate) fn during(mut self: Box<Self>, now: f64) -> Box<Self> {
+        if let Self::Call { time: time @ None, .. } = &mut *self {
+            *time = Some(now);
         }
+        self
     }
 }
 

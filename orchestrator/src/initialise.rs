@@ -85,7 +85,7 @@ pub(crate) fn initialise(
         instance.setup_experiment(start.time, Some(stop))?;
         instance.enter_initialization()?;
         // The buffers begin with the start values, whatever an earlier run left there.
-        unit.inputs.get_all(instance, &mut system.values)?;
+        unit.inputs.get(instance, &mut system.values).map_err(|error| *error)?;
         for feed in &mut unit.feeds {
             let before = system.values.get(feed.to);
             feed_into(feed, &mut system.values, start.time);
@@ -108,11 +108,9 @@ pub(crate) fn initialise(
     }
     for unit in &mut system.units {
         for blocks in [&unit.inputs, &unit.outputs, &unit.fixed] {
-            blocks.get_all(&mut unit.instance, &mut system.values)?;
-        }
-        let connected = unit.outputs.reals.at.start..unit.outputs.reals.at.start + unit.connected_reals;
-        if system.values.reals[connected].iter().any(|value| value.is_nan()) {
-            return Err(System::not_a_number(unit, &system.values, start.time));
+            if !blocks.get(&mut unit.instance, &mut system.values).map_err(|error| *error)? {
+                return Err(System::not_a_number(unit, &system.values, start.time));
+            }
         }
     }
     system.rewind(start);
@@ -127,7 +125,7 @@ fn reference_of(inputs: &crate::blocks::Blocks, slot: Slot) -> u32 {
         Slot::Boolean(at) => (&inputs.booleans, at),
         Slot::String(at) => (&inputs.strings, at),
     };
-    block.references[at as usize - block.at.start]
+    block.references[at as usize - block.at]
 }
 
 /// Reads an output or sets an input; returns how much the value changed, relative to the larger of it and one.

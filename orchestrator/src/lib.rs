@@ -78,6 +78,7 @@ mod simulation;
 mod source;
 mod suggest;
 mod system;
+mod text;
 pub mod time;
 mod unit_path;
 mod value;

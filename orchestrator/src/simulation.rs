@@ -109,7 +109,6 @@ impl Simulation {
         initialise(system, plan, &by_reference, *start, *stop, &mut self.notices, &mut self.replaced_starts)?;
         self.now = *start;
         self.phase = Phase::Running;
-        self.algorithm.after(&mut self.wiring.system, self.now);
         Ok(())
     }
 
@@ -122,26 +121,17 @@ impl Simulation {
         if self.phase == Phase::Over {
             return Ok(None);
         }
-        let Some(ticks) = self.wiring.system.next() else { return Ok(None) };
-        self.advance_over(ticks)?;
-        self.algorithm.after(&mut self.wiring.system, self.now);
-        Ok(Some(self.now.time))
+        Ok((self.advance_by(1)? == 1).then_some(self.now.time))
     }
 
-    /// Makes the steps that end at a point.
-    #[inline]
-    pub(crate) fn advance_over(&mut self, ticks: i64) -> Result<(), Error> {
-        let point = Point { ticks, time: self.wiring.clock.seconds(ticks) };
-        match self.algorithm.step(&mut self.wiring.system, point) {
-            Ok(()) => {
-                self.now = point;
-                Ok(())
-            }
-            Err(error) => {
-                self.phase = Phase::Over;
-                Err(error)
-            }
+    /// Goes over the next points, at most so many; fewer than these if there are no more.
+    pub(crate) fn advance_by(&mut self, most: u32) -> Result<u32, Error> {
+        let Wiring { system, clock, .. } = &mut self.wiring;
+        let made = self.algorithm.advance(system, clock, &mut self.now, most);
+        if made.is_err() {
+            self.phase = Phase::Over;
         }
+        made.map_err(|error| *error)
     }
 
     /// Goes on to the last communication point that is not later than a time in s.

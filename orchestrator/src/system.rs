@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::fmu::{Instance, Status};
 use crate::recorder::Slot;
 use crate::source::Signal;
+use crate::text::Text;
 use crate::value::Value;
 use std::collections::VecDeque;
 
@@ -21,7 +22,7 @@ pub(crate) struct Point {
 pub(crate) struct Values {
     pub(crate) reals: Vec<f64>,
     pub(crate) integers: Vec<i32>,
-    pub(crate) strings: Vec<String>,
+    pub(crate) strings: Vec<Text>,
 }
 
 impl Values {
@@ -30,7 +31,7 @@ impl Values {
             Slot::Real(at) => Value::Real(self.reals[at as usize]),
             Slot::Integer(at) => Value::Integer(self.integers[at as usize]),
             Slot::Boolean(at) => Value::Boolean(self.integers[at as usize] != 0),
-            Slot::String(at) => Value::String(self.strings[at as usize].clone()),
+            Slot::String(at) => Value::String(self.strings[at as usize].as_str().to_owned()),
         }
     }
 
@@ -40,7 +41,7 @@ impl Values {
             (Slot::Real(at), Value::Real(value)) => self.reals[at as usize] = *value,
             (Slot::Integer(at), Value::Integer(value)) => self.integers[at as usize] = *value,
             (Slot::Boolean(at), Value::Boolean(value)) => self.integers[at as usize] = i32::from(*value),
-            (Slot::String(at), Value::String(value)) => self.strings[at as usize].clone_from(value),
+            (Slot::String(at), Value::String(value)) => self.strings[at as usize] = value.as_str().into(),
             _ => debug_assert!(false, "{value} in {slot:?}"),
         }
     }
@@ -78,14 +79,6 @@ impl Link {
     }
 }
 
-/// A plain copy between integers or, with 1 for whatever is not 0, between Booleans.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct WholeCopy {
-    pub(crate) from: u32,
-    pub(crate) to: u32,
-    pub(crate) boolean: bool,
-}
-
 /// A connection with delay: what its output was, and when.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
@@ -112,22 +105,16 @@ pub(crate) struct Unit {
     pub(crate) size: f64,
     /// Where its next step begins, as the unit gets it.
     pub(crate) begin: f64,
-    /// Plain copies between reals: (from, to).
-    pub(crate) copies: Vec<(u32, u32)>,
-    /// Those between integers and between Booleans.
-    pub(crate) whole_copies: Vec<WholeCopy>,
-    /// All other connections, lines (by number) and signals.
+    /// Connections that are no plain copies (these are in `inputs`), lines by number, and signals.
     pub(crate) links: Vec<Link>,
     pub(crate) lines_in: Vec<usize>,
     pub(crate) feeds: Vec<Feed>,
     pub(crate) lines_out: Vec<usize>,
-    /// What is set before a step and read after it.
+    /// What is set before a step, with the plain copies that lead there, and what is read after it.
     pub(crate) inputs: Blocks,
     pub(crate) outputs: Blocks,
     /// What is read at initialisation only: recorded parameters and unconnected inputs.
     pub(crate) fixed: Blocks,
-    /// The first so many real outputs go to other units.
-    pub(crate) connected_reals: usize,
     /// Copies are all there is to gather, and no line begins here.
     pub(crate) plain: bool,
 }
@@ -137,6 +124,8 @@ pub(crate) struct System {
     pub(crate) units: Vec<Unit>,
     /// Where the next step of each unit ends; past every time if there is none.
     pub(crate) ends: Vec<i64>,
+    /// The earliest of these.
+    pub(crate) next: i64,
     pub(crate) lines: Vec<Line>,
     pub(crate) values: Values,
     /// No unit steps past this.
@@ -160,15 +149,18 @@ impl System {
     pub(crate) fn each_ending(
         &mut self,
         point: Point,
-        mut work: impl FnMut(Due<'_>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+        mut work: impl FnMut(Due<'_>) -> Result<(), Box<Error>>,
+    ) -> Result<(), Box<Error>> {
         let (values, stop) = (&mut self.values, self.stop);
         let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
+        let mut next = i64::MAX;
         for (index, unit) in self.units.iter_mut().enumerate() {
             if ends[index] == point.ticks {
                 work(Due { unit, index, ends, lines, values, stop, point })?;
             }
+            next = next.min(ends[index]);
         }
+        self.next = next;
         Ok(())
     }
 
@@ -187,7 +179,7 @@ impl System {
     /// The next point at which a step of any unit ends.
     #[inline]
     pub(crate) fn next(&self) -> Option<i64> {
-        self.ends.iter().copied().min().filter(|&next| next != i64::MAX)
+        if self.next == i64::MAX { None } else { Some(self.next) }
     }
 
     /// Puts all units at the start.
@@ -197,6 +189,7 @@ impl System {
             unit.begin = start.time;
             self.ends.push(first_end(start.ticks, unit.interval, self.stop));
         }
+        self.next = self.ends.iter().copied().min().unwrap_or(i64::MAX);
         for line in &mut self.lines {
             line.queue.clear();
             line.push(&self.values, &self.ends, start.ticks);
@@ -206,7 +199,7 @@ impl System {
     #[cold]
     pub(crate) fn not_a_number(unit: &Unit, values: &Values, time: f64) -> Error {
         let outputs = &unit.outputs.reals;
-        let wrong = values.reals[outputs.at.clone()].iter().position(|value| value.is_nan());
+        let wrong = outputs.of(&values.reals).iter().position(|value| value.is_nan());
         let reference = wrong.map(|at| outputs.references[at]);
         let variables = &unit.instance.fmu().description().variables;
         // Of several names for one reference the first is as good as any.
@@ -219,54 +212,54 @@ impl Due<'_> {
     /// Computes the unit's inputs from what the others have delivered by now.
     #[inline(always)]
     pub(crate) fn gather(&mut self) {
-        let reals = self.values.reals.as_mut_slice();
-        for &(from, to) in &self.unit.copies {
-            reals[to as usize] = reals[from as usize];
-        }
-        if self.unit.inputs.mixed {
-            let integers = self.values.integers.as_mut_slice();
-            for copy in &self.unit.whole_copies {
-                let value = integers[copy.from as usize];
-                integers[copy.to as usize] = if copy.boolean { i32::from(value != 0) } else { value };
-            }
-        }
         if !self.unit.plain {
             gather_rest(self.unit, self.lines, self.values, self.point);
         }
+        self.unit.inputs.fetch(self.values);
     }
 
-    /// Makes the step that ends at the point, and reads the outputs.
+    /// Makes the step that ends at the point with the inputs gathered before, and reads the outputs.
     #[inline(always)]
-    pub(crate) fn step(self) -> Result<(), Error> {
+    pub(crate) fn step(self) -> Result<(), Box<Error>> {
+        self.stepped::<false>()
+    }
+
+    /// Gathers and steps.
+    #[inline(always)]
+    pub(crate) fn gather_and_step(self) -> Result<(), Box<Error>> {
+        if !self.unit.plain {
+            gather_rest(self.unit, self.lines, self.values, self.point);
+        }
+        self.stepped::<true>()
+    }
+
+    #[inline(always)]
+    fn stepped<const FETCH: bool>(self) -> Result<(), Box<Error>> {
         let Self { unit, index, ends, lines, values, stop, point } = self;
-        let inputs = &unit.inputs.reals;
-        if !inputs.references.is_empty() {
-            let result = unit.instance.set_real(&inputs.references, &values.reals[inputs.at.clone()]);
-            result.map_err(|e| e.during(unit.begin))?;
-        }
-        if unit.inputs.mixed {
-            unit.inputs.set_rest(&mut unit.instance, values).map_err(|e| e.during(unit.begin))?;
-        }
-        let status = unit.instance.do_step(unit.begin, unit.size, true);
-        if status != Status::Ok {
-            not_ok(unit, status)?;
-        }
-        let outputs = &unit.outputs.reals;
-        if !outputs.references.is_empty() {
-            let read = &mut values.reals[outputs.at.clone()];
-            unit.instance.get_real(&outputs.references, read).map_err(|e| e.during(point.time))?;
-            if read[..unit.connected_reals].iter().any(|value| value.is_nan()) {
-                return Err(System::not_a_number(unit, values, point.time));
-            }
-        }
-        if unit.outputs.mixed {
-            unit.outputs.get_rest(&mut unit.instance, values).map_err(|e| e.during(point.time))?;
-        }
-        unit.begin = point.time;
+        unit.exchange::<FETCH>(values, point.time)?;
         ends[index] = first_end(point.ticks, unit.interval, stop);
         if !unit.plain {
             unit.lines_out.iter().for_each(|line| lines[*line].push(values, ends, point.ticks));
         }
+        Ok(())
+    }
+}
+
+impl Unit {
+    /// Sets the inputs, with `FETCH` once the plain copies are made, steps to a time and reads the outputs. The error is
+    /// boxed, so that it comes back in a register.
+    #[inline(always)]
+    fn exchange<const FETCH: bool>(&mut self, values: &mut Values, time: f64) -> Result<(), Box<Error>> {
+        let begin = self.begin;
+        self.inputs.set::<FETCH>(&mut self.instance, values).map_err(|error| error.during(begin))?;
+        let status = self.instance.do_step(begin, self.size, true);
+        if status != Status::Ok {
+            not_ok(self, status)?;
+        }
+        if !self.outputs.get(&mut self.instance, values).map_err(|error| error.during(time))? {
+            return Err(Box::new(System::not_a_number(self, values, time)));
+        }
+        self.begin = time;
         Ok(())
     }
 }
@@ -332,8 +325,8 @@ fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
 /// Where the step ends that begins at `from`; never, if that is past the stop.
 #[inline]
 fn first_end(from: i64, interval: i64, stop: i64) -> i64 {
-    let end = from.saturating_add(interval);
-    if end > stop { i64::MAX } else { end }
+    // Both lie within half of the range (`wiring::clock`), so that neither difference nor sum overflows.
+    if interval > stop - from { i64::MAX } else { from + interval }
 }
 
 /// Writes a signal's value at a time into its slot.

@@ -9,11 +9,8 @@ use crate::system::{Point, System};
 pub(super) struct GaussSeidel;
 
 impl Algorithm for GaussSeidel {
-    #[inline]
-    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Error> {
-        system.each_ending(point, |mut unit| {
-            unit.gather();
-            unit.step()
-        })
+    #[inline(always)]
+    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
+        system.each_ending(point, |unit| unit.gather_and_step())
     }
 }

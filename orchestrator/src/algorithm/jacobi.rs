@@ -11,13 +11,13 @@ use crate::system::{Point, System};
 pub(super) struct Jacobi;
 
 impl Algorithm for Jacobi {
-    #[inline]
-    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Error> {
+    #[inline(always)]
+    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
         system.each_ending(point, |unit| unit.step())
     }
 
-    #[inline]
-    fn after(&mut self, system: &mut System, point: Point) {
+    #[inline(always)]
+    fn begin(&mut self, system: &mut System, point: Point) {
         system.each_beginning(point, |mut unit| unit.gather());
     }
 }

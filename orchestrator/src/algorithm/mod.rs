@@ -7,6 +7,7 @@ mod jacobi;
 use crate::error::Error;
 use crate::suggest::nearest;
 use crate::system::{Point, System};
+use crate::time::Clock;
 
 type Make = fn() -> Box<dyn Algorithm>;
 
@@ -16,12 +17,32 @@ const ALGORITHMS: &[(&str, Make)] =
 
 /// What is done at a communication point: a time at which the step of at least one unit ends.
 pub(crate) trait Algorithm: Send {
-    /// Steps the units that are due, so that all values are those at `point`.
-    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Error>;
-
-    /// After the values at `point` (the start included) were recorded.
-    fn after(&mut self, system: &mut System, point: Point) {
+    /// Before the values at `point` (the start included) are left.
+    fn begin(&mut self, system: &mut System, point: Point) {
         let _ = (system, point);
+    }
+
+    /// Steps the units that are due, so that all values are those at `point`.
+    fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>>;
+
+    /// Goes from `now` over the next points, at most so many; tells how many there were. The one place from which an
+    /// algorithm steps, and made anew for each: so its steps are part of this loop, and what they look up stays in
+    /// registers from point to point where nobody looks at the values in between.
+    fn advance(
+        &mut self,
+        system: &mut System,
+        clock: &Clock,
+        now: &mut Point,
+        most: u32,
+    ) -> Result<u32, Box<Error>> {
+        for made in 0..most {
+            let Some(ticks) = system.next() else { return Ok(made) };
+            let point = Point { ticks, time: clock.seconds(ticks) };
+            self.begin(system, *now);
+            self.step(system, point)?;
+            *now = point;
+        }
+        Ok(most)
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::fmu::Instance;
 use crate::fmu::library::Functions;
-use crate::fmu::logger::owned;
-use std::ffi::{CString, c_char};
+use crate::text::Text;
+use std::ffi::c_char;
 use std::ptr;
 
 /// A unit without variables of a type may leave the functions for it out.
@@ -53,6 +53,9 @@ macro_rules! access {
     };
 }
 
+/// Pointers of fewer texts than this need no memory of their own for a call.
+const FEW: usize = 8;
+
 impl Instance {
     access!(get_real, set_real, f64, needed, "fmi2GetReal", "fmi2SetReal");
     access!(get_integer, set_integer, i32, optional, "fmi2GetInteger", "fmi2SetInteger");
@@ -61,32 +64,90 @@ impl Instance {
     /// `fmi2GetString`; as many values as references. The texts are copied, since the unit owns its own only until
     /// the next call.
     pub fn get_string(&mut self, references: &[u32], values: &mut [String]) -> Result<(), Error> {
+        let mut texts = vec![Text::default(); values.len()];
+        self.get_texts(references, &mut texts)?;
+        values.iter_mut().zip(&texts).for_each(|(value, text)| text.as_str().clone_into(value));
+        Ok(())
+    }
+
+    /// `fmi2SetString`; as many values as references. A zero byte inside a text is left out.
+    pub fn set_string(&mut self, references: &[u32], values: &[String]) -> Result<(), Error> {
+        let texts: Vec<Text> = values.iter().map(|text| Text::from(text.as_str())).collect();
+        self.set_texts(references, &texts)
+    }
+
+    /// As [`Instance::get_string`], without making anything new where a text is as it was.
+    #[inline(always)]
+    pub(crate) fn get_texts(&mut self, references: &[u32], values: &mut [Text]) -> Result<(), Error> {
+        match references.len() {
+            1 => self.get_by(references, values, &mut [ptr::null()]),
+            _ => self.get_several(references, values),
+        }
+    }
+
+    #[inline(never)]
+    fn get_several(&mut self, references: &[u32], values: &mut [Text]) -> Result<(), Error> {
+        match references.len() {
+            few @ ..FEW => self.get_by(references, values, &mut [ptr::null(); FEW][..few]),
+            many => self.get_by(references, values, &mut vec![ptr::null(); many]),
+        }
+    }
+
+    #[inline(always)]
+    fn get_by(
+        &mut self,
+        references: &[u32],
+        values: &mut [Text],
+        pointers: &mut [*const c_char],
+    ) -> Result<(), Error> {
         let Some(function) = self.functions.get_string else { return Err(self.missing("fmi2GetString")) };
         if references.len() != values.len() {
             return Err(self.lengths("fmi2GetString", references.len(), values.len()));
         }
-        let mut pointers: Vec<*const c_char> = vec![ptr::null(); references.len()];
         // SAFETY: both slices have the length that is given.
         let status = unsafe {
             function(self.component(), references.as_ptr(), references.len(), pointers.as_mut_ptr())
         };
         self.checked("fmi2GetString", status)?;
         for (value, pointer) in values.iter_mut().zip(pointers) {
-            *value = owned(pointer);
+            // SAFETY: the unit's texts end in zero and are valid until it is called again.
+            unsafe { value.read(*pointer) };
         }
         Ok(())
     }
 
-    /// `fmi2SetString`; as many values as references. A zero byte inside a text is left out.
-    pub fn set_string(&mut self, references: &[u32], values: &[String]) -> Result<(), Error> {
+    /// As [`Instance::set_string`], without making anything new.
+    #[inline(always)]
+    pub(crate) fn set_texts(&mut self, references: &[u32], values: &[Text]) -> Result<(), Error> {
+        match references.len() {
+            1 => self.set_by(references, values, &mut [ptr::null()]),
+            _ => self.set_several(references, values),
+        }
+    }
+
+    #[inline(never)]
+    fn set_several(&mut self, references: &[u32], values: &[Text]) -> Result<(), Error> {
+        match references.len() {
+            few @ ..FEW => self.set_by(references, values, &mut [ptr::null(); FEW][..few]),
+            many => self.set_by(references, values, &mut vec![ptr::null(); many]),
+        }
+    }
+
+    #[inline(always)]
+    fn set_by(
+        &mut self,
+        references: &[u32],
+        values: &[Text],
+        pointers: &mut [*const c_char],
+    ) -> Result<(), Error> {
         let Some(function) = self.functions.set_string else { return Err(self.missing("fmi2SetString")) };
         if references.len() != values.len() {
             return Err(self.lengths("fmi2SetString", references.len(), values.len()));
         }
-        let texts: Vec<CString> =
-            values.iter().map(|text| CString::new(text.replace('\0', "")).unwrap_or_default()).collect();
-        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-        // SAFETY: both slices have the length that is given; the texts live over the call.
+        for (pointer, value) in pointers.iter_mut().zip(values) {
+            *pointer = value.as_ptr();
+        }
+        // SAFETY: both slices have the length that is given; the texts end in zero and live over the call.
         let status =
             unsafe { function(self.component(), references.as_ptr(), references.len(), pointers.as_ptr()) };
         self.checked("fmi2SetString", status)

@@ -7,6 +7,7 @@ pub use csv::CsvRecorder;
 pub use memory::MemoryRecorder;
 
 use crate::error::Error;
+use crate::text::Text;
 use crate::value::{Kind, Value};
 
 /// A recorded variable.
@@ -35,7 +36,7 @@ pub struct Row<'a> {
     pub(crate) slots: &'a [Slot],
     pub(crate) reals: &'a [f64],
     pub(crate) integers: &'a [i32],
-    pub(crate) strings: &'a [String],
+    pub(crate) strings: &'a [Text],
 }
 
 /// One value of a row.
@@ -59,7 +60,7 @@ impl<'a> Row<'a> {
             Slot::Real(at) => Cell::Real(self.reals[at as usize]),
             Slot::Integer(at) => Cell::Integer(self.integers[at as usize]),
             Slot::Boolean(at) => Cell::Boolean(self.integers[at as usize] != 0),
-            Slot::String(at) => Cell::String(&self.strings[at as usize]),
+            Slot::String(at) => Cell::String(self.strings[at as usize].as_str()),
         })
     }
 }

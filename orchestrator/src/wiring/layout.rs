@@ -7,6 +7,7 @@ use crate::blocks::{Block, Blocks};
 use crate::fmu::{Causality, Instance, Variability};
 use crate::recorder::Slot;
 use crate::system::{Unit, Values};
+use crate::text::Text;
 use crate::value::Kind;
 use std::collections::{BTreeSet, HashMap};
 
@@ -23,7 +24,6 @@ pub(super) struct UnitBlocks {
     inputs: Blocks,
     outputs: Blocks,
     fixed: Blocks,
-    connected_reals: usize,
 }
 
 impl Layout {
@@ -52,17 +52,12 @@ impl Layout {
                 .filter(|variable| !driven.contains(variable) && !connected.contains(variable))
                 .partition(changes);
             outputs.extend(moving);
-            let connected_reals = of(&connected)
-                .iter()
-                .filter(|&&variable| names.variable(variable).kind == Kind::Real)
-                .count();
-            let blocks = UnitBlocks {
-                name: names.units[unit].0.clone(),
-                inputs: layout.blocks_of(names, &of(&driven)),
-                outputs: layout.blocks_of(names, &outputs),
-                fixed: layout.blocks_of(names, &fixed),
-                connected_reals,
-            };
+            let inputs = layout.blocks_of(names, &of(&driven));
+            let mut outputs = layout.blocks_of(names, &outputs);
+            let real = |variable: &&Variable| names.variable(**variable).kind == Kind::Real;
+            outputs.connected = of(&connected).iter().filter(real).count();
+            let fixed = layout.blocks_of(names, &fixed);
+            let blocks = UnitBlocks { name: names.units[unit].0.clone(), inputs, outputs, fixed };
             layout.blocks.push(blocks);
         }
         layout
@@ -73,7 +68,7 @@ impl Layout {
         let (reals, integers) = (block(Kind::Real), block(Kind::Integer));
         let (booleans, strings) = (block(Kind::Boolean), block(Kind::String));
         let mixed = [&integers, &booleans, &strings].iter().any(|block| !block.references.is_empty());
-        Blocks { reals, integers, booleans, strings, mixed }
+        Blocks { reals, integers, booleans, strings, mixed, connected: 0 }
     }
 
     fn block(&mut self, names: &Names, variables: &[Variable], kind: Kind) -> Block {
@@ -105,7 +100,7 @@ impl Layout {
                     Slot::Boolean(at)
                 }
                 Kind::String => {
-                    values.strings.push(String::new());
+                    values.strings.push(Text::default());
                     Slot::String(at)
                 }
             };
@@ -117,21 +112,19 @@ impl Layout {
             references.push(description.reference);
             self.slots.insert(variable, slot);
         }
-        Block { references, at: begin..length(values) }
+        Block::new(references, begin)
     }
 }
 
 impl UnitBlocks {
     pub(super) fn unit(self, instance: Instance, interval: i64, size: f64) -> Unit {
-        let Self { name, inputs, outputs, fixed, connected_reals } = self;
+        let Self { name, inputs, outputs, fixed } = self;
         Unit {
             name,
             instance,
             interval,
             size,
             begin: 0.0,
-            copies: Vec::new(),
-            whole_copies: Vec::new(),
             links: Vec::new(),
             lines_in: Vec::new(),
             feeds: Vec::new(),
@@ -139,7 +132,6 @@ impl UnitBlocks {
             inputs,
             outputs,
             fixed,
-            connected_reals,
             plain: false,
         }
     }

@@ -15,7 +15,7 @@ use crate::initialise::Plan;
 use crate::recorder::{Column, Slot};
 use crate::scenario::{Given, Scenario, SignalEntry};
 use crate::source::Signal;
-use crate::system::{Conversion, Line, Link, Point, System, WholeCopy};
+use crate::system::{Conversion, Line, Link, Point, System};
 use crate::time::{Clock, Rational};
 use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
@@ -70,8 +70,14 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
     let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
     let instances = instances.collect::<Result<Vec<_>, _>>()?;
     let Layout { blocks, slots, values } = layout;
-    let mut system =
-        System { ends: Vec::new(), units: Vec::new(), lines: Vec::new(), values, stop: ticks.stop };
+    let mut system = System {
+        ends: Vec::new(),
+        next: i64::MAX,
+        units: Vec::new(),
+        lines: Vec::new(),
+        values,
+        stop: ticks.stop,
+    };
     for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
         system.units.push(blocks.unit(
             instance,
@@ -264,11 +270,12 @@ fn lay_connections(
             continue;
         }
         let target = &mut system.units[to.0];
-        let mut whole = |from, to, boolean| target.whole_copies.push(WholeCopy { from, to, boolean });
+        let inputs = &mut target.inputs;
         match (link.conversion, link.from, link.to) {
-            (Conversion::Same, Slot::Real(from), Slot::Real(to)) => target.copies.push((from, to)),
-            (Conversion::Same, Slot::Integer(from), Slot::Integer(to)) => whole(from, to, false),
-            (Conversion::Same, Slot::Boolean(from), Slot::Boolean(to)) => whole(from, to, true),
+            (Conversion::Same, Slot::Real(from), Slot::Real(to)) => inputs.reals.copy(from, to),
+            (Conversion::Same, Slot::Integer(from), Slot::Integer(to)) => inputs.integers.copy(from, to),
+            (Conversion::Same, Slot::Boolean(from), Slot::Boolean(to)) => inputs.booleans.copy(from, to),
+            (Conversion::Same, Slot::String(from), Slot::String(to)) => inputs.strings.copy(from, to),
             _ => target.links.push(link),
         }
     }

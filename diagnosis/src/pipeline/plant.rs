@@ -4,6 +4,7 @@ use super::*;
 use crate::candidates::Motion;
 use crate::residual::plant::PlantCut;
 use crate::residual::weak::Weak;
+use crate::rest::unknown;
 
 /// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
 const MOSTLY_LED: f64 = 0.5;
@@ -38,10 +39,10 @@ pub(super) fn plant_part(
     }
     let part = match coarse {
         Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
-        Some(_) => {
+        Some(part_before) => {
             rows.linearise(point, &[], false)?;
             let fine = part(&mut rows, list, point, &start, true, tell)?;
-            Part { coarse: start, ..fine }
+            if went_astray(&fine, &start, list) { part_before } else { Part { coarse: start, ..fine } }
         }
         None => part(&mut rows, list, point, &start, true, tell)?,
     };
@@ -56,6 +57,13 @@ pub(super) fn plant_part(
     }
     rows.linearise(point, &[], false)?;
     Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
+}
+
+/// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,
+/// torques that lead the plant take its place, and fits end anywhere.
+fn went_astray(fine: &Part, known: &[usize], list: &[Candidate]) -> bool {
+    let lost = known.iter().any(|index| !fine.study.active.contains(index));
+    lost && unknown(&fine.study, &fine.signals, list, fine.torque).is_some()
 }
 
 /// Whether a switch of the model lets the plant follow the log by itself. If so, leaves the windows at the nominal model.

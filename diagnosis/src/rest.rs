@@ -18,8 +18,8 @@ pub struct Rest {
     pub size: f64,
     /// For each signal: scatter over what is known of it (1 where nothing is), and correlation from row to row.
     pub signals: Vec<(f64, f64)>,
-    /// For each signal: variance of block means over what independent rows would give.
-    pub means: Vec<f64>,
+    /// For each signal: variance of block means over what independent rows would give, and the rows of a block.
+    pub means: Vec<(f64, f64)>,
 }
 
 /// Judges the rest of a model.
@@ -35,7 +35,7 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
     let size = evaluation.softness;
     let discrepancy = if size > 0.0 { deviance(0.0) - deviance(size) } else { 0.0 };
     let mut sums = vec![(0.0, 0.0, 0.0); signals.len()];
-    let mut means = vec![(0.0, 0.0); signals.len()];
+    let mut means = vec![(0.0, 0.0, 0.0, 0.0); signals.len()];
     for block in &evaluation.blocks {
         for s in 0..signals.len() {
             let rows: Vec<f64> = whitened(block, s);
@@ -47,6 +47,8 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
                 let mean = rows.iter().sum::<f64>() / rows.len() as f64;
                 means[s].0 += mean * mean * rows.len() as f64;
                 means[s].1 += rows.iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
+                means[s].2 += rows.len() as f64;
+                means[s].3 += 1.0;
             }
             sums[s].2 += rows.len() as f64;
         }
@@ -59,7 +61,10 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
             (ratio, if sums[s].1 > 0.0 { sums[s].0 / sums[s].1 } else { 0.0 })
         })
         .collect();
-    let means = means.iter().map(|(a, b)| if *b > 0.0 { a / b } else { 1.0 }).collect();
+    let means = means
+        .iter()
+        .map(|(a, b, rows, blocks)| if *b > 0.0 { (a / b, rows / blocks) } else { (1.0, 0.0) })
+        .collect();
     Rest { discrepancy, size, signals: per_signal, means }
 }
 
@@ -88,8 +93,10 @@ const STAMPS: f64 = 3.0;
 const MOTION: usize = 4;
 const SCATTER: f64 = 1.15;
 const CORRELATED: f64 = 0.25;
-/// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest.
+/// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest, where a block has
+/// so many rows. At a measured motion the means of more rows show more of the motion's own error, which rows share.
 const MEANS: f64 = 2.5;
+const ROWS: f64 = 6.0;
 
 /// The rest in words, if it is more than noise.
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
@@ -115,14 +122,22 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
             return Some(Unknown { signal, depends_on, shape, nearest });
         }
     }
+    let measured = study
+        .last
+        .blocks
+        .iter()
+        .flat_map(|block| &block.cells)
+        .any(|cell| !cell.lattice.is_empty() && cell.soft.ncols() > 0);
+    let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
+    let over = |(mean, rows): (f64, f64)| mean / most(rows);
     let (worst, size) = rest
         .means
         .iter()
         .enumerate()
         .take(6)
-        .map(|(s, mean)| (s, *mean))
+        .map(|(s, mean)| (s, over(*mean)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    if size < MEANS {
+    if size < 1.0 {
         return None;
     }
     let (depends_on, shape) = image_shape(&study.last, worst);

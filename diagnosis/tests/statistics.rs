@@ -18,6 +18,7 @@ fn cell(random: &mut Random, rows: usize) -> Cell {
         discrepancy: 0,
         columns,
         floor: Vec::new(),
+        lattice: Vec::new(),
     }
 }
 

@@ -30,13 +30,13 @@ use std::sync::Arc;
 pub struct Options {
     /// Candidates that are not to be named.
     pub without: Vec<String>,
-    /// Most frames that are rendered again for each candidate.
+    /// Most frames that are compared.
     pub frames: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), frames: 720 }
+        Self { without: Vec::new(), frames: 2400 }
     }
 }
 
@@ -99,7 +99,11 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
         gone.push(clock);
     }
     if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
-        let same = |index: &usize| (point[*index] + point[delay]).abs() < SAME + CLOSE * point[delay].abs();
+        // one that was found, that is: nothing is the same as a clock that is off by less than SAME
+        let found = |index: &usize| point[*index] != list[*index].off;
+        let same = |index: &usize| {
+            found(index) && (point[*index] + point[delay]).abs() < SAME + CLOSE * point[delay].abs()
+        };
         let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
         late = late.or(Some(-point[delay]));
         gone.push(delay);

@@ -44,7 +44,7 @@ pub struct Signal {
     pub known: Option<f64>,
     /// Standard deviation in use.
     pub sigma: f64,
-    /// By how much two honest simulations of the same thing differ in it, in the same direction for all rows.
+    /// By how much two honest renderers differ in it at one place on the pixel lattice.
     pub honest: f64,
 }
 

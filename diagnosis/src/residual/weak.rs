@@ -258,6 +258,7 @@ impl Cut for Weak {
                 discrepancy: 0,
                 columns: matrix,
                 floor: stretch.floor().to_vec(),
+                lattice: Vec::new(),
             };
             match blocks.last_mut() {
                 Some(block) if block.run == stretch.run && stretch.from - block.from < length - 1e-9 => {

@@ -17,18 +17,16 @@ use nalgebra::{DMatrix, DVector};
 const HOPELESS: f64 = 12.0;
 /// Columns of which less than this share is apart are alike enough for a fit to decide.
 const ALIKE: f64 = 0.03;
-/// To what share of itself a picture's column is known: the smooth surface through a lattice's errors. Fits are no
-/// better judges of two that differ by less.
-const COLUMN: f64 = 0.01;
-/// The same for a candidate whose column changes with its size.
-const BENT_COLUMN: f64 = 0.03;
-/// Variance that honest renderers add where a short exposure's blur decides, in that of the noise: it moves the picture by
-/// thousandths of a pixel, as much as two renderers differ.
-const BENT_HONEST: f64 = 1.0;
+/// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
+/// lattice's errors. Fits are no better judges of two that differ by less.
+const COLUMN: f64 = 0.0025;
+/// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
+const BLUR: f64 = 0.2;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
-/// Loss up to which the data can't tell: odds of 1 to 5.
-pub const CLASS: f64 = 3.2;
+/// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
+/// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).
+pub const CLASS: f64 = 6.0;
 
 /// A candidate in the place of another.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,9 +80,9 @@ pub fn alternatives(
         let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
         if let Some(Replaced { loss, x, own, other }) = columns {
             let bent = candidates[effect].bends || candidate.bends;
-            let known = if bent { BENT_COLUMN } else { COLUMN };
-            let honest = if bent { BENT_HONEST } else { honest(last, &offsets, own, other) };
-            let mut loss = loss / (1.0 + honest + known * known * strength);
+            let honest = honest(last, &offsets, &others, own, other);
+            let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
+            let mut loss = loss / (1.0 + honest + COLUMN * COLUMN * strength + blur);
             if bent && loss > CLASS * temper {
                 let from = Place { others: &others, effect: index, x };
                 let there = seen_from(cut, candidates, last, &from, effect)?;
@@ -243,11 +241,14 @@ struct Replaced {
 }
 
 /// Variance, in that of the noise, that honest renderers add along what tells two columns apart.
-fn honest(last: &Evaluation, offsets: &DMatrix<f64>, own: usize, other: usize) -> f64 {
+fn honest(last: &Evaluation, offsets: &DMatrix<f64>, others: &[usize], own: usize, other: usize) -> f64 {
     let gram = &last.total.gram;
-    let share = gram[(own, other)] / gram[(other, other)];
-    let length = gram[(own, own)] - share * gram[(own, other)];
-    let off = offsets.row(own) - share * offsets.row(other);
+    let mut rest = last.places(others);
+    rest.push(other);
+    let across = DVector::from_fn(rest.len(), |i, _| gram[(rest[i], own)]);
+    let Some(weights) = solve(&submatrix(gram, &rest), &across) else { return 0.0 };
+    let length = gram[(own, own)] - weights.dot(&across);
+    let off = offsets.row(own) - weights.transpose() * offsets.select_rows(&rest);
     if length > 0.0 { off.norm_squared() / length } else { 0.0 }
 }
 

@@ -7,6 +7,7 @@ use crate::residual::{Block, Cut, Probe, Signal};
 use crate::statistics::linear::{Cell, Reduced, projected, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Prior size that leaves a discrepancy torque as good as free, in its own unit.
 pub const FREE: f64 = 1e3;
@@ -212,22 +213,21 @@ impl Evaluation {
 }
 
 impl Evaluation {
-    /// How each column answers to all rows of one signal being off by `Signal::honest` (probes by signals).
+    /// How each column answers to what honest renderers differ by: an error of `Signal::honest` for all rows of a signal at
+    /// one place on the lattice (probes by errors).
     pub fn offsets(&self, signals: &[Signal]) -> DMatrix<f64> {
-        let mut off = DMatrix::zeros(self.probes.len(), signals.len());
-        for cell in self.blocks.iter().flat_map(|block| &block.cells) {
-            if cell.signal.iter().all(|signal| signals[*signal].honest == 0.0) {
-                continue;
-            }
+        let mut errors: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
+        for cell in self.blocks.iter().flat_map(|block| &block.cells).filter(|cell| !cell.lattice.is_empty())
+        {
             let columns = projected(cell, self.softness).columns;
-            for (row, signal) in cell.signal.iter().enumerate() {
-                let by = signals[*signal].honest / cell.sigma[row];
-                for probe in 0..self.probes.len() {
-                    off[(probe, *signal)] += columns[(row, probe)] * by;
-                }
+            for (row, (signal, place)) in cell.signal.iter().zip(&cell.lattice).enumerate() {
+                let sum =
+                    errors.entry((*signal, *place)).or_insert_with(|| DVector::zeros(self.probes.len()));
+                sum.axpy(signals[*signal].honest / cell.sigma[row], &columns.row(row).transpose(), 1.0);
             }
         }
-        off
+        let all: Vec<DVector<f64>> = errors.into_values().collect();
+        if all.is_empty() { DMatrix::zeros(self.probes.len(), 0) } else { DMatrix::from_columns(&all) }
     }
 
     /// Variance that honest differences between simulations add to each of the active values.

@@ -4,6 +4,7 @@ use super::surface::{Surface, Terms};
 use super::*;
 use crate::residual::trajectory::State;
 use crate::statistics::random::Random;
+use nalgebra::{Matrix3, Vector3};
 
 /// Angle over which the picture's change with pose is taken: two pixels at the joint.
 const TURN: f64 = 0.012;
@@ -13,10 +14,19 @@ const TURN: f64 = 0.012;
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
 const DITHER: [f64; 2] = [0.02, 0.01];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
-/// Rounds of such poses for a short exposure, whose blur is little beside the lattice's error.
-const SHORT_ROUNDS: u64 = 8;
-/// Step of E_t from which its blur is more than that.
+/// Rounds of such poses, and for a small step of the exposure, whose blur is little beside the lattice's error.
+const ROUNDS: u64 = 2;
+const MORE_ROUNDS: u64 = 8;
+/// Most frames at which a column is taken.
+const SAMPLED: usize = 720;
+/// How far the picture is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
+/// that a secant has there would not average out.
+const PHASES: [(f64, f64); 4] = [(0.125, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.375, -0.375)];
+/// E_t from which its blur is more than that.
 const BLURRING: f64 = 0.2;
+/// Step of E_t over which the blur of a short exposure is taken, and its rounds.
+const BLUR_STEP: f64 = 0.08;
+const BLUR_ROUNDS: u64 = 4;
 
 impl ImageCut {
     /// Change of the picture with each angle.
@@ -62,15 +72,21 @@ impl ImageCut {
         Some(std::array::from_fn(|s| -earlier * (one[s] * dq1 + two[s] * dq2)))
     }
 
-    /// Shots a little beside the frames' poses.
+    /// Frames at which columns are taken: enough for a surface, which then holds for all.
+    fn sampled(&self) -> impl Iterator<Item = usize> + use<> {
+        let count = self.frames.len();
+        (0..count).step_by(count.div_ceil(SAMPLED).max(1))
+    }
+
+    /// Shots a little beside the sampled frames' poses.
     fn beside(&self, round: u64, side: f64) -> Vec<Shot> {
         let moved = |state: &State, by: &[f64; 2]| {
             [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
         };
         let mut random = Random::new(DITHER_SEED + round);
-        self.frames
-            .iter()
-            .map(|frame| {
+        self.sampled()
+            .map(|place| {
+                let frame = &self.frames[place];
                 let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
                 Shot { before: moved(&frame.shot.before, &by), end: moved(&frame.shot.end, &by) }
             })
@@ -84,16 +100,22 @@ impl ImageCut {
             return Ok(kept.clone());
         }
         let blurs = Some(probe.candidate) == self.exposure;
+        if blurs && point[probe.candidate].max(point[probe.candidate] + probe.by) < BLURRING {
+            let column = self.short_blur(point, probe)?;
+            self.kept.insert(key, column.clone());
+            return Ok(column);
+        }
         let late = |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; 9]) };
         let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
-        let rounds = if blurs && probe.by.abs() < BLURRING { SHORT_ROUNDS } else { 1 };
-        for (round, side) in (0..rounds).flat_map(|round| [(round, 1.0), (round, -1.0)]) {
+        let rounds = if blurs && probe.by.abs() < BLURRING { MORE_ROUNDS } else { ROUNDS };
+        for (round, side, phase) in sides(rounds) {
             let shots = self.beside(round, side);
-            let here = self.here(&still, &shots)?;
-            let column = slopes(&self.studio.take(&moved, &shots)?, &here, probe.by);
-            for (place, (shot, seen)) in shots.iter().zip(&column).enumerate() {
+            let here = self.here(&still, phase, &shots)?;
+            let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
+            let column = slopes(&there, &here, probe.by);
+            for (place, (shot, seen)) in self.sampled().zip(shots.iter().zip(&column)) {
                 if let (Some(seen), Some(late)) = (seen, late(self, place)) {
                     samples.push((shot.end, std::array::from_fn(|s| seen[s] - late[s])));
                 }
@@ -103,30 +125,101 @@ impl ImageCut {
             }
         }
         let surface = Surface::fit(&samples, if blurs { Terms::Motions } else { Terms::Poses });
-        let column: Vec<Option<Seen>> = (0..first.len())
-            .map(|place| {
-                let smooth = surface.at(&self.frames[place].shot.end);
-                let (smooth, late) = (smooth.zip(first[place]).map(|(smooth, _)| smooth), late(self, place));
-                match (smooth, late) {
-                    (Some(smooth), Some(late)) => Some(std::array::from_fn(|s| smooth[s] + late[s])),
-                    _ => first[place],
-                }
+        // few frames have no surface, and are all sampled
+        let column: Vec<Option<Seen>> = (0..self.frames.len())
+            .map(|place| match (surface.at(&self.frames[place].shot.end), late(self, place)) {
+                (Some(smooth), Some(late)) => Some(std::array::from_fn(|s| smooth[s] + late[s])),
+                (None, _) if first.len() == self.frames.len() => first[place],
+                _ => None,
             })
             .collect();
         self.kept.insert(key, column.clone());
         Ok(column)
     }
 
+    /// Change of the picture per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
+    /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
+    /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
+    fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
+        let from = point[probe.candidate];
+        let far = Probe { by: BLUR_STEP, ..probe };
+        let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
+            let (one, two) = (square * one * one, square * two * two);
+            Vector3::new(two - one, two * two - one * one, two.powi(3) - one.powi(3))
+        };
+        let (moved, still) = (self.settings(point, Some(far))?, self.settings(point, None)?);
+        let mut normal: Matrix3<f64> = Matrix3::zeros();
+        let mut right = Vector3::zeros();
+        for (round, side, phase) in sides(BLUR_ROUNDS) {
+            let (shots, seed) = (self.beside(round, side), 2 * round as i32 + i32::from(side > 0.0));
+            let here = self.studio.noisy(&self.shifted(&still, phase)?, &shots, seed)?;
+            let there = self.studio.noisy(&self.shifted(&moved, phase)?, &shots, seed)?;
+            for (place, (here, there)) in self.sampled().zip(here.iter().zip(&there)) {
+                let (Some(here), Some(there), Some(ways)) = (here, there, self.ways(place)) else {
+                    continue;
+                };
+                for (circle, way) in ways.into_iter().enumerate() {
+                    let x = powers(way, from, from + BLUR_STEP);
+                    normal += x * x.transpose();
+                    right += x * (there[6 + circle] - here[6 + circle]);
+                }
+            }
+        }
+        let weights = normal.cholesky().map_or_else(Vector3::zeros, |normal| normal.solve(&right));
+        let column = |place: usize| {
+            let (mut column, ways) = (self.late(place)?, self.ways(place)?);
+            for (circle, way) in ways.into_iter().enumerate() {
+                column[6 + circle] += weights.dot(&powers(way, from, from + probe.by)) / probe.by;
+            }
+            Some(column)
+        };
+        Ok((0..self.frames.len()).map(column).collect())
+    }
+
+    /// Squares of the ways of the circles in a frame's interval, px².
+    fn ways(&self, place: usize) -> Option<[f64; 3]> {
+        let late = self.late(place)?;
+        Some(std::array::from_fn(|circle| 4.0 * (late[2 * circle].powi(2) + late[2 * circle + 1].powi(2))))
+    }
+
     /// Frames without a candidate moved, made once for all columns.
-    fn here(&mut self, still: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
-        if let Some(known) = self.still.iter().find(|known| known.0 == still && known.1 == shots) {
+    fn here(
+        &mut self,
+        still: &[Setting],
+        phase: (f64, f64),
+        shots: &[Shot],
+    ) -> Result<Vec<Option<Seen>>, Error> {
+        // frames that have moved leave theirs behind
+        if self.still.0 != still || self.still.1.len() >= 4 * MORE_ROUNDS as usize {
+            self.still = (still.to_vec(), Vec::new());
+        }
+        let shifted = self.shifted(still, phase)?;
+        if let Some(known) = self.still.1.iter().find(|known| known.0 == shifted && known.1 == shots) {
             return Ok(known.2.clone());
         }
-        let here = self.studio.take(still, shots)?;
-        self.still.retain(|known| known.0 == still);
-        self.still.push((still.to_vec(), shots.to_vec(), here.clone()));
+        let here = self.studio.take(&shifted, shots)?;
+        self.still.1.push((shifted, shots.to_vec(), here.clone()));
         Ok(here)
     }
+
+    /// The same camera with its picture moved by so many pixels.
+    pub(super) fn shifted(&self, settings: &[Setting], by: (f64, f64)) -> Result<Vec<Setting>, Error> {
+        let (bench, half) = (self.studio.bench(), self.studio.half_width());
+        let mut all = settings.to_vec();
+        for (name, by) in [("u0", by.0), ("v0", by.1)] {
+            let (reference, _) = bench.setting(name, 0.0)?;
+            let there = all.iter().rev().find(|(known, _)| *known == reference);
+            let now = there.and_then(|(_, value)| value.as_f64()).unwrap_or(bench.nominal(reference));
+            all.push(bench.setting(name, now + by / half)?);
+        }
+        Ok(all)
+    }
+}
+
+/// Rounds of poses beside the frames', to either side, each with the picture moved elsewhere on the lattice.
+fn sides(rounds: u64) -> impl Iterator<Item = (u64, f64, (f64, f64))> {
+    let sides = (0..rounds).flat_map(|round| [(round, 1.0), (round, -1.0)]);
+    sides.zip(PHASES.into_iter().cycle()).map(|((round, side), phase)| (round, side, phase))
 }
 
 fn slopes(moved: &[Option<Seen>], base: &[Option<Seen>], by: f64) -> Vec<Option<Seen>> {

@@ -127,17 +127,9 @@ impl ImageCut {
     /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
     /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
     fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
-        let bench = self.studio.bench();
-        let half = self.studio.half_width();
         let mut logs: [Vec<f64>; 3] = Default::default();
         for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
-            let mut settings = self.settings(point, None)?;
-            for (name, by) in [("u0", u), ("v0", v)] {
-                let (reference, _) = bench.setting(name, 0.0)?;
-                let there = settings.iter().rev().find(|(known, _)| *known == reference);
-                let now = there.and_then(|(_, value)| value.as_f64()).unwrap_or(bench.nominal(reference));
-                settings.push(bench.setting(name, now + by * BESIDE / half)?);
-            }
+            let settings = self.shifted(&self.settings(point, None)?, (u * BESIDE, v * BESIDE))?;
             let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
             let rest = |place: usize| {
                 let (here, made) = (clean[place]?, made[place]?);

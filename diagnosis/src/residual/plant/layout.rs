@@ -75,6 +75,7 @@ impl Layout {
             discrepancy: 0,
             columns: empty(),
             floor: Vec::new(),
+            lattice: Vec::new(),
         };
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return cell };
         for (signal, rows) in &self.bins {

@@ -83,7 +83,8 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             100.0 * correction.gap.closed
         );
     }
-    if let Some(closed) = diagnosis.gap.closed {
+    let better = !diagnosis.effects.is_empty() || diagnosis.correction.is_some();
+    if let Some(closed) = diagnosis.gap.closed.filter(|_| better) {
         tell!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
     }
     if let Some(next) = &diagnosis.next_experiment {

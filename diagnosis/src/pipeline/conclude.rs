@@ -26,16 +26,13 @@ pub(super) fn conclude(
     let mut gaps: Vec<Gap> = Vec::new();
     let mut rest: Option<Unknown> = None;
     let mut correction = None;
+    let mut withdrawn: Vec<usize> = Vec::new();
     let mut story = Vec::new();
     let mut traces: Vec<Trace> = Vec::new();
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
     for part in parts {
         let free: Vec<usize> =
             part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
-        for (effect, swap) in part_effects(part, list, &free) {
-            effects.push(effect);
-            swaps.extend(swap);
-        }
         detectable(part, list, &free, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
         let (mut gap, torque) = gap::widest(&part.study, &free, &runs, part.torque, &part.signals);
@@ -46,6 +43,16 @@ pub(super) fn conclude(
             story.push(story::of_coarse(&part.coarse, list));
         }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
+        if torque && gap.closed.is_some_and(|closed| closed < WIDENED) {
+            story.push(story::of_widened(&gap));
+            gap = Gap { after: gap.before, closed: Some(0.0), ..gap };
+            withdrawn.extend(&part.study.active);
+        } else {
+            for (effect, swap) in part_effects(part, list, &free) {
+                effects.push(effect);
+                swaps.extend(swap);
+            }
+        }
         if part.torque && left.is_some() {
             correction = correct(data, model, list, part, units, &mut notices);
             // measured as the effects' gap is: with it no more may be left than with effects alone
@@ -62,6 +69,7 @@ pub(super) fn conclude(
     }
     // a rest that no effect gives scatters, too
     let mut point = point.to_vec();
+    withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
     match rest {
         None => scattered(parts, list, &mut effects, &mut smallest),
         Some(_) => list
@@ -120,6 +128,10 @@ pub(super) fn conclude(
         traces,
     })
 }
+
+/// Effects that close less than this of the torques' gap on runs left out widen it: angles may be met better by chance, where
+/// stamps scatter, but then the motion's torques aren't.
+const WIDENED: f64 = -0.1;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
 type Swap = (usize, usize, f64);

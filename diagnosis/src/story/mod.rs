@@ -78,6 +78,16 @@ pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
     )
 }
 
+/// Why what was fitted isn't named.
+pub fn of_widened(gap: &Gap) -> String {
+    format!(
+        "But with it runs that were left out lack more torque than without, {} {} instead of {}: it is withdrawn.",
+        brief(gap.after),
+        gap.unit,
+        brief(gap.before)
+    )
+}
+
 /// What is offered for a rest without a name, in a sentence.
 pub fn of_correction(correction: Option<&Correction>) -> String {
     let Some(correction) = correction else {

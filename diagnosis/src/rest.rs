@@ -5,17 +5,13 @@ use crate::diagnosis::Unknown;
 use crate::gap::led;
 use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
-use crate::selection::{Evaluation, Study};
-use crate::statistics::linear::{Cell, projected, reduce};
+use crate::selection::{Evaluation, STAMPS, Study, lacking};
+use crate::statistics::linear::{Cell, projected};
 use nalgebra::{DMatrix, DVector};
 
 /// How a rest differs from noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rest {
-    /// Fall of the deviance that a torque of its own in each part of each window brings.
-    pub discrepancy: f64,
-    /// Size of that torque, N·m.
-    pub size: f64,
     /// For each signal: scatter over what is known of it (1 where nothing is), and correlation from row to row.
     pub signals: Vec<(f64, f64)>,
     /// For each signal: variance of block means over what independent rows would give, and the rows of a block.
@@ -24,16 +20,6 @@ pub struct Rest {
 
 /// Judges the rest of a model.
 pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
-    let bare: Vec<Cell> = evaluation
-        .blocks
-        .iter()
-        .flat_map(|block| &block.cells)
-        .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
-        .collect();
-    let deviance =
-        |size: f64| bare.iter().map(|cell| reduce(cell, size)).map(|r| r.square + r.log_det).sum::<f64>();
-    let size = evaluation.softness;
-    let discrepancy = if size > 0.0 { deviance(0.0) - deviance(size) } else { 0.0 };
     let mut sums = vec![(0.0, 0.0, 0.0); signals.len()];
     let mut means = vec![(0.0, 0.0, 0.0, 0.0); signals.len()];
     for block in &evaluation.blocks {
@@ -65,7 +51,7 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
         .iter()
         .map(|(a, b, rows, blocks)| if *b > 0.0 { (a / b, rows / blocks) } else { (1.0, 0.0) })
         .collect();
-    Rest { discrepancy, size, signals: per_signal, means }
+    Rest { signals: per_signal, means }
 }
 
 fn whitened(block: &Block, signal: usize) -> Vec<f64> {
@@ -78,16 +64,8 @@ fn whitened(block: &Block, signal: usize) -> Vec<f64> {
     rows
 }
 
-/// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
-const TORQUE_EVIDENCE: f64 = 20.0;
-/// The same for poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
-/// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 8000 and more with one.
-const PICTURED_EVIDENCE: f64 = 200.0;
-const PICTURED_EACH: f64 = 0.5;
 /// Lacking torque over what noise alone gives.
 const TORQUE_RATIO: f64 = 1.4;
-/// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
-const STAMPS: f64 = 3.0;
 /// Scatter and correlation of a rest too quick for the torques, in angles and rates: a logged torque may be that before or after
 /// a command, which scatters without a rest.
 const MOTION: usize = 4;
@@ -107,20 +85,16 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
             rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
         let stamps = STAMPS * study.explained;
-        let evident = rest.discrepancy >= TORQUE_EVIDENCE && rest.size > stamps;
+        let evident = lacking(&study.last, &study.folds, study.explained, false);
         if !evident && quick.is_none() && size < TORQUE_RATIO * floor.hypot(stamps) {
             return None;
         }
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
         return Some(Unknown { signal, depends_on, shape, nearest });
     }
-    if led(signals) {
-        let parts = torques(&study.last.blocks, &[], &[], &study.folds.of).len() as f64;
-        let evident = rest.discrepancy >= PICTURED_EVIDENCE.max(PICTURED_EACH * parts);
-        if evident && rest.size > STAMPS * study.explained {
-            let (signal, depends_on, shape) = torque_shape(study, &study.last);
-            return Some(Unknown { signal, depends_on, shape, nearest });
-        }
+    if led(signals) && lacking(&study.last, &study.folds, study.explained, true) {
+        let (signal, depends_on, shape) = torque_shape(study, &study.last);
+        return Some(Unknown { signal, depends_on, shape, nearest });
     }
     let measured = study
         .last

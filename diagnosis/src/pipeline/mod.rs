@@ -68,6 +68,10 @@ pub fn diagnose(
     if data.runs.iter().any(|run| run.camera.is_some()) {
         // the picture has a mount of its own, and knows the angles
         list.retain(|candidate| candidate.side != Side::Zero);
+    } else {
+        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named then
+        let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
+        clocks.for_each(|clock| clock.range.1 = 0.0);
     }
     let list = Arc::new(list);
     let mut notices = data.notices.clone();

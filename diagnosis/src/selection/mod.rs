@@ -3,6 +3,7 @@
 
 mod classes;
 mod evaluation;
+mod evidence;
 mod refit;
 mod screen;
 mod settle;
@@ -10,6 +11,7 @@ mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};
 pub use evaluation::{Evaluation, FREE, Folds, all_probes};
+pub use evidence::{STAMPS, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 use settle::{second_opinion, settle};
@@ -118,12 +120,12 @@ pub fn study(
         let threshold = found.null.threshold(ALPHA);
         let shortlist = shortlist(&found, candidates, &refused, threshold, cut.outweighed());
         let switched = switched(cut, candidates, &last, &active, &refused)?;
-        if shortlist.is_empty() && switched.is_none() {
-            steps.push(step);
-            break;
-        }
         let set = Trials { candidates, folds: &folds, last: &last, found: &found, active: &active };
-        let Some(best) = set.best(cut, &shortlist, switched, &mut refused)? else {
+        let best = match set.best(cut, &shortlist, switched, &mut refused)? {
+            None => set.sparse(cut, &refused)?,
+            best => best,
+        };
+        let Some(best) = best else {
             steps.push(step);
             break;
         };

@@ -1,6 +1,7 @@
 //! Who is fitted, from where, and who of them is accepted.
 
 use super::evaluation::{Evaluation, Folds};
+use super::evidence::lacking;
 use super::refit::refit;
 use super::screen::{Hit, Screen};
 use crate::candidates::{Candidate, Cuts, Motion};
@@ -29,6 +30,10 @@ const SWITCHED: f64 = 200.0;
 const RUNAWAY: f64 = 30.0;
 /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
 const FOLLOWS: f64 = 0.2;
+
+/// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
+const SPARSE: f64 = 16.0;
+const SPARSE_TRIALS: usize = 4;
 
 /// A trial: candidate, fall of the deviance, and where it was fitted.
 pub(super) type Trial = (usize, f64, Evaluation);
@@ -78,6 +83,34 @@ impl Trials<'_> {
             }
             refused.push(candidate);
         }
+        Ok(None)
+    }
+
+    /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
+    /// remains and nothing else is named, the likeliest is taken with which the rest is noise.
+    pub(super) fn sparse(&self, cut: &mut dyn Cut, refused: &[usize]) -> Result<Option<Accepted>, Error> {
+        let (explained, pictured) = (cut.explained(), cut.free_pose());
+        if cut.outweighed() || !lacking(self.last, self.folds, explained, pictured) {
+            return Ok(None);
+        }
+        let mut trials: Vec<Trial> = Vec::new();
+        let open =
+            self.found.hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
+        for hit in open.take(SPARSE_TRIALS) {
+            self.fit(cut, hit, &mut trials);
+        }
+        trials.retain(|(_, fall, _)| *fall > SPARSE);
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for (candidate, _, trial) in trials {
+            cut.afresh();
+            let settled = Evaluation::at(cut, &trial.point, &[], false)?;
+            if !lacking(&settled, self.folds, explained, pictured) {
+                let held_out = self.held_out(&trial, candidate, false);
+                return Ok(Some(Accepted { candidate, trial, held_out }));
+            }
+        }
+        cut.afresh();
+        Evaluation::at(cut, &self.last.point, &[], false)?;
         Ok(None)
     }
 

@@ -13,6 +13,7 @@ use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::model::Model;
 use crate::residual::image::Noise;
+use crate::residual::plant::jitter::unevenness;
 use crate::residual::trajectory::Motion as Logged;
 use crate::residual::{Cut, Signal};
 use crate::selection::{Alternative, Study, alternatives, study};
@@ -69,9 +70,12 @@ pub fn diagnose(
         // the picture has a mount of its own, and knows the angles
         list.retain(|candidate| candidate.side != Side::Zero);
     } else {
-        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named then
+        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
+        // within what stamps scatter by
+        let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
+        let scatter = logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
         let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
-        clocks.for_each(|clock| clock.range.1 = 0.0);
+        clocks.for_each(|clock| clock.range.1 = clock.range.1.min(scatter));
     }
     let list = Arc::new(list);
     let mut notices = data.notices.clone();

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
 const TORQUE_EVIDENCE: f64 = 20.0;
 /// The same for poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
-/// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 8000 and more with one.
+/// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
 const PICTURED_EVIDENCE: f64 = 200.0;
 const PICTURED_EACH: f64 = 0.5;
 /// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.

@@ -5,7 +5,7 @@ mod common;
 
 use common::Folder;
 use diagnosis::record::{Recording, record};
-use diagnosis::{Diagnosis, Verdict, diagnose};
+use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};
 use std::path::PathBuf;
 
@@ -58,6 +58,21 @@ fn recovers_radial_distortion_from_pictures_alone() {
     }
     let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
     named(&found.expect("the data is good"), "camera.k1", 0.05, 3e-4);
+}
+
+#[test]
+fn recovers_that_a_torque_is_missing_without_encoders() {
+    // friction that isn't listed; nothing but the poses that pictures show can tell
+    let folder = common::recorded("unlisted", &[("plant.fc_joint", "0.05")]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("the log was recorded");
+    }
+    let without = ["plant.fc_joint", "plant.b_joint"].map(String::from).to_vec();
+    let options = Options { without, ..common::options() };
+    let found = diagnose(folder.path(), &common::units(), &options, &mut |_| {}).expect("the data is good");
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    let signal = found.unknown.map(|unknown| unknown.signal).unwrap_or_default();
+    assert!(signal.starts_with("plant torque"), "{signal}");
 }
 
 #[test]

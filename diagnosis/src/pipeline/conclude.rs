@@ -43,9 +43,12 @@ pub(super) fn conclude(
             story.push(story::of_coarse(&part.coarse, list));
         }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
-        if torque && gap.closed.is_some_and(|closed| closed < WIDENED) {
+        let mut trace = gap::trace(&part.study, torque);
+        let widened = part.torque && gap.closed.is_some_and(|closed| closed < WIDENED);
+        if widened {
             story.push(story::of_widened(&gap));
             gap = Gap { after: gap.before, closed: Some(0.0), ..gap };
+            trace.after.clone_from(&trace.before);
             withdrawn.extend(&part.study.active);
         } else {
             for (effect, swap) in part_effects(part, list, &free) {
@@ -53,13 +56,13 @@ pub(super) fn conclude(
                 swaps.extend(swap);
             }
         }
-        if part.torque && left.is_some() {
+        // a correction is fitted beside the effects, and without them would be another one
+        if part.torque && left.is_some() && !widened {
             correction = correct(data, model, list, part, units, &mut notices);
             // measured as the effects' gap is: with it no more may be left than with effects alone
             correction = correction.filter(|correction| correction.usual <= gap.after);
             story.push(story::of_correction(correction.as_ref()));
         }
-        let mut trace = gap::trace(&part.study, torque);
         if let Some(correction) = correction.as_ref().filter(|_| part.torque) {
             (gap, trace) = (correction.closes(&gap), correction.drawn(trace));
         }
@@ -100,7 +103,8 @@ pub(super) fn conclude(
     let gap = gaps.iter().cloned().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
     // where a model lacks much, noise says nothing of what an experiment would tell
-    let certain = parts.iter().filter(|part| !part.study.outweighed);
+    let stands = |part: &&Part| part.study.active.iter().all(|index| !withdrawn.contains(index));
+    let certain = parts.iter().filter(|part| !part.study.outweighed).filter(stands);
     let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
     let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
     let mut point = point;

@@ -87,7 +87,8 @@ impl Trials<'_> {
     }
 
     /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
-    /// remains of a plant with encoders and nothing else is named, the likeliest is taken with which the rest is noise.
+    /// remains of a plant with encoders and nothing else is named, the likeliest is taken with which the rest is noise, if runs
+    /// left out agree.
     pub(super) fn sparse(&self, cut: &mut dyn Cut, refused: &[usize]) -> Result<Option<Accepted>, Error> {
         let explained = cut.explained();
         if cut.outweighed() || cut.lattice() || !lacking(self.last, self.folds, explained, false) {
@@ -104,8 +105,8 @@ impl Trials<'_> {
         for (candidate, _, trial) in trials {
             cut.afresh();
             let settled = Evaluation::at(cut, &trial.point, &[], false)?;
-            if !lacking(&settled, self.folds, explained, false) {
-                let held_out = self.held_out(&trial, candidate, false);
+            let held_out = self.held_out(&trial, candidate, false);
+            if held_out.1 < held_out.0 && !lacking(&settled, self.folds, explained, false) {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
         }

@@ -67,8 +67,8 @@ fn every_mistake_in_a_scenario_is_named() {
         (with("[units.set]\nx0 = \"1\""), "test.toml:12: b.x0 = \"1\": it is of type Real"),
         (with("[units.set]\nmode = 1.5"), "test.toml:12: b.mode = 1.5: it is of type Integer"),
         (with("[units.set]\nmode = 3"), "test.toml:12: b.mode = 3: a number from 0 to 2"),
-        (with("[units.set]\nfault_time = -1"), "test.toml:12: b.fault_time = -1: a number from 0 to any m"),
-        (with("[units.set]\nx0 = nan"), "test.toml:12: b.x0 = nan: a number from any to any"),
+        (with("[units.set]\nfault_time = -1"), "test.toml:12: b.fault_time = -1: a number of 0 m or more"),
+        (with("[units.set]\nx0 = nan"), "test.toml:12: b.x0 = nan: a finite number"),
         (with("[units.set]\ny1 = 1"), "test.toml:12: b.y1 is computed by the unit: only parameters, inputs"),
         (
             with(&connection("a.y9", "b.u1")),

@@ -27,9 +27,13 @@ pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(),
     if number.is_finite() && inside {
         return Ok(());
     }
-    let bound = |bound: Option<f64>| bound.map_or_else(|| "any".into(), |bound| bound.to_string());
-    let unit = variable.unit.as_deref().unwrap_or_default();
-    Err(format!("a number from {} to {} {unit}", bound(variable.min), bound(variable.max)).trim_end().into())
+    let unit = variable.unit.as_deref().map_or_else(String::new, |unit| format!(" {unit}"));
+    Err(match (variable.min, variable.max) {
+        (Some(min), Some(max)) => format!("a number from {min} to {max}{unit}"),
+        (Some(min), None) => format!("a number of {min}{unit} or more"),
+        (None, Some(max)) => format!("a number of {max}{unit} or less"),
+        (None, None) => "a finite number".into(),
+    })
 }
 
 /// How the value of an output becomes that of an input.

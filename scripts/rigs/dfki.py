@@ -89,9 +89,12 @@ def rows(path):
             return
         before = -math.inf
         for row in table:
-            time = float(row["time"])
+            try:
+                time, *values = (float(row[name]) for name in ("time", *names))
+            except (KeyError, TypeError, ValueError) as error:
+                raise SystemExit(f"{path}:{table.line_num}: a number is needed in time and {', '.join(names)} ({error})")
             if time > before:
-                yield time, *(float(row[name]) for name in names)
+                yield time, *values
             before = max(before, time)
 
 

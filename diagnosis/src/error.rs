@@ -31,9 +31,12 @@ pub enum Error {
         /// Why each file was put aside.
         notices: Vec<Notice>,
     },
-    /// The nominal model can't be loaded, or a unit of it failed.
+    /// A unit of the nominal model failed, or something of ours did.
     #[error("nominal model: {0}")]
     Model(String),
+    /// The nominal model can't be loaded as the user gave it.
+    #[error("nominal model: {0}")]
+    Nominal(String),
     /// A value names a variable that the nominal model hasn't got.
     #[error("{}: [set] {name}: {problem}", path.display())]
     Set {

@@ -48,8 +48,15 @@ impl Model {
         }
         let left_out = strip(&mut scenario);
         // a value that no unit takes is told now, with its file, and not when the amended scenario is written
-        Simulation::new(&scenario, units)
-            .map_err(|error| Error::Model(format!("{}: [set]: {error}", manifest.display())))?;
+        Simulation::new(&scenario, units).map_err(|error| {
+            let text = error.to_string();
+            // `Scenario::set` is the program's `--set`, too, and tells that as the place
+            let told = text.strip_prefix("--set ").and_then(|rest| rest.split_once(": "));
+            match told {
+                Some((_, told)) => Error::Nominal(format!("{}: [set]: {told}", manifest.display())),
+                None => model(error),
+            }
+        })?;
         let mut numbers = BTreeMap::new();
         let mut benches = BTreeMap::new();
         for unit in &scenario.units {
@@ -83,7 +90,7 @@ impl Model {
         let mut bench = |name: &str| {
             benches
                 .remove(name)
-                .ok_or_else(|| Error::Model(format!("{} has no unit `{name}`", file.display())))
+                .ok_or_else(|| Error::Nominal(format!("{} has no unit `{name}`", file.display())))
         };
         Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers, left_out })
     }
@@ -126,7 +133,7 @@ fn text(value: &toml::Value) -> String {
 }
 
 fn model(error: orchestrator::Error) -> Error {
-    Error::Model(error.to_string())
+    if error.is_input() { Error::Nominal(error.to_string()) } else { Error::Model(error.to_string()) }
 }
 
 fn read(kind: Kind, given: &Given) -> Option<Value> {
@@ -161,6 +168,6 @@ pub(crate) fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, E
     let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
     let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());
     let path = found
-        .ok_or_else(|| Error::Model(format!("unit {name} not found (looked in {:?})", units.folders())))?;
+        .ok_or_else(|| Error::Nominal(format!("unit {name} not found (looked in {:?})", units.folders())))?;
     units.open(&path).map_err(model)
 }

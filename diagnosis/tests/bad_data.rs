@@ -57,6 +57,54 @@ fn every_row_that_runs_back_is_named_and_ignored() {
 }
 
 #[test]
+fn every_line_is_counted_alike_however_it_ends() {
+    let text = plant(60, 1.0);
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[7] = "0.2,here,0.1";
+    for (end, name) in [("\n", "unix"), ("\r\n", "windows")] {
+        let set = load(&lines.join(end), name).expect("the rest is usable");
+        assert_eq!(notice(&set.notices, "not a finite number").line, 8, "{name}");
+    }
+}
+
+#[test]
+fn every_torque_is_held_until_the_next_row() {
+    let folder = Folder::new("held");
+    folder.put("dataset.toml", &manifest(1));
+    folder.put("run-01/plant.csv", &plant(60, 1.0));
+    folder.put("run-01/controller.csv", "time,tau\n0,0.1\n1,0.2\n");
+    let set = DataSet::load(folder.path()).expect("two rows are a log of a torque");
+    assert_eq!(set.notices, []);
+    assert_eq!(set.runs[0].controller.as_ref().map(|log| log.held("tau", 1.5, 0.0)), Some(0.2));
+    folder.put("run-01/controller.csv", "time,tau\n0,\n1,\n");
+    let set = DataSet::load(folder.path()).expect("the angles are usable");
+    assert_eq!(notice(&set.notices, "`tau` holds no number").file, "run-01/controller.csv");
+    assert!(set.runs[0].controller.is_none());
+}
+
+#[test]
+fn every_log_without_angles_or_with_times_of_another_unit_is_put_aside() {
+    let bare: String = plant(60, 1.0)
+        .lines()
+        .enumerate()
+        .map(|(row, line)| if row == 0 { format!("{line}\n") } else { format!("{row},,\n") })
+        .collect();
+    let said = load(&bare, "bare").expect_err("no angle was measured").to_string();
+    assert!(said.contains("plant.csv:1") && said.contains("`q1` is measured in 0 rows"), "{said}");
+    // a clock's microseconds
+    let late: String = plant(60, 1.0)
+        .lines()
+        .enumerate()
+        .map(|(row, line)| match line.split_once(',') {
+            Some((_, rest)) if row > 0 => format!("{}e15,{rest}\n", 1.7 + 1e-9 * row as f64),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    let said = load(&late, "late").expect_err("that is no time in s").to_string();
+    assert!(said.contains("plant.csv:2") && said.contains("is no time in s"), "{said}");
+}
+
+#[test]
 fn every_cell_that_is_no_number_counts_as_not_measured() {
     let good = plant(60, 1.0);
     let text = good
@@ -108,10 +156,13 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
         let head = common::manifest(2).replace("[set]\n", &format!("[set]\n\"camera.roll\" = {value}\n"));
         folder.put("dataset.toml", &head);
         let said = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
-        let text = said.expect_err("no mount is turned by that").to_string();
+        let error = said.expect_err("no mount is turned by that");
+        assert!(error.is_input(), "the user's to mend: {error}");
+        let text = error.to_string();
         for word in ["dataset.toml", "camera.roll", value, "3.2"] {
             assert!(text.contains(word), "{word} is missing in {text:?}");
         }
+        assert!(!text.contains("--set"), "the file says it, not the command line: {text:?}");
     }
 }
 

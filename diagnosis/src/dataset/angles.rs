@@ -66,11 +66,13 @@ pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> O
         let far = values.iter().position(|value| value.abs() > LARGEST_ANGLE);
         let speed = speed(&plant.time, values);
         if let Some(row) = far.filter(|_| speed > DEGREE_RATIO * falling) {
+            let brief = |x: f64| if x.abs() < 1e6 { format!("{x:.1}") } else { format!("{x:.1e}") };
             let message = format!(
-                "{name} = {} rad is {:.1} turns, and it moves by up to {speed:.0} rad/s, where gravity gives about \
+                "{name} = {} rad is {} turns, and it moves by up to {} rad/s, where gravity gives about \
                  {falling:.0}; angles are in radians (are these degrees?); file put aside",
-                values[row],
-                values[row].abs() / TAU
+                brief(values[row]),
+                brief(values[row].abs() / TAU),
+                brief(speed)
             );
             return Some((plant.line[row], message));
         }

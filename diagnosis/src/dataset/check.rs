@@ -6,25 +6,24 @@ use crate::error::Notice;
 
 /// A log with fewer rows says nothing after four start values were fitted.
 const FEWEST_ROWS: usize = 12;
+/// A torque is held from its row to the next: one row is a log of it.
+const FEWEST_TORQUES: usize = 1;
+/// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
+const LATEST: f64 = 1e10;
 /// An arm that is below the horizontal in this share of the rows is not being balanced.
 const BELOW: f64 = 0.2;
 
 /// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model.
 pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
     let commanded = run.controller.is_some();
-    for (table, file) in [
-        (&mut run.camera, "camera.csv"),
-        (&mut run.controller, "controller.csv"),
-        (&mut run.plant, "plant.csv"),
+    for (table, file, fewest) in [
+        (&mut run.camera, "camera.csv", FEWEST_ROWS),
+        (&mut run.controller, "controller.csv", FEWEST_TORQUES),
+        (&mut run.plant, "plant.csv", FEWEST_ROWS),
     ] {
-        if let Some(rows) = table.as_ref().map(Table::len).filter(|rows| *rows < FEWEST_ROWS) {
-            notices.push(Notice {
-                file: format!("{}/{file}", run.name),
-                line: 0,
-                message: format!(
-                    "{rows} rows are too few ({FEWEST_ROWS} or more are needed); file put aside"
-                ),
-            });
+        if let Some((line, why)) = table.as_ref().and_then(|table| unusable(table, fewest)) {
+            let message = format!("{why}; file put aside");
+            notices.push(Notice { file: format!("{}/{file}", run.name), line, message });
             *table = None;
         }
     }
@@ -55,11 +54,25 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
         notices.push(Notice { file: file("controller.csv"), line: 1, message });
         run.controller = None;
     }
+    if let Some(controller) = &run.controller
+        && controller.column("tau").is_some_and(|tau| tau.iter().all(|torque| torque.is_nan()))
+    {
+        let message = "column `tau` holds no number; the plant can't be driven, file put aside".to_owned();
+        notices.push(Notice { file: file("controller.csv"), line: 1, message });
+        run.controller = None;
+    }
     if let Some(plant) = &run.plant {
         let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());
         let degrees = in_degrees(plant, run.camera.as_ref(), falling);
         if let Some(name) = missing {
             let message = format!("column `{name}` is missing; the plant's log is put aside");
+            notices.push(Notice { file: file("plant.csv"), line: 1, message });
+            run.plant = None;
+        } else if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < FEWEST_ROWS) {
+            let message = format!(
+                "`{name}` is measured in {} rows ({FEWEST_ROWS} or more are needed); file put aside",
+                measured(plant, name)
+            );
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
             run.plant = None;
         } else if let Some((line, message)) = degrees {
@@ -88,6 +101,21 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
             }
         }
     }
+}
+
+/// Why a table can't be used whatever it holds, and in which line that shows.
+fn unusable(table: &Table, fewest: usize) -> Option<(usize, String)> {
+    if table.len() < fewest {
+        return Some((0, format!("{} rows are too few ({fewest} or more are needed)", table.len())));
+    }
+    let row = table.time.iter().position(|time| time.abs() > LATEST)?;
+    let why = format!("time = {:e} is no time in s (are these milliseconds, or less?)", table.time[row]);
+    Some((table.line[row], why))
+}
+
+/// How many rows hold a number.
+fn measured(table: &Table, name: &str) -> usize {
+    table.column(name).unwrap_or(&[]).iter().filter(|value| value.is_finite()).count()
 }
 
 /// A torque for a run without a command: the one measured at the joint, or none at all for an arm that swings. Where there

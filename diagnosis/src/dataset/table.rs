@@ -77,7 +77,8 @@ pub fn load(
         Err(source) => return Err(Error::Io { path, source }),
     };
     let mut notes = Notes { file: label, into: notices, counts: Vec::new() };
-    let table = parse(&text, known, &mut notes);
+    // the reader counts a line that ends in two characters to the one before
+    let table = parse(&text.replace("\r\n", "\n"), known, &mut notes);
     notes.finish();
     Ok(table)
 }

@@ -52,7 +52,7 @@ impl<'a> Cuts<'a> {
             all.extend(chain.map(|cut| (Box::new(cut) as Box<dyn Cut>, 1.0)));
         } else {
             let read = if logs.encoders { None } else { Some(read(&trial, model)) };
-            let plant = PlantCut::new(read.as_ref().unwrap_or(data), model, list.clone(), false)?;
+            let plant = PlantCut::new(read.as_ref().unwrap_or(data), model, list.clone())?;
             all.extend(plant.map(|cut| (Box::new(cut) as Box<dyn Cut>, 1.0)));
         }
         if logs.encoders && logs.picture && filmed {

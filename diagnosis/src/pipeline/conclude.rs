@@ -7,7 +7,7 @@ use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
 use crate::imitation::{anything, imitation};
 use crate::rest::unknown;
-use crate::selection::{ALPHA, CLASS};
+use crate::selection::ALPHA;
 use crate::{amend, experiment, gap, story};
 use std::collections::BTreeMap;
 
@@ -147,11 +147,16 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect,
         let place = free.iter().position(|other| *other == index)?;
         covariance.as_ref().map(|c| (c[(place, place)] + systematic[place]).sqrt())
     };
+    let mut taken = part.study.active.clone();
     part.classes
         .iter()
         .map(|(index, alternatives)| {
             let x = part.study.last.point[*index];
-            let swap = better_guess(*index, alternatives, list).map(|best| (*index, best.candidate, best.x));
+            // a name that another effect has already says nothing of this one
+            let open = |other: &&Alternative| other.candidate == *index || !taken.contains(&other.candidate);
+            let alternatives: Vec<Alternative> = alternatives.iter().filter(open).cloned().collect();
+            let swap = better_guess(*index, &alternatives, list).map(|best| (*index, best.candidate, best.x));
+            taken.extend(swap.map(|(_, best, _)| best));
             let (name, at) = swap.map_or((*index, x), |(_, best, at)| (best, at));
             let candidate = &list[name];
             // the same share of the effect's size, whatever its name
@@ -159,7 +164,7 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect,
             let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
             let error = known * error(*index).unwrap_or(0.0);
             let ends = [candidate.value(at - 1.96 * error), candidate.value(at + 1.96 * error)];
-            let members = members(name, *index, alternatives, list);
+            let members = members(name, *index, &alternatives, list);
             let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
             let effect = Effect {
                 name: candidate.name.to_owned(),
@@ -198,7 +203,7 @@ fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candi
     let all: f64 = alternatives.iter().map(weight).sum();
     let mut members: Vec<(bool, Member)> = alternatives
         .iter()
-        .filter(|other| other.candidate == own || other.loss < CLASS)
+        .filter(|other| other.candidate == first || other.loss < CLASS)
         .map(|other| {
             let name = list[other.candidate].name.to_owned();
             let probability = (weight(other) / all).min(1.0 - ALPHA);

@@ -100,7 +100,7 @@ fn cut(
     if part.study.outweighed {
         return Ok(Weak::new(data, model, list.clone())?.map(|cut| Box::new(cut) as Box<dyn Forced>));
     }
-    let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
     rows.begin(point)?;
     Ok(Some(Box::new(rows)))
 }

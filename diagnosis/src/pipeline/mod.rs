@@ -1,5 +1,6 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
+mod apart;
 mod camera;
 mod ceilings;
 mod conclude;
@@ -16,7 +17,8 @@ use crate::residual::image::Noise;
 use crate::residual::plant::jitter::unevenness;
 use crate::residual::trajectory::Motion as Logged;
 use crate::residual::{Cut, Signal};
-use crate::selection::{Alternative, Study, alternatives, study};
+use crate::selection::{Alternative, CLASS, Study, alternatives, study};
+use apart::told_apart;
 use camera::camera_part;
 use ceilings::ceilings;
 use conclude::conclude;
@@ -106,16 +108,17 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
         late = Some(point[clock]);
         gone.push(clock);
     }
-    if let Some(delay) = place("camera.T_delay").filter(|index| point[*index] < 0.0) {
+    if let Some((shown, by)) = early(list, parts, point) {
         // one that was found, that is: nothing is the same as a clock that is off by less than SAME
         let found = |index: &usize| point[*index] != list[*index].off;
-        let same = |index: &usize| {
-            found(index) && (point[*index] + point[delay]).abs() < SAME + CLOSE * point[delay].abs()
-        };
+        let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
         let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
-        late = late.or(Some(-point[delay]));
-        gone.push(delay);
-        gone.extend(actuator);
+        // an exposure may well be shorter than it is said to be, but no result comes before its picture
+        if actuator.is_some() || list[shown].name == "camera.T_delay" {
+            late = late.or(Some(by));
+            gone.push(shown);
+            gone.extend(actuator);
+        }
     }
     for index in &gone {
         point[*index] = list[*index].off;
@@ -130,6 +133,20 @@ fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
         );
         notices.push(Notice { file: "plant.csv".into(), line: 0, message });
     }
+}
+
+/// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
+fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
+    let delay = list.iter().position(|candidate| candidate.name == "camera.T_delay")?;
+    if point[delay] < 0.0 {
+        return Some((delay, -point[delay]));
+    }
+    let shown = |(effect, class): &(usize, Vec<Alternative>)| {
+        let other =
+            class.iter().find(|other| other.candidate == delay && other.loss < CLASS && other.x < 0.0)?;
+        (list[*effect].name == "camera.E_t").then_some((*effect, -other.x))
+    };
+    parts.iter().flat_map(|part| &part.classes).find_map(shown)
 }
 
 /// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.

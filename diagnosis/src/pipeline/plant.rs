@@ -23,7 +23,7 @@ pub(super) fn plant_part(
     parts: &mut Vec<Part>,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
-    let Some(mut rows) = PlantCut::new(data, model, list.clone(), false)? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
     tell("plant: windows of the logs");
     rows.begin(point)?;
     let mut start = Vec::new();
@@ -37,16 +37,25 @@ pub(super) fn plant_part(
         start.clone_from(&part.study.active);
         coarse = Some(part);
     }
-    let part = match coarse {
+    let mut part = match coarse {
         Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
         Some(part_before) => {
             rows.linearise(point, &[], false)?;
             let fine = part(&mut rows, list, point, &start, true, tell)?;
             if went_astray(&fine, &start, list) { part_before } else { Part { coarse: start, ..fine } }
         }
-        None => part(&mut rows, list, point, &start, true, tell)?,
+        None => {
+            let alone = part(&mut rows, list, point, &start, true, tell)?;
+            if data.runs.iter().any(|run| run.camera.is_some()) && could_be_the_actuator(&alone, list) {
+                rows.trust_clock();
+                part(&mut rows, list, point, &start, true, tell)?
+            } else {
+                alone
+            }
+        }
     };
     point.clone_from(&part.study.last.point);
+    told_apart(&mut rows, data, model, list, &mut part, MOTION_STEP)?;
     let sigma = match part.study.outweighed {
         true => COARSE_MOTION,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
@@ -57,6 +66,15 @@ pub(super) fn plant_part(
     }
     rows.linearise(point, &[], false)?;
     Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
+}
+
+/// Whether a late log is as likely an actuator that lags. Then the actuator is asked first: should the log be late after
+/// all, the picture comes early by as much (`clear_clock`), while a log that was put right wrongly would make it late.
+fn could_be_the_actuator(part: &Part, list: &[Candidate]) -> bool {
+    let actuator =
+        |other: &&Alternative| ["plant.tau_delay", "plant.T_act"].contains(&list[other.candidate].name);
+    let clocks = part.classes.iter().filter(|(effect, _)| list[*effect].name == CLOCK);
+    clocks.flat_map(|(_, class)| class).filter(actuator).any(|other| other.loss < CLASS)
 }
 
 /// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,

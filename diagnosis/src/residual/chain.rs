@@ -57,7 +57,7 @@ impl Chain {
             });
         }
         seen.manifest.noise.retain(|name, _| !name.starts_with("plant."));
-        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone(), false)? else {
+        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone())? else {
             return Ok(None);
         };
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));

@@ -80,6 +80,11 @@ pub trait Cut: Send + Sync {
     /// Puts the nuisances back to where the last look that was not quick left them, so that a fit that went astray
     /// doesn't spoil the next one.
     fn back(&mut self);
+    /// Remembers the nuisances as they are now, for `recall`.
+    fn remember(&mut self) {}
+    /// Puts the nuisances where they were when they were remembered: looks at other models may have led them far away, to
+    /// where a machine that moves fast doesn't find back.
+    fn recall(&mut self) {}
     /// Whether pictures are compared, whose pixel lattice moves with every refit.
     fn lattice(&self) -> bool {
         false

@@ -4,6 +4,7 @@
 //! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
 
 use super::Step;
+use super::bare::{Bare, Opinion};
 use super::evaluation::Evaluation;
 use super::refit::refit;
 use crate::candidates::{Candidate, Motion, Side};
@@ -14,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
-const HOPELESS: f64 = 12.0;
+pub(super) const HOPELESS: f64 = 12.0;
 /// Columns of which less than this share is apart are alike enough for a fit to decide.
 const ALIKE: f64 = 0.03;
 /// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
@@ -61,7 +62,9 @@ pub fn alternatives(
     let reference = refit(cut, candidates, &last.point, active)?;
     let reference = fitted(cut, reference)?;
     let own = reference.deviance();
+    cut.remember();
     let mut all = vec![(effect, reference.point[effect], 0.0)];
+    let mut bare: Option<Bare> = None;
     for (index, candidate) in candidates.iter().enumerate() {
         if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() {
             continue;
@@ -91,6 +94,19 @@ pub fn alternatives(
             all.push((index, x, loss));
             continue;
         }
+        let bare = match &mut bare {
+            Some(known) => known,
+            none => none.insert(Bare::of(cut, candidates, last, active, effect)?),
+        };
+        match bare.opinion(candidates, (effect, index), own, temper) {
+            Opinion::Forlorn => continue,
+            Opinion::Straight { x, loss } => {
+                all.push((index, x, loss));
+                continue;
+            }
+            Opinion::Fit => {}
+        }
+        cut.recall();
         let mut set = others.clone();
         set.push(index);
         let mut best: Option<Evaluation> = None;
@@ -110,6 +126,7 @@ pub fn alternatives(
             all.push((index, fit.point[index], fit.deviance() - own));
         }
     }
+    cut.recall();
     let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
     let mut alternatives: Vec<Alternative> = all
         .into_iter()

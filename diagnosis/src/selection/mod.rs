@@ -1,6 +1,7 @@
 //! Forward selection on one cut: screen linearly, refit the best few through the units, accept what survives the
 //! bootstrap and the runs left out, drop what became superfluous, look again.
 
+mod bare;
 mod classes;
 mod evaluation;
 mod evidence;

@@ -4,7 +4,7 @@ use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
 use super::refit::refit;
 use super::screen::{Hit, Screen};
-use crate::candidates::{Candidate, Cuts, Motion};
+use crate::candidates::{Candidate, Cuts, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 
@@ -87,17 +87,18 @@ impl Trials<'_> {
     }
 
     /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
-    /// remains of a plant with encoders and nothing else is named, the likeliest is taken with which the rest is noise, if runs
-    /// left out agree.
+    /// remains of a plant and nothing else is named, the likeliest is taken with which the rest is noise, if runs left out agree.
     pub(super) fn sparse(&self, cut: &mut dyn Cut, refused: &[usize]) -> Result<Option<Accepted>, Error> {
-        let explained = cut.explained();
-        if cut.outweighed() || cut.lattice() || !lacking(self.last, self.folds, explained, false) {
+        let (explained, pictured) = (cut.explained(), cut.lattice());
+        let driven = !pictured || cut.free_pose();
+        if cut.outweighed() || !driven || !lacking(self.last, self.folds, explained, pictured) {
             return Ok(None);
         }
+        let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
         let open =
             self.found.hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
-        for hit in open.take(SPARSE_TRIALS) {
+        for hit in open.filter(plants).take(SPARSE_TRIALS) {
             self.fit(cut, hit, &mut trials);
         }
         trials.retain(|(_, fall, _)| *fall > SPARSE);
@@ -106,7 +107,7 @@ impl Trials<'_> {
             cut.afresh();
             let settled = Evaluation::at(cut, &trial.point, &[], false)?;
             let held_out = self.held_out(&trial, candidate, false);
-            if held_out.1 < held_out.0 && !lacking(&settled, self.folds, explained, false) {
+            if held_out.1 < held_out.0 && !lacking(&settled, self.folds, explained, pictured) {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
         }

@@ -111,19 +111,21 @@ impl PlantCut {
             let mut hard = DMatrix::zeros(layout.len(), 4);
             for place in 0..4 {
                 let mut moved = fit.start;
-                moved[place] += NUDGE[place];
+                let by = self.span.gentle() * NUDGE[place];
+                moved[place] += by;
                 let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
-                layout.column(&fit.base, &rows, NUDGE[place], &mut hard, place);
+                layout.column(&fit.base, &rows, by, &mut hard, place);
             }
             fit.cell.hard = hard;
         }
         if soft && !soft_here {
+            let by = self.span.gentle() * PUSH;
             let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
             for place in 0..fit.leads.len() {
                 let mut more = pushes.clone();
-                more.push(window.push(place, PUSH));
+                more.push(window.push(place, by));
                 let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &fit.start, &more)?;
-                layout.column(&fit.base, &rows, PUSH, &mut columns, place);
+                layout.column(&fit.base, &rows, by, &mut columns, place);
             }
             fit.cell.soft = columns;
         }
@@ -172,7 +174,8 @@ impl PlantCut {
                 let column = self.seen_column(window, &layout, &base, place, probe.candidate);
                 (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
             } else if self.sees(candidate) {
-                let moved = self.settings(point, Some(*probe))?;
+                let probe = self.gentle(*probe);
+                let moved = self.settings(point, Some(probe))?;
                 // a value that the plant can't follow has no column
                 if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
                     layout.column(&base, &rows, probe.by, &mut columns, place);

@@ -10,9 +10,11 @@ const AT_ONCE: f64 = 2e-4;
 const SMALL: f64 = 0.3;
 
 impl PlantCut {
-    /// Whether the command jumps at a time by more than the torque's noise hides.
+    /// Whether the command jumps when a row is stamped, by more than the torque's noise hides. As it was logged: a clock that
+    /// is put right must not gain rows, or it would look likelier than what explains the others as well.
     fn jumps(&self, run: usize, time: f64) -> bool {
         let Some(log) = &self.runs[run].controller else { return false };
+        let time = time + self.through.as_ref().map_or(0.0, |through| through.delay);
         let held = |at: f64| log.held("tau", at, 0.0);
         (held(time + AT_ONCE) - held(time - AT_ONCE)).abs() > SMALL * self.signals[TORQUE].sigma
     }
@@ -28,7 +30,7 @@ impl Layout {
     pub(super) fn of(cut: &PlantCut, window: &Window) -> Self {
         let mut bins = Vec::new();
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return Self { bins } };
-        let size = window.rows.len().div_ceil(BINS);
+        let size = window.rows.len().div_ceil(cut.span.0 * BINS);
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {

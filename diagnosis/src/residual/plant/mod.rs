@@ -18,17 +18,17 @@ mod forced;
 pub mod jitter;
 mod layout;
 mod log;
+mod long;
 mod window;
 
 use fitting::Look;
 use layout::Layout;
 use log::steered;
 pub use log::zeros;
-use window::{Kept, Window, cut_run};
+use window::{Kept, Span, Window, cut_run};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it on demand where rows are plenty: an arm
-/// that swings with friction unknown leaves the data sooner.
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
 const WINDOW: f64 = 0.5;
 const SHORT_WINDOW: f64 = 0.25;
 const PLENTY: f64 = 36.0;
@@ -86,6 +86,7 @@ pub struct PlantCut {
     candidates: Arc<Vec<Candidate>>,
     runs: Arc<Vec<Run>>,
     windows: Vec<Window>,
+    span: Span,
     signals: Vec<Signal>,
     through: Option<Through>,
     clock: Option<usize>,
@@ -104,13 +105,21 @@ impl PlantCut {
         data: &DataSet,
         model: &Model,
         candidates: Arc<Vec<Candidate>>,
-        short: bool,
+    ) -> Result<Option<Self>, Error> {
+        Self::of(data, model, candidates, Span::USUAL)
+    }
+
+    fn of(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+        span: Span,
     ) -> Result<Option<Self>, Error> {
         let ports = Ports::of(&model.plant)?;
         let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, short, &mut windows);
+            cut_run(index, run, contact, span, &mut windows);
         }
         if windows.is_empty() {
             return Ok(None);
@@ -136,6 +145,7 @@ impl PlantCut {
             candidates,
             runs,
             windows,
+            span,
             signals,
             through,
             clock,
@@ -326,6 +336,14 @@ impl Cut for PlantCut {
                 window.leads.clone_from(&kept.leads);
             }
         }
+    }
+
+    fn remember(&mut self) {
+        self.windows.iter_mut().for_each(Window::remember);
+    }
+
+    fn recall(&mut self) {
+        self.windows.iter_mut().for_each(Window::recall);
     }
 
     fn afresh(&mut self) {

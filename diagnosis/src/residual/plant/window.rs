@@ -6,14 +6,36 @@ use crate::statistics::linear::solve;
 /// So many rows tell a curvature from noise; the fewest that are looked at.
 const CURVED: usize = 8;
 const FEWEST: usize = 3;
+/// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
+const GENTLE: f64 = 0.03;
 
 /// What a full look found of a window's nuisances.
+#[derive(Clone)]
 pub(super) struct Kept {
     pub(super) start: State,
     pub(super) leads: Vec<f64>,
     pub(super) hard: DMatrix<f64>,
     pub(super) soft: DMatrix<f64>,
 }
+
+/// How long windows are, in usual ones. Longer ones are for two models that both are right but for noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Span(pub(super) usize);
+
+impl Span {
+    /// As long as a model may be wrong and still stay with the data.
+    pub(super) const USUAL: Self = Self(1);
+    /// What noise leaves of a usual window's start grows by e^(7 · 0.5) = 33 in it: still near a straight line.
+    pub(super) const LONG: Self = Self(2);
+
+    /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
+    pub(super) fn gentle(self) -> f64 {
+        (1..self.0).map(|_| GENTLE).product()
+    }
+}
+
+/// A window's nuisances.
+type Nuisances = (State, Vec<f64>, Option<Kept>, Option<super::fitting::Fit>);
 
 pub(super) struct Window {
     pub(super) run: usize,
@@ -29,6 +51,7 @@ pub(super) struct Window {
     pub(super) kept: Option<Kept>,
     /// The fit without leads of the last full look: by it the window was led, or not.
     pub(super) free: Option<super::fitting::Fit>,
+    remembered: Option<Nuisances>,
 }
 
 impl Window {
@@ -42,6 +65,16 @@ impl Window {
         self.leads.iter_mut().for_each(|lead| *lead = 0.0);
         self.kept = None;
         self.free = None;
+    }
+
+    pub(super) fn remember(&mut self) {
+        self.remembered = Some((self.start, self.leads.clone(), self.kept.clone(), self.free.clone()));
+    }
+
+    pub(super) fn recall(&mut self) {
+        if let Some(known) = &self.remembered {
+            (self.start, self.leads, self.kept, self.free) = known.clone();
+        }
     }
 
     pub(super) fn is_led(&self) -> bool {
@@ -61,7 +94,7 @@ impl Window {
 }
 
 /// Cuts one run into windows.
-pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: &mut Vec<Window>) {
+pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
@@ -74,10 +107,10 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
     let plenty = PLENTY * typical < SHORT_WINDOW;
-    let short = if plenty && (short || tumbles(&plant.time, &usable, q2)) { SHORT_WINDOW } else { WINDOW };
+    let usual = if plenty && tumbles(&plant.time, &usable, q2) { SHORT_WINDOW } else { WINDOW };
     // only an actuator has a past that must fill up
     let before = if steered(run) { PREROLL } else { 0.0 };
-    let length = short.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
     let usable = thinned(&plant.time, usable);
     let mut from = 0;
     while from < usable.len() {
@@ -106,6 +139,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, short: bool, into: 
                 leads: vec![0.0; 2 * PARTS],
                 kept: None,
                 free: None,
+                remembered: None,
             });
         }
         from = to.max(from + 1);

@@ -22,9 +22,12 @@ const SAMPLED: usize = 720;
 /// How far the picture is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
 /// that a secant has there would not average out.
 const PHASES: [(f64, f64); 4] = [(0.125, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.375, -0.375)];
-/// E_t from which its blur is more than that.
-const BLURRING: f64 = 0.2;
-/// Step of E_t over which the blur of a short exposure is taken, and its rounds.
+/// Way of a circle during the exposure, px, beyond which a blur is more than that, and smears the circle besides. A blob
+/// that is smeared by less keeps its middle: pictures of 9 px a circle leave 0.01 px of what a longer exposure adds.
+const BLURRING: f64 = 3.0;
+/// The share of frames whose circles go that far or less.
+const USUAL: f64 = 0.99;
+/// Least step of E_t over which the blur of a short exposure is taken, and its rounds.
 const BLUR_STEP: f64 = 0.08;
 const BLUR_ROUNDS: u64 = 4;
 
@@ -100,7 +103,9 @@ impl ImageCut {
             return Ok(kept.clone());
         }
         let blurs = Some(probe.candidate) == self.exposure;
-        if blurs && point[probe.candidate].max(point[probe.candidate] + probe.by) < BLURRING {
+        let longest = point[probe.candidate].max(point[probe.candidate] + probe.by);
+        let short = blurs && longest * self.way() < BLURRING;
+        if short {
             let column = self.short_blur(point, probe)?;
             self.kept.insert(key, column.clone());
             return Ok(column);
@@ -109,7 +114,7 @@ impl ImageCut {
         let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
-        let rounds = if blurs && probe.by.abs() < BLURRING { MORE_ROUNDS } else { ROUNDS };
+        let rounds = if blurs { MORE_ROUNDS } else { ROUNDS };
         for (round, side, phase) in sides(rounds) {
             let shots = self.beside(round, side);
             let here = self.here(&still, phase, &shots)?;
@@ -142,12 +147,14 @@ impl ImageCut {
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
     fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
         let from = point[probe.candidate];
-        let far = Probe { by: BLUR_STEP, ..probe };
+        // a small step shows nothing, and beyond a large one the polynomial knows nothing
+        let far = if probe.by.abs() > BLUR_STEP { probe.by } else { BLUR_STEP };
+        let moved = self.settings(point, Some(Probe { by: far, ..probe }))?;
         let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
             let (one, two) = (square * one * one, square * two * two);
             Vector3::new(two - one, two * two - one * one, two.powi(3) - one.powi(3))
         };
-        let (moved, still) = (self.settings(point, Some(far))?, self.settings(point, None)?);
+        let still = self.settings(point, None)?;
         let mut normal: Matrix3<f64> = Matrix3::zeros();
         let mut right = Vector3::zeros();
         for (round, side, phase) in sides(BLUR_ROUNDS) {
@@ -159,7 +166,7 @@ impl ImageCut {
                     continue;
                 };
                 for (circle, way) in ways.into_iter().enumerate() {
-                    let x = powers(way, from, from + BLUR_STEP);
+                    let x = powers(way, from, from + far);
                     normal += x * x.transpose();
                     right += x * (there[6 + circle] - here[6 + circle]);
                 }
@@ -174,6 +181,15 @@ impl ImageCut {
             Some(column)
         };
         Ok((0..self.frames.len()).map(column).collect())
+    }
+
+    /// How far a circle usually moves in a frame's interval, at most, px.
+    fn way(&self) -> f64 {
+        let mut squares: Vec<f64> =
+            (0..self.frames.len()).filter_map(|place| self.ways(place)).flatten().collect();
+        squares.sort_by(f64::total_cmp);
+        let place = (squares.len() as f64 * USUAL) as usize;
+        squares.get(place.min(squares.len().saturating_sub(1))).map_or(0.0, |square| square.sqrt())
     }
 
     /// Squares of the ways of the circles in a frame's interval, px².

@@ -69,6 +69,9 @@ pub enum Pose {
 /// Settings and shots, and the frames they gave.
 type Made = (Vec<Setting>, Vec<Shot>, Vec<Option<Seen>>);
 
+/// Settings of a camera, and its E_t.
+type Followed = (Vec<Setting>, f64);
+
 /// Motion in, picture out.
 pub struct ImageCut {
     studio: Studio,
@@ -87,10 +90,10 @@ pub struct ImageCut {
     made: Option<Made>,
     /// Frames beside the poses, without a candidate moved, and the camera that they belong to.
     still: (Vec<Setting>, Vec<Made>),
-    /// Settings of the camera that poses read off the picture have followed.
-    followed: Option<Vec<Setting>>,
+    /// Settings of the camera that poses read off the picture have followed, and its E_t.
+    followed: Option<Followed>,
     /// Poses, and what they had followed, at the last look that was not quick.
-    looked: Option<(Vec<Shot>, Option<Vec<Setting>>)>,
+    looked: Option<(Vec<Shot>, Option<Followed>)>,
 }
 
 impl ImageCut {

@@ -49,11 +49,19 @@ impl ImageCut {
             return Ok(());
         }
         // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
-        let now = self.settings(point, None)?;
+        let exposure = |candidate: usize| (point[candidate], self.candidates[candidate].off);
+        let (open, off) = self.exposure.map_or((0.0, 0.0), exposure);
+        let now = (self.settings(point, None)?, open);
         if self.followed.as_ref() == Some(&now) {
             return Ok(());
         }
-        self.followed = Some(now);
+        let before = self.followed.replace(now).map_or(off, |(_, before)| before);
+        // a picture is of the middle of its exposure: that moves with the motion, which no neighbours smooth
+        let later = 0.5 * (open - before) * self.interval();
+        for frame in self.frames.iter_mut().filter(|_| later != 0.0) {
+            frame.shot.end = back(&frame.shot.end, -later);
+            frame.shot.before = back(&frame.shot.before, -later);
+        }
         let blocks = self.linearise(point, &[], true)?;
         let smooth = self.smoothed(&blocks);
         let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();

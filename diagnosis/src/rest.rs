@@ -102,14 +102,16 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         .iter()
         .flat_map(|block| &block.cells)
         .any(|cell| !cell.lattice.is_empty() && cell.soft.ncols() > 0);
+    // a circle that stays at one place on the lattice shows there what honest renderers differ by, row after row
+    let honest = |s: usize, rows: f64| rows * (signals[s].honest / study.last.sigmas[s]).powi(2);
     let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
-    let over = |(mean, rows): (f64, f64)| mean / most(rows);
+    let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + honest(s, rows));
     let (worst, size) = rest
         .means
         .iter()
         .enumerate()
         .take(6)
-        .map(|(s, mean)| (s, over(*mean)))
+        .map(|(s, mean)| (s, over(s, *mean)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     if size < 1.0 {
         return None;

@@ -13,32 +13,59 @@ pub(super) fn told_apart(
     model: &Model,
     list: &[Candidate],
     part: &mut Part,
-    step: f64,
 ) -> Result<(), Error> {
     let study = &part.study;
-    let settled = !study.outweighed && study.last.softness == 0.0;
-    if !settled || !part.classes.iter().any(|(effect, class)| open(*effect, class, list)) {
+    if study.outweighed || study.last.softness > 0.0 {
         return Ok(());
     }
-    let point = &study.last.point;
-    rows.linearise(point, &[], false)?;
-    let motions = rows.motion(point, step)?;
-    let Some(mut long) = rows.longer(data, model, point, &motions)? else { return Ok(()) };
-    let fit = refit(&mut long, list, point, &study.active)?;
-    let probes = all_probes(list, &fit.point, &|candidate| long.sees(candidate), &study.active);
-    let last = Evaluation::at(&mut long, &fit.point, &probes, false)?;
-    let louder = last.sigmas.iter().zip(&study.last.sigmas).any(|(now, before)| *now > LOUDER * before);
-    if louder || last.softness > 0.0 {
-        return Ok(());
-    }
+    rows.remember();
     for (effect, class) in part.classes.iter_mut().filter(|(effect, class)| open(*effect, class, list)) {
-        *class = alternatives(&mut long, list, &last, &study.active, *effect, &study.steps)?;
+        let members = class.iter().filter(|other| is_member(*effect, other, list));
+        for member in members.cloned().collect::<Vec<_>>() {
+            if let Some(told) = judged(rows, data, model, list, study, *effect, &member)? {
+                *class = told;
+                break;
+            }
+        }
+        rows.recall();
     }
     Ok(())
 }
 
+/// The class as long windows see it from one member's model; nothing where they show that this model lacks something, as they
+/// do with a wrong member.
+fn judged(
+    rows: &mut PlantCut,
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    study: &Study,
+    effect: usize,
+    member: &Alternative,
+) -> Result<Option<Vec<Alternative>>, Error> {
+    let mut point = study.last.point.clone();
+    point[effect] = list[effect].off;
+    point[member.candidate] = if member.candidate == effect { study.last.point[effect] } else { member.x };
+    let seated = |index: &usize| if *index == effect { member.candidate } else { *index };
+    let active: Vec<usize> = study.active.iter().map(seated).collect();
+    rows.recall();
+    rows.linearise(&point, &[], false)?;
+    let Some(mut long) = rows.longer(data, model, &point)? else { return Ok(None) };
+    let fit = refit(&mut long, list, &point, &active)?;
+    let probes = all_probes(list, &fit.point, &|candidate| long.sees(candidate), &active);
+    let last = Evaluation::at(&mut long, &fit.point, &probes, false)?;
+    let louder = last.sigmas.iter().zip(&study.last.sigmas).any(|(now, before)| *now > LOUDER * before);
+    if louder || last.softness > 0.0 {
+        return Ok(None);
+    }
+    alternatives(&mut long, list, &last, &active, member.candidate, &study.steps).map(Some)
+}
+
+fn is_member(effect: usize, other: &Alternative, list: &[Candidate]) -> bool {
+    (other.candidate == effect || other.loss < CLASS) && list[other.candidate].side == Side::Plant
+}
+
 /// Whether two parameters of the plant are in a class.
 fn open(effect: usize, class: &[Alternative], list: &[Candidate]) -> bool {
-    let member = |other: &&Alternative| other.candidate == effect || other.loss < CLASS;
-    class.iter().filter(member).filter(|member| list[member.candidate].side == Side::Plant).count() > 1
+    class.iter().filter(|other| is_member(effect, other, list)).count() > 1
 }

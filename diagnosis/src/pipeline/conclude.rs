@@ -193,7 +193,8 @@ fn better_guess<'a>(
     if list[own].is_discrete() {
         return None;
     }
-    let loss = alternatives.iter().find(|other| other.candidate == own)?.loss;
+    // who was left out is no member any more
+    let loss = alternatives.iter().find(|other| other.candidate == own).map_or(f64::INFINITY, |own| own.loss);
     alternatives.first().filter(|best| best.candidate != own && best.loss + FIRST < loss)
 }
 

@@ -52,88 +52,123 @@ pub fn alternatives(
     effect: usize,
     steps: &[Step],
 ) -> Result<Vec<Alternative>, Error> {
-    let temper = temper(last, active, effect, candidates);
-    let offsets = if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) };
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
-    let fitted = |cut: &mut dyn Cut, fit: Evaluation| -> Result<Evaluation, Error> {
-        // pictures that are made anew would differ by the lattice
-        if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
-    };
     let reference = refit(cut, candidates, &last.point, active)?;
-    let reference = fitted(cut, reference)?;
-    let own = reference.deviance();
+    let reference = settled(cut, reference)?;
     cut.remember();
+    let seat = Seat {
+        candidates,
+        last,
+        others,
+        effect,
+        temper: temper(last, active, effect, candidates),
+        offsets: if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
+        own: reference.deviance(),
+    };
     let mut all = vec![(effect, reference.point[effect], 0.0)];
     let mut bare: Option<Bare> = None;
     for (index, candidate) in candidates.iter().enumerate() {
-        if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() {
+        let resembles = !candidates[effect].is_discrete() || resembled(steps, effect, index);
+        if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() || !resembles {
             continue;
         }
-        if candidates[effect].is_discrete() && !resembled(steps, effect, index) {
-            continue;
-        }
-        let linear = linear_loss(last, &others, effect, index, candidates);
-        let Some((predicted, strength)) = predicted_loss(last, &others, effect, index, candidates) else {
-            continue;
-        };
-        let apart = predicted / temper > HOPELESS && predicted > ALIKE * strength;
-        if apart && linear.as_ref().is_none_or(|linear| linear.loss / temper > 2.0 * HOPELESS) {
-            continue;
-        }
-        let columns = linear.filter(|_| by_columns(cut, candidates, effect, index));
-        if let Some(Replaced { loss, x, own, other }) = columns {
-            let bent = candidates[effect].bends || candidate.bends;
-            let honest = honest(last, &offsets, &others, own, other);
-            let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
-            let mut loss = loss / (1.0 + honest + COLUMN * COLUMN * strength + blur);
-            if bent && loss > CLASS * temper {
-                let from = Place { others: &others, effect: index, x };
-                let there = seen_from(cut, candidates, last, &from, effect)?;
-                loss = loss.min(there.map_or(0.0, |gain| gain.max(0.0)));
-            }
-            all.push((index, x, loss));
+        let linear = linear_loss(last, &seat.others, effect, index, candidates);
+        let Some(strength) = seat.near(index, linear.as_ref()) else { continue };
+        if let Some(replaced) = linear.filter(|_| by_columns(cut, candidates, effect, index)) {
+            all.push((index, replaced.x, seat.along_columns(cut, index, &replaced, strength)?));
             continue;
         }
         let bare = match &mut bare {
             Some(known) => known,
             none => none.insert(Bare::of(cut, candidates, last, active, effect)?),
         };
-        match bare.opinion(candidates, (effect, index), own, temper) {
-            Opinion::Forlorn => continue,
-            Opinion::Straight { x, loss } => {
-                all.push((index, x, loss));
-                continue;
-            }
-            Opinion::Fit => {}
-        }
-        cut.recall();
-        let mut set = others.clone();
-        set.push(index);
-        let mut best: Option<Evaluation> = None;
-        for x in starts(candidate, last, effect, index, candidates) {
-            let mut point = last.point.clone();
-            point[effect] = candidates[effect].off;
-            point[index] = x;
-            if let Ok(fit) = refit(cut, candidates, &point, &set)
-                && best.as_ref().is_none_or(|known| fit.deviance() < known.deviance())
-            {
-                best = Some(fit);
-            }
-        }
-        if let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) {
-            let far = fit.deviance() > own + temper * FAR;
-            let fit = if far { fit } else { fitted(cut, fit)? };
-            all.push((index, fit.point[index], fit.deviance() - own));
+        match bare.opinion(candidates, (effect, index), seat.own, seat.temper) {
+            Opinion::Forlorn => {}
+            Opinion::Straight { x, loss } => all.push((index, x, loss)),
+            Opinion::Fit => all.extend(seat.fitted(cut, index)?),
         }
     }
     cut.recall();
     let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
     let mut alternatives: Vec<Alternative> = all
         .into_iter()
-        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / temper })
+        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / seat.temper })
         .collect();
     alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     Ok(alternatives)
+}
+
+/// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
+fn settled(cut: &mut dyn Cut, fit: Evaluation) -> Result<Evaluation, Error> {
+    if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
+}
+
+/// An effect that others are tried in the place of.
+struct Seat<'a> {
+    candidates: &'a [Candidate],
+    last: &'a Evaluation,
+    /// The effects beside it.
+    others: Vec<usize>,
+    effect: usize,
+    temper: f64,
+    /// What honest renderers differ by, along the columns.
+    offsets: DMatrix<f64>,
+    /// Deviance of its own fit.
+    own: f64,
+}
+
+impl Seat<'_> {
+    /// What the effect explains, unless another is too far from it for a closer look.
+    fn near(&self, index: usize, linear: Option<&Replaced>) -> Option<f64> {
+        let (predicted, strength) =
+            predicted_loss(self.last, &self.others, self.effect, index, self.candidates)?;
+        let apart = predicted / self.temper > HOPELESS && predicted > ALIKE * strength;
+        let hopeless = linear.is_none_or(|linear| linear.loss / self.temper > 2.0 * HOPELESS);
+        (!apart || !hopeless).then_some(strength)
+    }
+
+    /// Loss by another's column, less what is not known of columns. What bends is believed only if seen from either fit.
+    fn along_columns(
+        &self,
+        cut: &mut dyn Cut,
+        index: usize,
+        replaced: &Replaced,
+        strength: f64,
+    ) -> Result<f64, Error> {
+        let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
+        let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
+        let blur = if bent { BLUR * BLUR * replaced.loss.max(0.0) } else { 0.0 };
+        let loss = replaced.loss / (1.0 + honest + COLUMN * COLUMN * strength + blur);
+        if !bent || loss <= CLASS * self.temper {
+            return Ok(loss);
+        }
+        let from = Place { others: &self.others, effect: index, x: replaced.x };
+        let there = seen_from(cut, self.candidates, self.last, &from, self.effect)?;
+        Ok(loss.min(there.map_or(0.0, |gain| gain.max(0.0))))
+    }
+
+    /// Fits another through the units: candidate, coordinate and loss.
+    fn fitted(&self, cut: &mut dyn Cut, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
+        let candidate = &self.candidates[index];
+        cut.recall();
+        let mut set = self.others.clone();
+        set.push(index);
+        let mut best: Option<Evaluation> = None;
+        for x in starts(candidate, self.last, self.effect, index, self.candidates) {
+            let mut point = self.last.point.clone();
+            point[self.effect] = self.candidates[self.effect].off;
+            point[index] = x;
+            if let Ok(fit) = refit(cut, self.candidates, &point, &set)
+                && best.as_ref().is_none_or(|known| fit.deviance() < known.deviance())
+            {
+                best = Some(fit);
+            }
+        }
+        let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) else { return Ok(None) };
+        let far = fit.deviance() > self.own + self.temper * FAR;
+        let fit = if far { fit } else { settled(cut, fit)? };
+        Ok(Some((index, fit.point[index], fit.deviance() - self.own)))
+    }
 }
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the

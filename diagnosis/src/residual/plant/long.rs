@@ -3,20 +3,17 @@
 use super::*;
 use crate::candidates::Motion as Way;
 
+/// Windows begin together if they do so within this time, s.
+const SAME: f64 = 1e-6;
+
 impl PlantCut {
-    /// The same log in windows twice as long, which begin on a fitted motion (that of `motion`): where every second usual one
-    /// does, so that noise grows by no more than in the second half. `None` where a window must be led, since a model that
-    /// lacks more than noise leaves the data before a long window ends.
+    /// The same log in windows twice as long. They begin where every second usual one does, and in its state: where these windows
+    /// have been fitted to all that follows, noise grows by no more than in the second half. `None` where a window must be led,
+    /// since a model that lacks more than noise leaves the data before a long window ends.
     ///
     /// # Errors
     /// The unit failed, or lacks a variable.
-    pub fn longer(
-        &self,
-        data: &DataSet,
-        model: &Model,
-        point: &[f64],
-        motions: &[Motion],
-    ) -> Result<Option<Self>, Error> {
+    pub fn longer(&self, data: &DataSet, model: &Model, point: &[f64]) -> Result<Option<Self>, Error> {
         let Some(mut long) = Self::of(data, model, self.candidates.clone(), Span::LONG)? else {
             return Ok(None);
         };
@@ -26,8 +23,11 @@ impl PlantCut {
         }
         long.mend(point);
         for window in &mut long.windows {
-            if let Some(state) = motions.get(window.run).and_then(|motion| motion.at(window.drive.start())) {
-                window.start = state;
+            let same = |usual: &&Window| {
+                usual.run == window.run && (usual.drive.start() - window.drive.start()).abs() < SAME
+            };
+            if let Some(usual) = self.windows.iter().find(same) {
+                window.start = usual.start;
             }
         }
         long.linearise(point, &[], false)?;

@@ -181,7 +181,8 @@ pub(super) fn switched(
     refused: &[usize],
 ) -> Result<Option<(usize, f64, Evaluation)>, Error> {
     let mut best: Option<(usize, f64, Evaluation)> = None;
-    if last.softness == 0.0 || cut.outweighed() || cut.lattice() {
+    let pictured = cut.lattice();
+    if last.softness == 0.0 || cut.outweighed() || (pictured && !cut.free_pose()) {
         return Ok(None);
     }
     // a machine that ran away from its ceiling: no tangent says anything of such a window
@@ -189,7 +190,8 @@ pub(super) fn switched(
     for (index, candidate) in candidates.iter().enumerate() {
         let worth = match candidate.motion {
             Motion::Switch => true,
-            Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque,
+            // poses read off pictures say too little of where a machine ran away to find its ceiling
+            Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque && !pictured,
             _ => false,
         };
         let open = worth && !active.contains(&index) && !refused.contains(&index);

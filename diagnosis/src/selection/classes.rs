@@ -23,6 +23,8 @@ const ALIKE: f64 = 0.03;
 const COLUMN: f64 = 0.0025;
 /// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
 const BLUR: f64 = 0.2;
+/// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
+const STRAIGHT: f64 = 50.0;
 /// A fit that loses more than this is far enough not to be settled any further.
 const FAR: f64 = 60.0;
 /// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
@@ -75,7 +77,7 @@ pub fn alternatives(
         let linear = linear_loss(last, &seat.others, effect, index, candidates);
         let Some(strength) = seat.near(index, linear.as_ref()) else { continue };
         if let Some(replaced) = linear.filter(|_| by_columns(cut, candidates, effect, index)) {
-            all.push((index, replaced.x, seat.along_columns(cut, index, &replaced, strength)?));
+            all.push((index, replaced.x, seat.along_columns(cut, index, &replaced, strength)));
             continue;
         }
         let bare = match &mut bare {
@@ -128,23 +130,18 @@ impl Seat<'_> {
     }
 
     /// Loss by another's column, less what is not known of columns. What bends is believed only if seen from either fit.
-    fn along_columns(
-        &self,
-        cut: &mut dyn Cut,
-        index: usize,
-        replaced: &Replaced,
-        strength: f64,
-    ) -> Result<f64, Error> {
+    fn along_columns(&self, cut: &mut dyn Cut, index: usize, replaced: &Replaced, strength: f64) -> f64 {
         let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
         let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
         let blur = if bent { BLUR * BLUR * replaced.loss.max(0.0) } else { 0.0 };
         let loss = replaced.loss / (1.0 + honest + COLUMN * COLUMN * strength + blur);
         if !bent || loss <= CLASS * self.temper {
-            return Ok(loss);
+            return loss;
         }
         let from = Place { others: &self.others, effect: index, x: replaced.x };
-        let there = seen_from(cut, self.candidates, self.last, &from, self.effect)?;
-        Ok(loss.min(there.map_or(0.0, |gain| gain.max(0.0))))
+        // where the unit shows nothing at all there is nothing to be seen from
+        let Ok(there) = seen_from(cut, self.candidates, self.last, &from, self.effect) else { return loss };
+        loss.min(there.map_or(0.0, |gain| gain.max(0.0)))
     }
 
     /// Fits another through the units: candidate, coordinate and loss.
@@ -336,7 +333,9 @@ fn linear_loss(
             let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
             let x = candidates[index].off + other_asks / bb;
-            (bb > 0.0 && x >= candidates[index].range.0 && x <= candidates[index].range.1)
+            let steps = candidates[index].steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
+            let straight = (other_asks / bb).abs() <= STRAIGHT * steps;
+            (bb > 0.0 && straight && x >= candidates[index].range.0 && x <= candidates[index].range.1)
                 .then_some(Replaced { loss, x, own, other })
         })
         .min_by(|a, b| a.loss.total_cmp(&b.loss))

@@ -42,9 +42,10 @@ pub(super) fn second_opinion(
     point[best.candidate] = best.x;
     let mut swapped: Vec<usize> = active.iter().copied().filter(|index| *index != candidate).collect();
     swapped.push(best.candidate);
-    let dropped = settle(cut, candidates, &mut swapped, &mut point)?;
-    if dropped.contains(&best.candidate) {
-        return Ok(None);
+    // a straight line may lead to where the unit shows nothing: then there is no second opinion
+    match settle(cut, candidates, &mut swapped, &mut point) {
+        Ok(dropped) if !dropped.contains(&best.candidate) => {}
+        _ => return Ok(None),
     }
     *active = swapped;
     Ok(Some(point))

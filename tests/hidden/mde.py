@@ -8,8 +8,7 @@ Signatures are divided by the noise; what a start state (plant) or an unmeasured
 explain is projected out. SNR(size) = length of that vector. MDE = the size at which SNR = THRESHOLD; for lens effects what a
 slightly misplaced mount (MOUNT) could explain is projected out first, so their SNR at one MDE (`strength`) is larger. Two
 effects are alike where the angle between their signatures is small: at a size m·MDE the part of the one that the other
-cannot copy has SNR m·strength·sqrt(1 - cos²), in windows of LONG s: what two effects differ by grows with the plant, and a
-window of 0.5 s would call look-alikes what the data tell (theta_1 and theta_2, T_act and tau_delay at 10 MDE).
+cannot copy has SNR m·strength·sqrt(1 - cos²).
 """
 
 import math
@@ -25,7 +24,7 @@ from .settings import ENCODER, LOGS, MIXES, TORQUE, Setting, apply, off_value, v
 THRESHOLD = 6.0
 THRESHOLD_LENS = 12.0  # for the effects in MOUNT: two honest renderers may differ by some 0.003 px; gives PEERS' 2e-4 for k1
 ALIKE = 3.0  # SNR below which the difference of two explanations is taken as unseen
-WINDOW, LONG = 0.5, 1.0
+WINDOW = 0.5
 COARSE = 1.0 / 480.0  # s, substep of the replays: only differences between replays count
 EVERY = 4  # frames taken for the image part
 MOUNT = {  # what is projected out before the MDE of an effect is taken
@@ -52,8 +51,7 @@ class Bench:
         self.image = setting.rig == "visual" and setting.logs in ("all", "image")
         if self.image:
             self._frames()
-        self.windows = {length: self._windows(length) for length in (WINDOW, LONG)}
-        self._known = {}
+        self._windows()
 
     # ---- image -------------------------------------------------------------------------------------------------
     def _render(self, run, t, camera):
@@ -147,11 +145,11 @@ class Bench:
         dyn.simulate(s, a, times, ct, cv, c1, len(ct), np.zeros(0), p, True, nodes)
         return nodes
 
-    def _windows(self, length):
-        windows = []
+    def _windows(self):
+        self.windows = []
         self.step = max(1, int(round(1.0 / (self.setting.plant_rate * self.runs[0].dt))))
         for run in self.runs:
-            n = int(round(length / run.dt))
+            n = int(round(WINDOW / run.dt))
             for i0 in range(0, len(run.times) - n, n):
                 start = run.nodes[i0, :4]
                 base = self._replay(run, self.plant, i0, i0 + n, start)[::self.step]
@@ -161,15 +159,14 @@ class Bench:
                     e[j] += 1e-5
                     cols.append(((self._replay(run, self.plant, i0, i0 + n, e)[::self.step] - base)[:, :2] / 1e-5).ravel())
                 q, _ = np.linalg.qr(np.array(cols).T)
-                windows.append((run, i0, i0 + n, start, base, q))
-        return windows
+                self.windows.append((run, i0, i0 + n, start, base, q))
 
-    def plant_signature(self, plant, camera, length):
+    def plant_signature(self, plant, camera):
         image_only = self.setting.logs == "image"
         sd = self.sd_estimate if image_only else self.sd_q
         late = camera["T_delay"] - self.camera["T_delay"] + (camera["E_t"] - self.camera["E_t"]) / 60.0
         rows = []
-        for run, i0, i1, start, base, q in self.windows[length]:
+        for run, i0, i1, start, base, q in self.windows:
             new = base if plant == self.plant else self._replay(run, plant, i0, i1, start)[::self.step]
             d = (new - base)[:, :2].copy()
             if image_only:
@@ -203,16 +200,14 @@ class Bench:
         return out
 
     # ---- both --------------------------------------------------------------------------------------------------
-    def signature(self, name, value, length=WINDOW):
+    def signature(self, name, value):
         effect = BY_NAME[name]
         plant, camera = dict(self.plant), dict(self.camera)
         apply(name, value, plant, camera)
         parts = []
         if self.image:
             moved = effect.side == "camera"
-            if moved and (name, value) not in self._known:
-                self._known[name, value] = self.image_signature(effect, camera)
-            parts.append(self._known[name, value] if moved else np.zeros(9 * len(self.frames)))
+            parts.append(self.image_signature(effect, camera) if moved else np.zeros(9 * len(self.frames)))
             parts.append(self.count_signature(camera))
         # what a start state can explain is projected out to first order only: take the slope near zero. With 1 % of a theta,
         # the second order told exact copies apart (theta_1 from theta_2 by 93 sqrt(1 - 0.9993^2) = 3.4 instead of 0.5)
@@ -221,7 +216,7 @@ class Bench:
             small = 0.05  # shifts of commands by less than a substep of the replays
         off = off_value(effect, self.setting)
         apply(name, off + small * (value - off), plant, camera)
-        parts.append(self.plant_signature(plant, camera, length) / small)
+        parts.append(self.plant_signature(plant, camera) / small)
         return np.nan_to_num(np.concatenate(parts), nan=0.0, posinf=0.0, neginf=0.0)
 
 
@@ -240,7 +235,7 @@ def _without(v, others):
 def study(setting):
     """Per candidate: {"mde", "strength", "alike": {other: cos}, "alike_wide": {...}} (wide: the principal point free)."""
     bench = Bench(setting)
-    sizes, vectors, far, limits = {}, {}, {}, {}
+    sizes, vectors, limits = {}, {}, {}
     for e in setting.candidates():
         size = e.probe
         if e.key.startswith("theta"):
@@ -256,13 +251,12 @@ def study(setting):
         v = bench.signature(e.name, value_at(e, setting, size))
         if np.linalg.norm(v) > 1e-9:
             sizes[e.name], vectors[e.name] = size, v
-            far[e.name] = bench.signature(e.name, value_at(e, setting, size), LONG)
     table = {}
     for name, v in vectors.items():
         clear = _without(v, [vectors[f"camera.{k}"] for k in MOUNT.get(name, ()) if f"camera.{k}" in vectors])
         threshold = THRESHOLD_LENS if name in MOUNT else THRESHOLD
         factor = 1.0 if name in limits else threshold / np.linalg.norm(clear)
-        table[name] = {"mde": sizes[name] * factor, "strength": float(np.linalg.norm(far[name]) * factor), **_alike(name, far)}
+        table[name] = {"mde": sizes[name] * factor, "strength": float(np.linalg.norm(v) * factor), **_alike(name, vectors)}
         if name in limits:
             table[name]["at"] = limits[name]
     return table

@@ -87,6 +87,37 @@ fn recovers_which_inertia_of_two_that_look_alike() {
 }
 
 #[test]
+fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
+    // to the plant's log both are the same; the picture, stamped by the others' clock, tells them
+    let found = said("lag", &[("plant.tau_delay", "0.004")]);
+    assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
+    assert!(found.effects[0].class.iter().any(|name| name == "plant.tau_delay"), "{:?}", found.effects);
+    // the standard error is about 1e-4 s
+    assert!((found.effects[0].value - 0.004).abs() < 5e-4, "{:?}", found.effects);
+
+    let folder = common::recorded("late", &[]);
+    for run in ["run-01", "run-02"] {
+        let log = folder.path().join(run).join("plant.csv");
+        let text = std::fs::read_to_string(&log).expect("the log was recorded");
+        let later = |line: &str| {
+            let (time, rest) = line.split_once(',').expect("a row has a time");
+            time.parse::<f64>().map_or_else(|_| line.to_owned(), |time| format!("{},{rest}", time + 0.004))
+        };
+        std::fs::write(&log, text.lines().map(later).collect::<Vec<_>>().join("\n"))
+            .expect("it can be written");
+    }
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    let found = found.expect("the data is good");
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
+    let told = found.notices.iter().map(|notice| &notice.message).find(|text| text.contains("stamped"));
+    // ms, with a standard error of about 0.03
+    assert!(
+        told.is_some_and(|text| ["stamped 3.9", "stamped 4.0"].iter().any(|by| text.contains(by))),
+        "{told:?}"
+    );
+}
+
+#[test]
 fn recovers_bias_of_the_torque() {
     // the standard error is about 1e-4 N·m; slope looks much the same, so the class is not looked at
     let found = said("bias", &[("plant.tau_bias", "0.02")]);

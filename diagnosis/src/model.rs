@@ -5,7 +5,7 @@ use crate::correction::wiring::strip;
 use crate::dataset::DataSet;
 use crate::error::{Error, Notice};
 use orchestrator::scenario::Given;
-use orchestrator::{Fmu, Kind, Scenario, Simulation, UnitPath, Value};
+use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,14 +48,11 @@ impl Model {
         }
         let left_out = strip(&mut scenario);
         // a value that no unit takes is told now, with its file, and not when the amended scenario is written
-        Simulation::new(&scenario, units).map_err(|error| {
-            let text = error.to_string();
-            // `Scenario::set` is the program's `--set`, too, and tells that as the place
-            let told = text.strip_prefix("--set ").and_then(|rest| rest.split_once(": "));
-            match told {
-                Some((_, told)) => Error::Nominal(format!("{}: [set]: {told}", manifest.display())),
-                None => model(error),
+        Simulation::new(&scenario, units).map_err(|error| match error {
+            orchestrator::Error::Scenario { place: Place::Override(_), what, expected } => {
+                Error::Nominal(format!("{}: [set]: {what}: {expected}", manifest.display()))
             }
+            other => model(other),
         })?;
         let mut numbers = BTreeMap::new();
         let mut benches = BTreeMap::new();

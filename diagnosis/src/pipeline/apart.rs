@@ -13,23 +13,23 @@ pub(super) fn told_apart(
     model: &Model,
     list: &[Candidate],
     part: &mut Part,
-) -> Result<(), Error> {
+) {
     let study = &part.study;
     if study.outweighed || study.last.softness > 0.0 {
-        return Ok(());
+        return;
     }
     rows.remember();
     for (effect, class) in part.classes.iter_mut().filter(|(effect, class)| open(*effect, class, list)) {
         let members = class.iter().filter(|other| is_member(*effect, other, list));
         for member in members.cloned().collect::<Vec<_>>() {
-            if let Some(told) = judged(rows, data, model, list, study, *effect, &member)? {
+            // a member that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
+            if let Ok(Some(told)) = judged(rows, data, model, list, study, *effect, &member) {
                 *class = told;
                 break;
             }
         }
         rows.recall();
     }
-    Ok(())
 }
 
 /// The class as long windows see it from one member's model; nothing where they show that this model lacks something, as they
@@ -65,7 +65,8 @@ fn is_member(effect: usize, other: &Alternative, list: &[Candidate]) -> bool {
     (other.candidate == effect || other.loss < CLASS) && list[other.candidate].side == Side::Plant
 }
 
-/// Whether two parameters of the plant are in a class.
+/// Whether two parameters of the plant are in the class of one.
 fn open(effect: usize, class: &[Alternative], list: &[Candidate]) -> bool {
-    class.iter().filter(|other| is_member(effect, other, list)).count() > 1
+    list[effect].side == Side::Plant
+        && class.iter().filter(|other| is_member(effect, other, list)).count() > 1
 }

@@ -55,7 +55,7 @@ pub(super) fn plant_part(
         }
     };
     point.clone_from(&part.study.last.point);
-    told_apart(&mut rows, data, model, list, &mut part)?;
+    told_apart(&mut rows, data, model, list, &mut part);
     let sigma = match part.study.outweighed {
         true => COARSE_MOTION,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),

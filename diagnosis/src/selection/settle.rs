@@ -45,7 +45,10 @@ pub(super) fn second_opinion(
     // a straight line may lead to where the unit shows nothing: then there is no second opinion
     match settle(cut, candidates, &mut swapped, &mut point) {
         Ok(dropped) if !dropped.contains(&best.candidate) => {}
-        _ => return Ok(None),
+        _ => {
+            cut.recall();
+            return Ok(None);
+        }
     }
     *active = swapped;
     Ok(Some(point))

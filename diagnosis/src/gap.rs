@@ -1,7 +1,7 @@
 //! How far apart, in physical units, before and after, on runs left out; and where.
 
 use crate::diagnosis::{Gap, Trace, Where};
-use crate::residual::torque::{rms, torques};
+use crate::residual::torque::{growth, rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
 use crate::statistics::linear::{Cell, projected};
@@ -60,6 +60,23 @@ fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
     let held_out_runs =
         if folds.count == runs.len() { runs.to_vec() } else { vec!["parts of the only run".into()] };
     Gap { before, after, floor, closed, held_out_runs, signal: signal.into(), unit: unit.into() }
+}
+
+/// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
+const WIDENED: f64 = 0.1;
+const CLEARLY: f64 = 2.0;
+
+/// Whether effects (`free` are the continuous ones) leave more torque on runs left out than none at all, and not by chance. Angles may
+/// be met better by chance, where stamps scatter, but then the motion's torques aren't.
+pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
+    if gap.closed.is_none_or(|closed| closed >= -WIDENED) {
+        return false;
+    }
+    let (folds, last) = (&study.folds, &study.last);
+    let shifts = if free.is_empty() { Vec::new() } else { last.shifts(folds, free) };
+    let before = torques(&study.nominal.under(last).blocks, &[], &[], &folds.of);
+    let after = torques(&last.blocks, &last.places(free), &shifts, &folds.of);
+    growth(&before, &after) > CLEARLY
 }
 
 fn shifted(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Cell {

@@ -44,7 +44,7 @@ pub(super) fn conclude(
         }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
         let mut trace = gap::trace(&part.study, torque);
-        let widened = part.torque && gap.closed.is_some_and(|closed| closed < WIDENED);
+        let widened = part.torque && gap::widened(&part.study, &free, &gap);
         if widened {
             story.push(story::of_widened(&gap));
             gap = Gap { after: gap.before, closed: Some(0.0), ..gap };
@@ -132,10 +132,6 @@ pub(super) fn conclude(
         traces,
     })
 }
-
-/// Effects that close less than this of the torques' gap on runs left out widen it: angles may be met better by chance, where
-/// stamps scatter, but then the motion's torques aren't.
-const WIDENED: f64 = -0.1;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
 type Swap = (usize, usize, f64);

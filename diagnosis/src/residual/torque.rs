@@ -78,17 +78,43 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
 /// Torques beyond this many typical sizes come from windows in which the plant could not be led along the log.
 const WILD: f64 = 10.0;
 
+/// The largest torque that counts.
+fn limit(torques: &[Torque]) -> f64 {
+    let usable = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite()));
+    let mut sizes: Vec<f64> = usable.flat_map(|t| t.torque).map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    WILD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745
+}
+
+impl Torque {
+    fn within(&self, limit: f64) -> bool {
+        self.floor.iter().all(|f| f.is_finite()) && self.torque.iter().all(|x| x.abs() <= limit)
+    }
+
+    fn square(&self) -> f64 {
+        self.torque.iter().map(|x| x * x).sum()
+    }
+}
+
 /// Root mean square of torques and of what noise gives, both links together.
 pub fn rms(torques: &[Torque]) -> (f64, f64) {
-    let usable: Vec<&Torque> = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite())).collect();
-    let mut sizes: Vec<f64> = usable.iter().flat_map(|t| t.torque).map(f64::abs).collect();
-    sizes.sort_by(f64::total_cmp);
-    let limit = WILD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745;
-    let tame: Vec<&Torque> =
-        usable.into_iter().filter(|t| t.torque.iter().all(|x| x.abs() <= limit)).collect();
+    let limit = limit(torques);
+    let tame: Vec<&Torque> = torques.iter().filter(|torque| torque.within(limit)).collect();
     let n = (2 * tame.len()).max(1) as f64;
-    let mean = |f: &dyn Fn(&Torque) -> [f64; 2]| {
-        (tame.iter().map(|t| f(t).iter().map(|x| x * x).sum::<f64>()).sum::<f64>() / n).sqrt()
-    };
-    (mean(&|t| t.torque), mean(&|t| t.floor))
+    let floors = tame.iter().map(|t| t.floor.iter().map(|x| x * x).sum::<f64>()).sum::<f64>();
+    ((tame.iter().map(|t| t.square()).sum::<f64>() / n).sqrt(), (floors / n).sqrt())
+}
+
+/// By how many standard errors torques are larger `after` than `before`, compared block by block.
+pub fn growth(before: &[Torque], after: &[Torque]) -> f64 {
+    let limits = (limit(before), limit(after));
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (old, new) in before.iter().zip(after) {
+        if old.within(limits.0) && new.within(limits.1) {
+            let more = new.square() - old.square();
+            sum += more;
+            squares += more * more;
+        }
+    }
+    sum / squares.sqrt().max(f64::MIN_POSITIVE)
 }

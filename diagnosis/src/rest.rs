@@ -18,13 +18,13 @@ pub struct Rest {
     pub means: Vec<(f64, f64)>,
 }
 
-/// Judges the rest of a model.
-pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
+/// Judges the rest of a model, beside torques of a size that is accounted for (N·m).
+pub fn rest(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> Rest {
     let mut sums = vec![(0.0, 0.0, 0.0); signals.len()];
     let mut means = vec![(0.0, 0.0, 0.0, 0.0); signals.len()];
     for block in &evaluation.blocks {
         for s in 0..signals.len() {
-            let rows: Vec<f64> = whitened(block, s);
+            let rows: Vec<f64> = whitened(block, s, accounted);
             for pair in rows.windows(2) {
                 sums[s].0 += pair[0] * pair[1];
                 sums[s].1 += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]);
@@ -54,11 +54,11 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal]) -> Rest {
     Rest { signals: per_signal, means }
 }
 
-fn whitened(block: &Block, signal: usize) -> Vec<f64> {
+fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
         let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-        let rest = projected(&bare, 0.0).rest;
+        let rest = projected(&bare, accounted).rest;
         rows.extend((0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| rest[row]));
     }
     rows
@@ -78,13 +78,15 @@ const ROWS: f64 = 6.0;
 
 /// The rest in words, if it is more than noise.
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
-    let rest = rest(&study.last, signals);
+    let stamps = STAMPS * study.explained;
+    // what scattering stamps of the torque do goes on from row to row, too
+    let accounted = if study.last.softness <= stamps { study.last.softness } else { 0.0 };
+    let rest = rest(&study.last, signals, accounted);
     let nearest = nearest(study, candidates);
     if torque {
         let quick =
             rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
-        let stamps = STAMPS * study.explained;
         let evident = lacking(&study.last, &study.folds, study.explained, false);
         if !evident && quick.is_none() && size < TORQUE_RATIO * floor.hypot(stamps) {
             return None;

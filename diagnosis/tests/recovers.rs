@@ -5,6 +5,7 @@ mod common;
 
 use common::Folder;
 use diagnosis::record::{Recording, record};
+use diagnosis::statistics::random::Random;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};
 use std::path::PathBuf;
@@ -95,26 +96,52 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
     // the standard error is about 1e-4 s
     assert!((found.effects[0].value - 0.004).abs() < 5e-4, "{:?}", found.effects);
 
-    let folder = common::recorded("late", &[]);
+    let found = logged_later("late", 4e-3, 0.0);
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
+    // ms, with a standard error of about 0.03
+    assert!(clock(&found).is_some_and(|late| (late - 4.0).abs() < 0.1), "{:?}", found.notices);
+}
+
+#[test]
+fn recovers_that_a_log_is_early_by_less_than_its_noise_shows() {
+    // the plant's logs know their clock to 0.08 ms, the picture its delay to 0.04: alone, it would be called one
+    let found = logged_later("early", -3e-4, 1e-3);
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
+    assert!(!found.story.iter().any(|line| line.contains("clock - offset")), "{:?}", found.story);
+    assert!(clock(&found).is_some_and(|late| (late + 0.3).abs() < 0.1), "{:?}", found.notices);
+}
+
+/// Steps of z_desired.
+const LIVELY: &str = "[[0, 0], [1, 0], [1.5, 0.3], [3, 0.3], [3.5, -0.2], [5, -0.2], [5.5, 0.3], [7, 0.3], [7.5, -0.2], [9, -0.2], \
+                      [9.5, 0.3], [12, 0.3]]";
+
+/// What is said of runs in which nothing is hidden, but plant logs are stamped later than they were taken, by so many s, and
+/// read angles with so much noise besides (rad).
+fn logged_later(name: &str, by: f64, noise: f64) -> Diagnosis {
+    let folder = common::recorded_along(name, LIVELY, &[]);
+    let known = std::fs::read_to_string(folder.path().join("dataset.toml")).expect("it was recorded");
+    folder.put("dataset.toml", &known.replace("2e-4", &format!("{:e}", noise.hypot(2e-4))));
+    let mut random = Random::new(7);
     for run in ["run-01", "run-02"] {
         let log = folder.path().join(run).join("plant.csv");
         let text = std::fs::read_to_string(&log).expect("the log was recorded");
-        let later = |line: &str| {
-            let (time, rest) = line.split_once(',').expect("a row has a time");
-            time.parse::<f64>().map_or_else(|_| line.to_owned(), |time| format!("{},{rest}", time + 0.004))
+        let mut later = |line: &str| match line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>() {
+            Ok(row) => {
+                let (a, b) = (row[1] + noise * random.normal(), row[2] + noise * random.normal());
+                format!("{},{a},{b}", row[0] + by)
+            }
+            Err(_) => line.to_owned(),
         };
-        std::fs::write(&log, text.lines().map(later).collect::<Vec<_>>().join("\n"))
+        std::fs::write(&log, text.lines().map(&mut later).collect::<Vec<_>>().join("\n"))
             .expect("it can be written");
     }
-    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
-    let found = found.expect("the data is good");
-    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
-    let told = found.notices.iter().map(|notice| &notice.message).find(|text| text.contains("stamped"));
-    // ms, with a standard error of about 0.03
-    assert!(
-        told.is_some_and(|text| ["stamped 3.9", "stamped 4.0"].iter().any(|by| text.contains(by))),
-        "{told:?}"
-    );
+    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
+}
+
+/// By how many ms the plant's logs are said to be stamped late.
+fn clock(found: &Diagnosis) -> Option<f64> {
+    let told = |text: &str| text.strip_prefix("stamped ")?.split(' ').next()?.parse().ok();
+    found.notices.iter().find_map(|notice| told(&notice.message))
 }
 
 #[test]

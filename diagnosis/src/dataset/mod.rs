@@ -104,6 +104,12 @@ impl DataSet {
         if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
     }
 
+    /// Puts the plant's logs right, whose clock is `late`, s.
+    pub fn set_back(&mut self, late: f64) {
+        let logs = self.runs.iter_mut().filter_map(|run| run.plant.as_mut());
+        logs.flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    }
+
     /// A known standard deviation from `[noise]`.
     pub fn known_noise(&self, variable: &str) -> Option<f64> {
         self.manifest.noise.get(variable).copied()

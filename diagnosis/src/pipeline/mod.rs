@@ -3,6 +3,7 @@
 mod apart;
 mod camera;
 mod ceilings;
+mod clock;
 mod conclude;
 mod conventions;
 mod correct;
@@ -21,6 +22,7 @@ use crate::selection::{Alternative, CLASS, Study, alternatives, study};
 use apart::told_apart;
 use camera::camera_part;
 use ceilings::ceilings;
+use clock::{clear_clock, clock_instead};
 use conclude::conclude;
 use conventions::conventions;
 use orchestrator::UnitPath;
@@ -65,7 +67,7 @@ pub fn diagnose(
     options: &Options,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Diagnosis, Error> {
-    let data = DataSet::load(path)?;
+    let mut data = DataSet::load(path)?;
     let model = Model::load(&data, units)?;
     let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
     if data.runs.iter().any(|run| run.camera.is_some()) {
@@ -82,71 +84,43 @@ pub fn diagnose(
     let list = Arc::new(list);
     let mut notices = data.notices.clone();
     notices.extend(model.notices(&data));
-    let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
-    let mut parts = Vec::new();
-    let motions = plant_part(&data, &model, &list, &mut point, &mut parts, tell)?;
-    notices.extend(conventions(&data, &model, &list, &parts)?);
-    camera_part(&data, &model, &list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
+    let mut compared = compare(&data, &model, &list, options, tell)?;
+    let late = clock_instead(&list, &compared);
+    if let Some(late) = late {
+        tell("plant: the picture says that the log's clock is off");
+        data.set_back(late);
+        compared = compare(&data, &model, &list, options, tell)?;
+    }
+    let Compared { mut parts, mut point, notices: more } = compared;
+    notices.extend(more);
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
-    clear_clock(&list, &mut parts, &mut point, &mut notices);
+    clear_clock(&list, &mut parts, &mut point, late.unwrap_or(0.0), &mut notices);
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }
 
-/// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and
-/// the camera early by the same time; a delay of either does only one of both.
-fn clear_clock(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
-    // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
-    const SAME: f64 = 5e-4;
-    const CLOSE: f64 = 0.1;
-    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
-    let mut gone = Vec::new();
-    let mut late = None;
-    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
-        late = Some(point[clock]);
-        gone.push(clock);
-    }
-    if let Some((shown, by)) = early(list, parts, point) {
-        // one that was found, that is: nothing is the same as a clock that is off by less than SAME
-        let found = |index: &usize| point[*index] != list[*index].off;
-        let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
-        let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
-        // an exposure may well be shorter than it is said to be, but no result comes before its picture
-        if actuator.is_some() || list[shown].name == "camera.T_delay" {
-            late = late.or(Some(by));
-            gone.push(shown);
-            gone.extend(actuator);
-        }
-    }
-    for index in &gone {
-        point[*index] = list[*index].off;
-    }
-    for part in parts {
-        part.classes.retain(|(index, _)| !gone.contains(index));
-    }
-    if let Some(late) = late {
-        let message = format!(
-            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
-            1e3 * late
-        );
-        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
-    }
+/// All cuts of a data set.
+struct Compared {
+    parts: Vec<Part>,
+    point: Vec<f64>,
+    notices: Vec<Notice>,
 }
 
-/// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
-fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
-    let delay = list.iter().position(|candidate| candidate.name == "camera.T_delay")?;
-    if point[delay] < 0.0 {
-        return Some((delay, -point[delay]));
-    }
-    let shown = |(effect, class): &(usize, Vec<Alternative>)| {
-        let other =
-            class.iter().find(|other| other.candidate == delay && other.loss < CLASS && other.x < 0.0)?;
-        (list[*effect].name == "camera.E_t").then_some((*effect, -other.x))
-    };
-    parts.iter().flat_map(|part| &part.classes).find_map(shown)
+fn compare(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    options: &Options,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Compared, Error> {
+    let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
+    let mut parts = Vec::new();
+    let motions = plant_part(data, model, list, &mut point, &mut parts, tell)?;
+    let mut notices: Vec<Notice> = conventions(data, model, list, &parts)?.into_iter().collect();
+    camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
+    Ok(Compared { parts, point, notices })
 }
 
 /// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.

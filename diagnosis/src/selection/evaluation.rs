@@ -162,6 +162,12 @@ impl Evaluation {
             .sum()
     }
 
+    /// How far the active values would still move.
+    pub fn wanted(&self, active: &[usize]) -> Option<DVector<f64>> {
+        let places = self.places(active);
+        solve(&submatrix(&self.total.gram, &places), &subvector(&self.total.score, &places))
+    }
+
     /// How far the active values move when a fold is left out.
     pub fn shifts(&self, folds: &Folds, active: &[usize]) -> Vec<DVector<f64>> {
         let places = self.places(active);

@@ -7,6 +7,7 @@ use super::screen::{Hit, Screen};
 use crate::candidates::{Candidate, Cuts, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
+use crate::statistics::linear::submatrix;
 
 /// How many of the screen's best are refitted, and how good they must be against the best.
 const SHORTLIST: usize = 6;
@@ -15,8 +16,10 @@ const WORTH: f64 = 0.5;
 const BENT_WORTH: f64 = 0.15;
 /// Where a column says little, a fit also begins this many times further out.
 const FURTHER: f64 = 2.5;
-/// By how much a clock that is off must explain more than an effect: forwards it looks just like a delay.
+/// By how much a clock that is off must explain more than an effect whose column looks like its own: forwards it looks just
+/// like a delay.
 const HANDICAP: f64 = 10.0;
+const ALIKE: f64 = 0.8;
 /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
 /// that no candidate gives (with much data anything becomes significant there).
 const LEAST_SHARE: f64 = 0.03;
@@ -67,6 +70,7 @@ impl Trials<'_> {
         for hit in shortlist {
             self.fit(cut, hit, &mut trials);
         }
+        self.handicap(&mut trials);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
         let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < large);
@@ -126,10 +130,27 @@ impl Trials<'_> {
             };
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
-            let nuisance = self.candidates[hit.candidate].side.is_of_log();
-            let handicap = if nuisance { HANDICAP } else { 0.0 };
-            into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper - handicap, trial));
+            into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
         }
+    }
+
+    /// Puts a fault of the log behind an effect that it looks like.
+    fn handicap(&self, trials: &mut [Trial]) {
+        let of_log = |index: usize| self.candidates[index].side.is_of_log();
+        let effects: Vec<usize> =
+            trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
+        for (fault, fall, _) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
+            if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
+                *fall -= HANDICAP;
+            }
+        }
+    }
+
+    /// Of the angle between the columns of two candidates.
+    fn cosine(&self, one: usize, other: usize) -> f64 {
+        let places = self.last.places(&[one, other]);
+        let gram = submatrix(&self.last.total.gram, &places);
+        if places.len() < 2 { 0.0 } else { gram[(0, 1)].abs() / (gram[(0, 0)] * gram[(1, 1)]).sqrt() }
     }
 
     fn gain(&self, index: usize) -> f64 {

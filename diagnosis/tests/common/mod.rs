@@ -62,10 +62,17 @@ pub fn manifest(runs: usize) -> String {
 /// Runs visual-servo with `set` and writes what encoders (2e-4 rad) and the camera saw, two runs of 12 s from
 /// different starts.
 pub fn recorded(name: &str, set: &[(&str, &str)]) -> Folder {
+    recorded_along(name, "[[0, 0], [2, 0], [12, 0.5], [15, 0.5], [25, 0], [30, 0]]", set)
+}
+
+/// As `recorded`, along another z_desired than the shipped one.
+pub fn recorded_along(name: &str, points: &str, set: &[(&str, &str)]) -> Folder {
+    let shipped = std::fs::read_to_string(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
+    let text = shipped.replace("[[0, 0], [2, 0], [12, 0.5], [15, 0.5], [25, 0], [30, 0]]", points);
     let folder = Folder::new(name);
     folder.put("dataset.toml", &manifest(2));
     for (run, start) in [(1_u64, "0.1"), (2, "0.2")] {
-        let mut scenario = Scenario::load(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
+        let mut scenario = Scenario::parse(&text, "visual-servo.toml").expect("it is shipped");
         for (name, value) in [("plant.q2_0", start), ("camera.sigma", "4.0")].iter().chain(set) {
             scenario.set(name, value).expect("the names are right");
         }

@@ -62,6 +62,17 @@ fn recovers_radial_distortion_from_pictures_alone() {
 }
 
 #[test]
+fn recovers_a_late_picture_from_encoders_without_a_torque() {
+    let folder = common::recorded("undriven", &[("camera.T_delay", "0.02")]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("controller.csv")).expect("it was recorded");
+    }
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    // the standard error is about 3e-5 s
+    named(&found.expect("the data is good"), "camera.T_delay", 0.02, 2e-4);
+}
+
+#[test]
 fn recovers_that_a_torque_is_missing_without_encoders() {
     // friction that isn't listed; nothing but the poses that pictures show can tell
     let folder = common::recorded("unlisted", &[("plant.fc_joint", "0.05")]);

@@ -141,7 +141,12 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
         run.controller = Some(Table::new(vec![plant.time[0]], vec![("tau".to_owned(), vec![0.0])]));
         return "no controller.csv beside it and the arm isn't held up: taken as a free swing, without torque".into();
     }
-    let seen = if run.camera.is_some() { "only the picture can be judged" } else { "the run says nothing" };
+    let seen = match run.camera {
+        Some(_) => {
+            "only the picture can be judged, and a clock of this log that is off would pass for the camera's delay"
+        }
+        None => "the run says nothing",
+    };
     if commanded {
         return format!("no usable controller.csv beside it; {seen}");
     }

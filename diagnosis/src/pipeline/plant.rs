@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::candidates::Motion;
+use crate::dataset::Run;
+use crate::residual::logged;
 use crate::residual::plant::PlantCut;
 use crate::residual::weak::Weak;
 use crate::rest::unknown;
@@ -23,7 +25,10 @@ pub(super) fn plant_part(
     parts: &mut Vec<Part>,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
+        let mut motions = vec![Logged::default(); data.runs.len()];
+        return Ok(as_logged(data, &mut motions).map(|sigma| (motions, sigma)));
+    };
     tell("plant: windows of the logs");
     rows.begin(point)?;
     let mut start = Vec::new();
@@ -65,7 +70,21 @@ pub(super) fn plant_part(
         return Ok(None);
     }
     rows.linearise(point, &[], false)?;
-    Ok(Some((rows.motion(point, MOTION_STEP)?, MOTION_SHARE * sigma)))
+    let mut motions = rows.motion(point, MOTION_STEP)?;
+    let others = as_logged(data, &mut motions).unwrap_or(0.0);
+    Ok(Some((motions, others.max(MOTION_SHARE * sigma))))
+}
+
+/// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.
+fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
+    let bare = |run: &Run| run.controller.is_none() && run.camera.is_some();
+    let mut worst = None;
+    for (run, into) in data.runs.iter().zip(motions).filter(|(run, _)| bare(run)) {
+        let Some((motion, sigma)) = logged::motion(run) else { continue };
+        *into = motion;
+        worst = Some(sigma.max(worst.unwrap_or(0.0)));
+    }
+    worst
 }
 
 /// Whether a late log is as likely an actuator that lags. Then the actuator is asked first: should the log be late after

@@ -13,6 +13,7 @@ mod actuator;
 pub mod chain;
 pub mod forced;
 pub mod image;
+pub mod logged;
 pub mod picture;
 pub mod plant;
 mod smooth;

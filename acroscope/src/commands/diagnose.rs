@@ -44,7 +44,7 @@ fn spinner(quiet: bool) -> ProgressBar {
 /// The verdict in a few lines.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
-        eprintln!("note: {}:{}: {}", notice.file, notice.line, notice.message);
+        eprintln!("note: {notice}");
     }
     tell!(
         "{}",

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
-const MISSES: f64 = 3.0;
+pub(super) const MISSES: f64 = 3.0;
 /// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
 const BLURRED: f64 = 2.0;
 
@@ -53,8 +53,24 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
     Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
 }
 
-/// Takes clocks that are off (by `before` besides, s) out of what is named. A plant log that is stamped late makes the actuator look slow and
-/// the camera early by the same time; a delay of either does only one of both.
+/// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
+/// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
+pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let unsure = place(CLOCK).and_then(|clock| {
+        let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
+        known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= BLURRED * alone)
+    });
+    let Some((shift, error, _)) = unsure else { return Vec::new() };
+    // an offset that shows, but not clearly enough to be taken, may be there
+    let error = error.max(shift.abs());
+    let twice = 2.0 * model.number("camera.omega_cam").unwrap_or(30.0);
+    let of = |name, each: f64| place(name).map(|index| (index, each * error));
+    [of("camera.T_delay", 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
+}
+
+/// Takes clocks that are off (by `before` besides, s) out of what is named. A plant log that is stamped late makes the
+/// actuator look slow and the camera early by the same time; a delay of either does only one of both.
 pub(super) fn clear_clock(
     list: &[Candidate],
     parts: &mut [Part],

@@ -29,11 +29,12 @@ pub(super) fn conclude(
     let mut withdrawn: Vec<usize> = Vec::new();
     let mut story = Vec::new();
     let mut traces: Vec<Trace> = Vec::new();
+    let doubts = doubts(model, list, parts);
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
     for part in parts {
         let free: Vec<usize> =
             part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
-        detectable(part, list, &free, &mut smallest);
+        detectable(part, list, &free, &doubts, &mut smallest);
         found.extend(gap::places(&part.study, &part.signals));
         let (mut gap, torque) = gap::widest(&part.study, &free, &runs, part.torque, &part.signals);
         let left = unknown(&part.study, &part.signals, list, part.torque)
@@ -51,7 +52,7 @@ pub(super) fn conclude(
             trace.after.clone_from(&trace.before);
             withdrawn.extend(&part.study.active);
         } else {
-            for (effect, swap) in part_effects(part, list, &free) {
+            for (effect, swap) in part_effects(part, list, &free, &doubts) {
                 effects.push(effect);
                 swaps.extend(swap);
             }
@@ -136,12 +137,18 @@ pub(super) fn conclude(
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
 type Swap = (usize, usize, f64);
 
-fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect, Option<Swap>)> {
+fn part_effects(
+    part: &Part,
+    list: &[Candidate],
+    free: &[usize],
+    doubts: &[(usize, f64)],
+) -> Vec<(Effect, Option<Swap>)> {
     let covariance = part.study.last.covariance(free);
     let systematic = part.study.last.systematic(free, &part.signals);
     let error = |index: usize| {
         let place = free.iter().position(|other| *other == index)?;
-        covariance.as_ref().map(|c| (c[(place, place)] + systematic[place]).sqrt())
+        let doubt = doubt(doubts, index);
+        covariance.as_ref().map(|c| (c[(place, place)] + systematic[place] + doubt * doubt).sqrt())
     };
     let mut taken = part.study.active.clone();
     part.classes
@@ -175,6 +182,11 @@ fn part_effects(part: &Part, list: &[Candidate], free: &[usize]) -> Vec<(Effect,
             (effect, swap)
         })
         .collect()
+}
+
+/// What the log's clock leaves in doubt of a candidate.
+fn doubt(doubts: &[(usize, f64)], index: usize) -> f64 {
+    doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
 }
 
 /// Loss by which another member of the class must be better to be named first.
@@ -215,7 +227,13 @@ fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candi
 }
 
 /// Smallest size that would have been found, for each candidate of a part.
-fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeMap<String, f64>) {
+fn detectable(
+    part: &Part,
+    list: &[Candidate],
+    free: &[usize],
+    doubts: &[(usize, f64)],
+    into: &mut BTreeMap<String, f64>,
+) {
     let threshold = part.study.screen.null.threshold(ALPHA);
     let covariance = part.study.last.covariance(free);
     for index in &part.study.seen {
@@ -238,6 +256,8 @@ fn detectable(part: &Part, list: &[Candidate], free: &[usize], into: &mut BTreeM
                 _ => own.map(|(_, error)| threshold * error).min_by(f64::total_cmp),
             }
         };
+        // a smaller one is taken for the log's clock
+        let size = size.map(|size| size.max(MISSES * doubt(doubts, *index).hypot(size / threshold)));
         let size = match (candidate.is_discrete(), size) {
             (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
                 Some(size.ceil().max(1.0))

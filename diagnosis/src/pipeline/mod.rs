@@ -22,7 +22,7 @@ use crate::selection::{Alternative, CLASS, Study, alternatives, study};
 use apart::told_apart;
 use camera::camera_part;
 use ceilings::ceilings;
-use clock::{clear_clock, clock_instead};
+use clock::{MISSES, clear_clock, clock_instead, doubts};
 use conclude::conclude;
 use conventions::conventions;
 use orchestrator::UnitPath;

@@ -62,6 +62,8 @@ pub struct DataSet {
     pub runs: Vec<Run>,
     /// What was put aside.
     pub notices: Vec<Notice>,
+    /// The clocks of plant logs were found to be off, each by a time of its own.
+    pub clocks_apart: bool,
 }
 
 impl DataSet {
@@ -91,7 +93,7 @@ impl DataSet {
         if runs.is_empty() {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
-        Ok(Self { path: path.to_owned(), manifest, runs, notices })
+        Ok(Self { path: path.to_owned(), manifest, runs, notices, clocks_apart: false })
     }
 
     /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
@@ -104,10 +106,10 @@ impl DataSet {
         if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
     }
 
-    /// Puts the plant's logs right, whose clock is `late`, s.
-    pub fn set_back(&mut self, late: f64) {
-        let logs = self.runs.iter_mut().filter_map(|run| run.plant.as_mut());
-        logs.flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    /// Puts the plant's log of a run right, whose clock is `late`, s.
+    pub fn set_back(&mut self, run: usize, late: f64) {
+        let log = self.runs.get_mut(run).and_then(|run| run.plant.as_mut());
+        log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
     }
 
     /// A known standard deviation from `[noise]`.

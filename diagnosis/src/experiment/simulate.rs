@@ -74,7 +74,13 @@ pub fn simulate(
     };
     let manifest =
         Manifest { runs: vec![run.name.clone()], noise: Default::default(), ..like.manifest.clone() };
-    let data = DataSet { path: like.path.clone(), manifest, runs: vec![run], notices: Vec::new() };
+    let data = DataSet {
+        path: like.path.clone(),
+        manifest,
+        runs: vec![run],
+        notices: Vec::new(),
+        clocks_apart: false,
+    };
     Ok(Trial { data, motion: log.motion()? })
 }
 

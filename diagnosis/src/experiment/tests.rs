@@ -86,7 +86,8 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         noise: BTreeMap::new(),
         runs: Vec::new(),
     };
-    let empty = DataSet { path: ".".into(), manifest, runs: Vec::new(), notices: Vec::new() };
+    let empty =
+        DataSet { path: ".".into(), manifest, runs: Vec::new(), notices: Vec::new(), clocks_apart: false };
     let units = scenarios::unit_path();
     let model = Model::load(&empty, &units).expect("cargo xtask pack was run");
     let mut scenario = model.scenario.clone();

@@ -1,6 +1,7 @@
 //! The plant log's clock: cleared before anything is named.
 
 use super::*;
+use crate::selection::steadiness;
 
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
 pub(super) const MISSES: f64 = 3.0;
@@ -9,7 +10,7 @@ const BLURRED: f64 = 2.0;
 
 /// The plant log's clock, s late, that explains what the picture alone would have called a delay: logs of plant and torque know
 /// their clock to some ten microseconds only, a picture its delay to some microseconds.
-pub(super) fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
+fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     let Compared { parts, point, .. } = compared;
     let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
     let delay = list.iter().position(|candidate| candidate.name == "camera.T_delay")?;
@@ -69,50 +70,122 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     [of("camera.T_delay", 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
 }
 
-/// Takes clocks that are off (by `before` besides, s) out of what is named. A plant log that is stamped late makes the
-/// actuator look slow and the camera early by the same time; a delay of either does only one of both.
-pub(super) fn clear_clock(
-    list: &[Candidate],
-    parts: &mut [Part],
-    point: &mut [f64],
-    before: f64,
-    notices: &mut Vec<Notice>,
-) {
-    // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
-    const SAME: f64 = 5e-4;
-    const CLOSE: f64 = 0.1;
-    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
-    let mut gone = Vec::new();
-    let mut late = (before != 0.0).then_some(0.0);
-    if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
-        late = Some(point[clock]);
-        gone.push(clock);
+/// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
+/// (falls of the deviance).
+const MORE: f64 = 10.0;
+const APART: f64 = 30.0;
+/// So often the logs are set back and all is compared again.
+const ROUNDS: usize = 3;
+
+/// By how much the plant's logs were set back, s.
+pub(super) struct Clocks {
+    /// What is the same for all runs.
+    common: f64,
+    /// What is a run's own.
+    own: Vec<f64>,
+    names: Vec<String>,
+    rounds: usize,
+}
+
+impl Clocks {
+    pub(super) fn new(data: &DataSet) -> Self {
+        let names = data.runs.iter().map(|run| run.name.clone()).collect();
+        Self { common: 0.0, own: vec![0.0; data.runs.len()], names, rounds: 0 }
     }
-    if let Some((shown, by)) = early(list, parts, point) {
-        // one that was found, that is: nothing is the same as a clock that is off by less than SAME
-        let found = |index: &usize| point[*index] != list[*index].off;
-        let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
-        let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
-        // an exposure may well be shorter than it is said to be, but no result comes before its picture
-        if actuator.is_some() || list[shown].name == "camera.T_delay" {
-            late = late.filter(|late| *late != 0.0).or(Some(by));
-            gone.push(shown);
-            gone.extend(actuator);
+
+    /// Runs and the time by which their logs are late still, before anything else can be said.
+    pub(super) fn late(&mut self, list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+        self.rounds += 1;
+        if self.rounds > ROUNDS {
+            return None;
         }
+        if let Some(late) = apart(list, compared) {
+            late.iter().for_each(|(run, late)| self.own[*run] += late);
+            return Some(late);
+        }
+        let late = clock_instead(list, compared)?;
+        self.common += late;
+        Some((0..self.own.len()).map(|run| (run, late)).collect())
     }
-    for index in &gone {
-        point[*index] = list[*index].off;
+
+    /// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and the
+    /// camera early by the same time; a delay of either does only one of both.
+    pub(super) fn clear(self, list: &[Candidate], parts: &mut [Part], point: &mut [f64]) -> Vec<Notice> {
+        // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
+        const SAME: f64 = 5e-4;
+        const CLOSE: f64 = 0.1;
+        let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+        let mut gone = Vec::new();
+        let mut late = 0.0;
+        if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+            late = point[clock];
+            gone.push(clock);
+        }
+        if let Some((shown, by)) = early(list, parts, point) {
+            // one that was found, that is: nothing is the same as a clock that is off by less than SAME
+            let found = |index: &usize| point[*index] != list[*index].off;
+            let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
+            let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
+            // an exposure may well be shorter than it is said to be, but no result comes before its picture
+            if actuator.is_some() || list[shown].name == "camera.T_delay" {
+                late = if late == 0.0 { by } else { late };
+                gone.push(shown);
+                gone.extend(actuator);
+            }
+        }
+        for index in &gone {
+            point[*index] = list[*index].off;
+        }
+        for part in parts {
+            part.classes.retain(|(index, _)| !gone.contains(index));
+        }
+        self.told(self.common + late)
     }
-    for part in parts {
-        part.classes.retain(|(index, _)| !gone.contains(index));
+
+    /// Whether runs have clocks of their own.
+    pub(super) fn apart(&self) -> bool {
+        self.own.iter().any(|late| *late != 0.0)
     }
-    if let Some(late) = late {
-        let message = format!(
-            "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
-            1e3 * (before + late)
-        );
-        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+
+    fn told(&self, common: f64) -> Vec<Notice> {
+        let notice = |file: String, late: f64| {
+            let message = format!(
+                "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+                1e3 * late
+            );
+            Notice { file, line: 0, message }
+        };
+        if self.apart() {
+            let runs = self.names.iter().zip(&self.own);
+            return runs.map(|(name, own)| notice(format!("{name}/plant.csv"), common + own)).collect();
+        }
+        if common == 0.0 { Vec::new() } else { vec![notice("plant.csv".into(), common)] }
     }
+}
+
+/// Runs whose logs have clocks of their own, and by how much they are late against all: where that explains more than
+/// any effect, and clearly more than one clock for all.
+fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+    let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
+    let of_log = |index: usize| list[index].side.is_of_log();
+    let study = &compared.parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?.study;
+    if study.outweighed {
+        return None;
+    }
+    let open = study.screen.hits.iter().filter(|hit| !of_log(hit.candidate));
+    let best = open.map(|hit| hit.gain).fold(0.0, f64::max);
+    // what was found may have stood for the clocks
+    let total = &study.nominal.total;
+    let gains = (study.nominal.probes.iter().enumerate())
+        .filter(|(_, probe)| !of_log(probe.candidate))
+        .map(|(column, _)| total.score[column].powi(2) / total.gram[(column, column)].max(f64::MIN_POSITIVE));
+    let looks =
+        [(&study.last, study.active.as_slice(), best), (&study.nominal, &[], gains.fold(0.0, f64::max))];
+    looks.into_iter().find_map(|(evaluation, active, best)| {
+        let clocks = steadiness(evaluation, clock, active)?;
+        let clear = clocks.apart > APART && clocks.fall > best + MORE;
+        clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
+    })
 }
 
 /// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.

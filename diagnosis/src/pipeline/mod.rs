@@ -22,7 +22,7 @@ use crate::selection::{Alternative, CLASS, Study, alternatives, study};
 use apart::told_apart;
 use camera::camera_part;
 use ceilings::ceilings;
-use clock::{MISSES, clear_clock, clock_instead, doubts};
+use clock::{Clocks, MISSES, doubts};
 use conclude::conclude;
 use conventions::conventions;
 use orchestrator::UnitPath;
@@ -81,14 +81,20 @@ pub fn diagnose(
         let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
         clocks.for_each(|clock| clock.range.1 = clock.range.1.min(scatter));
     }
-    let list = Arc::new(list);
+    let mut list = Arc::new(list);
     let mut notices = data.notices.clone();
     notices.extend(model.notices(&data));
     let mut compared = compare(&data, &model, &list, options, tell)?;
-    let late = clock_instead(&list, &compared);
-    if let Some(late) = late {
-        tell("plant: the picture says that the log's clock is off");
-        data.set_back(late);
+    let mut clocks = Clocks::new(&data);
+    while let Some(late) = clocks.late(&list, &compared) {
+        tell("plant: the log's clock is put right");
+        late.iter().for_each(|(run, late)| data.set_back(*run, *late));
+        if clocks.apart() {
+            data.clocks_apart = true;
+            let clocks =
+                Arc::make_mut(&mut list).iter_mut().filter(|candidate| candidate.side == Side::Clock);
+            clocks.for_each(|clock| clock.range.1 = -clock.range.0);
+        }
         compared = compare(&data, &model, &list, options, tell)?;
     }
     let Compared { mut parts, mut point, notices: more } = compared;
@@ -96,7 +102,7 @@ pub fn diagnose(
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
-    clear_clock(&list, &mut parts, &mut point, late.unwrap_or(0.0), &mut notices);
+    notices.extend(clocks.clear(&list, &mut parts, &mut point));
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
     conclude(&data, &model, &list, &parts, &point, notices, units)
 }

@@ -51,7 +51,8 @@ pub(super) fn plant_part(
         }
         None => {
             let alone = part(&mut rows, list, point, &start, true, tell)?;
-            if data.runs.iter().any(|run| run.camera.is_some()) && could_be_the_actuator(&alone, list) {
+            let seen = data.runs.iter().any(|run| run.camera.is_some());
+            if seen && !data.clocks_apart && could_be_the_actuator(&alone, list) {
                 rows.trust_clock();
                 part(&mut rows, list, point, &start, true, tell)?
             } else {

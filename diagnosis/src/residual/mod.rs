@@ -90,6 +90,10 @@ pub trait Cut: Send + Sync {
     fn lattice(&self) -> bool {
         false
     }
+    /// Whether the log's clock is known to be off, so that no effect that looks like it stands before it.
+    fn doubts_clock(&self) -> bool {
+        false
+    }
     /// Whether poses are read off the pictures themselves.
     fn free_pose(&self) -> bool {
         false

@@ -8,6 +8,7 @@ mod evidence;
 mod refit;
 mod screen;
 mod settle;
+mod steady;
 mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};
@@ -16,6 +17,7 @@ pub use evidence::{STAMPS, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 use settle::{second_opinion, settle};
+pub use steady::{Steadiness, steadiness};
 use trials::{Accepted, Trials, shortlist, switched};
 
 use crate::candidates::Candidate;

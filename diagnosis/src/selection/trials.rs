@@ -70,7 +70,7 @@ impl Trials<'_> {
         for hit in shortlist {
             self.fit(cut, hit, &mut trials);
         }
-        self.handicap(&mut trials);
+        self.handicap(&mut trials, if cut.doubts_clock() { -HANDICAP } else { HANDICAP });
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
         let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < large);
@@ -135,13 +135,13 @@ impl Trials<'_> {
     }
 
     /// Puts a fault of the log behind an effect that it looks like.
-    fn handicap(&self, trials: &mut [Trial]) {
+    fn handicap(&self, trials: &mut [Trial], by: f64) {
         let of_log = |index: usize| self.candidates[index].side.is_of_log();
         let effects: Vec<usize> =
             trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
         for (fault, fall, _) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
             if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
-                *fall -= HANDICAP;
+                *fall -= by;
             }
         }
     }

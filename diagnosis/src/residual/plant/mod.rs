@@ -94,6 +94,8 @@ pub struct PlantCut {
     zeros: [f64; 2],
     /// Scatter of the log's time stamps, s.
     jitter: f64,
+    /// Runs were found to have clocks of their own.
+    doubted: bool,
 }
 
 impl PlantCut {
@@ -151,6 +153,7 @@ impl PlantCut {
             clock,
             zeros: [0.0; 2],
             jitter: 0.0,
+            doubted: data.clocks_apart,
         }))
     }
 
@@ -321,6 +324,10 @@ impl Cut for PlantCut {
             Side::Camera => self.through.is_some() && self.clock.is_none(),
             _ => false,
         }
+    }
+
+    fn doubts_clock(&self) -> bool {
+        self.doubted
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {

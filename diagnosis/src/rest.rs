@@ -1,11 +1,11 @@
 //! Is what is left noise? And if not, what does it look like?
 
-use crate::candidates::Candidate;
+use crate::candidates::{CLOCK, Candidate};
 use crate::diagnosis::Unknown;
 use crate::gap::led;
 use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
-use crate::selection::{Evaluation, STAMPS, Study, lacking};
+use crate::selection::{Evaluation, STAMPS, Study, lacking, steadiness};
 use crate::statistics::linear::{Cell, projected};
 use nalgebra::{DMatrix, DVector};
 
@@ -83,6 +83,9 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let accounted = if study.last.softness <= stamps { study.last.softness } else { 0.0 };
     let rest = rest(&study.last, signals, accounted);
     let nearest = nearest(study, candidates);
+    if let Some((signal, shape)) = drifting(study, candidates) {
+        return Some(Unknown { signal, depends_on: vec!["time".into()], shape, nearest });
+    }
     if torque {
         let quick =
             rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
@@ -120,6 +123,21 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     }
     let (depends_on, shape) = image_shape(&study.last, worst);
     Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest })
+}
+
+/// Standard errors from which a clock drifts.
+const DRIFTING: f64 = 4.5;
+
+/// Clocks that drift apart: by how much the log's, or the picture's delay, moves along the runs.
+fn drifting(study: &Study, candidates: &[Candidate]) -> Option<(String, String)> {
+    [(CLOCK, "time stamps of the plant's log"), ("camera.T_delay", "time stamps of the picture")]
+        .into_iter()
+        .find_map(|(name, signal)| {
+            let index = candidates.iter().position(|candidate| candidate.name == name)?;
+            let (rate, clear) = steadiness(&study.last, index, &study.active)?.drift;
+            let shape = format!("clocks that drift apart, by {:.2} ms in a minute", 6e4 * rate);
+            (clear.abs() > DRIFTING).then(|| (signal.to_owned(), shape))
+        })
 }
 
 fn nearest(study: &Study, candidates: &[Candidate]) -> String {

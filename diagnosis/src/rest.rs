@@ -83,9 +83,6 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let accounted = if study.last.softness <= stamps { study.last.softness } else { 0.0 };
     let rest = rest(&study.last, signals, accounted);
     let nearest = nearest(study, candidates);
-    if let Some((signal, shape)) = drifting(study, candidates) {
-        return Some(Unknown { signal, depends_on: vec!["time".into()], shape, nearest });
-    }
     if torque {
         let quick =
             rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
@@ -129,15 +126,20 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
 const DRIFTING: f64 = 4.5;
 
 /// Clocks that drift apart: by how much the log's, or the picture's delay, moves along the runs.
-fn drifting(study: &Study, candidates: &[Candidate]) -> Option<(String, String)> {
-    [(CLOCK, "time stamps of the plant's log"), ("camera.T_delay", "time stamps of the picture")]
-        .into_iter()
-        .find_map(|(name, signal)| {
-            let index = candidates.iter().position(|candidate| candidate.name == name)?;
-            let (rate, clear) = steadiness(&study.last, index, &study.active)?.drift;
-            let shape = format!("clocks that drift apart, by {:.2} ms in a minute", 6e4 * rate);
-            (clear.abs() > DRIFTING).then(|| (signal.to_owned(), shape))
-        })
+pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
+    let stamps =
+        [(CLOCK, "time stamps of the plant's log"), ("camera.T_delay", "time stamps of the picture")];
+    stamps.into_iter().find_map(|(name, signal)| {
+        let index = candidates.iter().position(|candidate| candidate.name == name)?;
+        let (rate, clear) = steadiness(&study.last, index, &study.active)?.drift;
+        let told = || Unknown {
+            signal: signal.to_owned(),
+            depends_on: vec!["time".into()],
+            shape: format!("clocks that drift apart, by some {:.0} ms in a minute", 6e4 * rate),
+            nearest: nearest(study, candidates),
+        };
+        (clear.abs() > DRIFTING).then(told)
+    })
 }
 
 fn nearest(study: &Study, candidates: &[Candidate]) -> String {

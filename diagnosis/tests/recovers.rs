@@ -107,7 +107,7 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
     // the standard error is about 1e-4 s
     assert!((found.effects[0].value - 0.004).abs() < 5e-4, "{:?}", found.effects);
 
-    let found = logged_later("late", [4e-3; 2], 0.0);
+    let found = logged("late", 0.0, &|_, time| time + 4e-3);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
     // ms, with a standard error of about 0.03
     assert!(clock(&found).is_some_and(|late| (late - 4.0).abs() < 0.1), "{:?}", found.notices);
@@ -116,7 +116,7 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
 #[test]
 fn recovers_that_a_log_is_early_by_less_than_its_noise_shows() {
     // the plant's logs know their clock to 0.08 ms, the picture its delay to 0.04: alone, it would be called one
-    let found = logged_later("early", [-3e-4; 2], 1e-3);
+    let found = logged("early", 1e-3, &|_, time| time - 3e-4);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
     assert!(!found.story.iter().any(|line| line.contains("clock - offset")), "{:?}", found.story);
     assert!(clock(&found).is_some_and(|late| (late + 0.3).abs() < 0.1), "{:?}", found.notices);
@@ -124,31 +124,39 @@ fn recovers_that_a_log_is_early_by_less_than_its_noise_shows() {
 
 #[test]
 fn recovers_that_logs_have_clocks_of_their_own() {
-    let found = logged_later("own", [2e-3, -1e-3], 0.0);
+    let found = logged("own", 0.0, &|run, time| time + [2e-3, -1e-3][run]);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
     // the first run's; ms, with a standard error of about 0.03
     assert!(clock(&found).is_some_and(|late| (late - 2.0).abs() < 0.1), "{:?}", found.notices);
     assert_eq!(found.notices.len(), 2, "{:?}", found.notices);
 }
 
+#[test]
+fn recovers_that_clocks_drift_apart() {
+    let found = logged("drift", 0.0, &|_, time| time * 1.0005);
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    let rest = found.unknown.expect("the verdict says so");
+    assert!(rest.signal.contains("time stamps") && rest.shape.contains("drift"), "{rest:?}");
+}
+
 /// Steps of z_desired.
 const LIVELY: &str = "[[0, 0], [1, 0], [1.5, 0.3], [3, 0.3], [3.5, -0.2], [5, -0.2], [5.5, 0.3], [7, 0.3], [7.5, -0.2], [9, -0.2], \
                       [9.5, 0.3], [12, 0.3]]";
 
-/// What is said of runs in which nothing is hidden, but plant logs are stamped later than they were taken, by so many s, and
-/// read angles with so much noise besides (rad).
-fn logged_later(name: &str, by: [f64; 2], noise: f64) -> Diagnosis {
+/// What is said of runs in which nothing is hidden, but plant logs are stamped otherwise than they were taken (run, s), and read
+/// angles with so much noise besides (rad).
+fn logged(name: &str, noise: f64, stamp: &dyn Fn(usize, f64) -> f64) -> Diagnosis {
     let folder = common::recorded_along(name, LIVELY, &[]);
     let known = std::fs::read_to_string(folder.path().join("dataset.toml")).expect("it was recorded");
     folder.put("dataset.toml", &known.replace("2e-4", &format!("{:e}", noise.hypot(2e-4))));
     let mut random = Random::new(7);
-    for (run, by) in ["run-01", "run-02"].into_iter().zip(by) {
+    for (place, run) in ["run-01", "run-02"].into_iter().enumerate() {
         let log = folder.path().join(run).join("plant.csv");
         let text = std::fs::read_to_string(&log).expect("the log was recorded");
         let mut later = |line: &str| match line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>() {
             Ok(row) => {
                 let (a, b) = (row[1] + noise * random.normal(), row[2] + noise * random.normal());
-                format!("{},{a},{b}", row[0] + by)
+                format!("{},{a},{b}", stamp(place, row[0]))
             }
             Err(_) => line.to_owned(),
         };

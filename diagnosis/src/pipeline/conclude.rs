@@ -6,7 +6,7 @@ use crate::candidates::{Motion, Side};
 use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
 use crate::imitation::{anything, imitation};
-use crate::rest::unknown;
+use crate::rest::{drifting, unknown};
 use crate::selection::ALPHA;
 use crate::{amend, experiment, gap, story};
 use std::collections::BTreeMap;
@@ -30,6 +30,7 @@ pub(super) fn conclude(
     let mut story = Vec::new();
     let mut traces: Vec<Trace> = Vec::new();
     let doubts = doubts(model, list, parts);
+    let drift = parts.iter().find_map(|part| drifting(&part.study, list));
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
     for part in parts {
         let free: Vec<usize> =
@@ -40,6 +41,8 @@ pub(super) fn conclude(
         let left = unknown(&part.study, &part.signals, list, part.torque)
             .or_else(|| imitation(&part.study, &part.signals, list, part.torque))
             .or_else(|| anything(&part.study, &part.signals, list, &part.classes, part.torque));
+        // what clocks that drift leave looks like much else
+        let left = if left.is_some() { drift.clone().or(left) } else { drifting(&part.study, list) };
         if !part.coarse.is_empty() {
             story.push(story::of_coarse(&part.coarse, list));
         }
@@ -58,7 +61,7 @@ pub(super) fn conclude(
             }
         }
         // a correction is fitted beside the effects, and without them would be another one
-        if part.torque && left.is_some() && !widened {
+        if part.torque && left.is_some() && drift.is_none() && !widened {
             correction = correct(data, model, list, part, units, &mut notices);
             // measured as the effects' gap is: with it no more may be left than with effects alone
             correction = correction.filter(|correction| correction.usual <= gap.after);

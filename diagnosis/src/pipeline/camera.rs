@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::candidates::Side;
+use crate::gap::led;
 use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
+use crate::selection::lacking;
 
 #[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
 pub(super) fn camera_part(
@@ -68,6 +70,10 @@ fn with_noise<C: Cut>(
         image(cut).noise(point)
     };
     let mut plain = part(cut, list, point, &[], false, tell)?;
+    // a torque that lacks is no sensor's, and where more than noise is left a sensor's isn't named
+    if led(&plain.signals) && lacking(&plain.study.last, &plain.study.folds, plain.study.explained, true) {
+        return Ok(plain);
+    }
     plain.noise = noise(cut, &plain.study.last.point)?;
     let Some(sensor) = list.iter().position(|candidate| candidate.side == Side::Scatter) else {
         return Ok(plain);

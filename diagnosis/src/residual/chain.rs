@@ -174,6 +174,16 @@ impl Cut for Chain {
         self.plant.back();
     }
 
+    fn remember(&mut self) {
+        self.image.remember();
+        self.plant.remember();
+    }
+
+    fn recall(&mut self) {
+        self.image.recall();
+        self.plant.recall();
+    }
+
     fn afresh(&mut self) {
         self.plant.afresh();
     }

@@ -109,7 +109,7 @@ pub fn study(
     }
     let mut found = screen(&last, candidates, &active);
     let mut refused: Vec<usize> = Vec::new();
-    let mut vain = 0;
+    let (mut vain, mut in_vain) = (0, Vec::new());
     while active.len() < MOST {
         let mut step = Step {
             best: found.hits.iter().take(8).cloned().collect(),
@@ -122,7 +122,7 @@ pub fn study(
         };
         let threshold = found.null.threshold(ALPHA);
         let shortlist = shortlist(&found, candidates, &refused, threshold, cut.outweighed());
-        let switched = switched(cut, candidates, &last, &active, &refused)?;
+        let switched = switched(cut, candidates, &last, &active, &refused, &mut in_vain)?;
         let set = Trials { candidates, folds: &folds, last: &last, found: &found, active: &active };
         let best = match set.best(cut, &shortlist, switched, &mut refused)? {
             None => set.sparse(cut, &refused)?,

@@ -98,6 +98,7 @@ impl Trials<'_> {
         if cut.outweighed() || !driven || !lacking(self.last, self.folds, explained, pictured) {
             return Ok(None);
         }
+        cut.remember();
         let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
         let open =
@@ -115,8 +116,7 @@ impl Trials<'_> {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
         }
-        cut.afresh();
-        Evaluation::at(cut, &self.last.point, &[], false)?;
+        cut.recall();
         Ok(None)
     }
 
@@ -193,15 +193,17 @@ pub(super) fn shortlist(
 }
 
 /// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
-/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left.
+/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left, and once for all
+/// (`in_vain`) where it makes things worse.
 pub(super) fn switched(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &[usize],
     refused: &[usize],
-) -> Result<Option<(usize, f64, Evaluation)>, Error> {
-    let mut best: Option<(usize, f64, Evaluation)> = None;
+    in_vain: &mut Vec<usize>,
+) -> Result<Option<Trial>, Error> {
+    let mut best: Option<Trial> = None;
     let pictured = cut.lattice();
     if last.softness == 0.0 || cut.outweighed() || (pictured && !cut.free_pose()) {
         return Ok(None);
@@ -215,15 +217,17 @@ pub(super) fn switched(
             Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque && !pictured,
             _ => false,
         };
-        let open = worth && !active.contains(&index) && !refused.contains(&index);
+        let open = worth && [active, refused, in_vain].iter().all(|known| !known.contains(&index));
         if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
             continue;
         }
+        let mut better = false;
         for step in &candidate.steps {
             let mut point = last.point.clone();
             point[index] += step;
             cut.afresh();
             let Ok(trial) = Evaluation::at(cut, &point, &[], false) else { continue };
+            better |= trial.deviance() < last.deviance();
             let fall = last.deviance() - trial.deviance();
             // half a law of motion less and every window follows, or it isn't that
             let follows = trial.softness <= FOLLOWS * last.softness;
@@ -233,6 +237,9 @@ pub(super) fn switched(
         }
         cut.afresh();
         Evaluation::at(cut, &last.point, &[], false)?;
+        if !better {
+            in_vain.push(index);
+        }
     }
     Ok(best)
 }

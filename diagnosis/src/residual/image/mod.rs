@@ -16,15 +16,17 @@ use crate::dataset::DataSet;
 use crate::error::Error;
 use crate::model::Model;
 use crate::statistics::linear::Cell;
-use nalgebra::{DMatrix, RowDVector};
+use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 mod columns;
+mod level;
 mod noise;
 mod poses;
 mod surface;
 
+use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses};
@@ -39,8 +41,6 @@ const HONEST: f64 = 0.006;
 const HONEST_AREA: f64 = 0.06;
 /// So many places a pixel and direction: the difference changes from one to the next.
 const LATTICE: usize = 20;
-/// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes 0.06.
-const LEVEL: f64 = 0.12;
 
 /// A measured frame.
 #[derive(Debug, Clone)]
@@ -72,6 +72,9 @@ type Made = (Vec<Setting>, Vec<Shot>, Vec<Option<Seen>>);
 /// Settings of a camera, and its E_t.
 type Followed = (Vec<Setting>, f64);
 
+/// Poses, and what they have followed.
+type Poses = (Vec<Shot>, Option<Followed>);
+
 /// Motion in, picture out.
 pub struct ImageCut {
     studio: Studio,
@@ -93,7 +96,9 @@ pub struct ImageCut {
     /// Settings of the camera that poses read off the picture have followed, and its E_t.
     followed: Option<Followed>,
     /// Poses, and what they had followed, at the last look that was not quick.
-    looked: Option<(Vec<Shot>, Option<Followed>)>,
+    looked: Option<Poses>,
+    /// The same, when it was asked for.
+    remembered: Option<Poses>,
 }
 
 impl ImageCut {
@@ -160,6 +165,7 @@ impl ImageCut {
             still: Default::default(),
             followed: None,
             looked: None,
+            remembered: None,
         }))
     }
 
@@ -175,7 +181,11 @@ impl ImageCut {
 
     /// Poses as they are now are those to come back to.
     pub fn mark(&mut self) {
-        self.looked = Some((self.frames.iter().map(|frame| frame.shot).collect(), self.followed.clone()));
+        self.looked = Some(self.poses());
+    }
+
+    fn poses(&self) -> Poses {
+        (self.frames.iter().map(|frame| frame.shot).collect(), self.followed.clone())
     }
 
     /// Forgets kept columns, since the frames have moved.
@@ -227,37 +237,6 @@ impl ImageCut {
             self.turns = Some(self.turned(&settings, &shots)?);
         }
         Ok(base)
-    }
-}
-
-/// Takes off the areas what they differ by alike, as far as honest renderers may: that is no sign of anything.
-fn level(blocks: &mut [Block]) {
-    let mut cells: Vec<&mut Cell> = blocks.iter_mut().flat_map(|block| &mut block.cells).collect();
-    let areas =
-        |cell: &Cell| -> Vec<usize> { (0..cell.signal.len()).filter(|row| cell.signal[*row] >= 6).collect() };
-    let Some(probes) = cells.first().map(|cell| cell.columns.ncols()) else { return };
-    let (mut count, mut rest, mut columns) = (0.0, 0.0, RowDVector::zeros(probes));
-    for cell in &cells {
-        for row in areas(cell) {
-            count += 1.0;
-            rest += cell.residual[row];
-            columns += cell.columns.row(row);
-        }
-    }
-    if count == 0.0 {
-        return;
-    }
-    let mean = rest / count;
-    let within = mean.abs() < LEVEL;
-    for cell in &mut cells {
-        for row in areas(cell) {
-            cell.residual[row] -= mean.clamp(-LEVEL, LEVEL);
-            // beyond, the level is fixed, and columns say all of it
-            if within {
-                let centred = cell.columns.row(row) - &columns / count;
-                cell.columns.set_row(row, &centred);
-            }
-        }
     }
 }
 
@@ -367,6 +346,17 @@ impl Cut for ImageCut {
 
     fn back(&mut self) {
         if let Some((shots, followed)) = &self.looked {
+            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+            self.followed.clone_from(followed);
+        }
+    }
+
+    fn remember(&mut self) {
+        self.remembered = Some(self.poses());
+    }
+
+    fn recall(&mut self) {
+        if let Some((shots, followed)) = &self.remembered {
             self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
             self.followed.clone_from(followed);
         }

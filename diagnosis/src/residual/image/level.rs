@@ -1,0 +1,38 @@
+//! The level of all areas: no sign of anything, as far as honest renderers differ in it.
+
+use super::*;
+use nalgebra::RowDVector;
+
+/// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes 0.06.
+const LEVEL: f64 = 0.12;
+
+/// Takes off the areas what they differ by alike, as far as honest renderers may: that is no sign of anything.
+pub(super) fn level(blocks: &mut [Block]) {
+    let mut cells: Vec<&mut Cell> = blocks.iter_mut().flat_map(|block| &mut block.cells).collect();
+    let areas =
+        |cell: &Cell| -> Vec<usize> { (0..cell.signal.len()).filter(|row| cell.signal[*row] >= 6).collect() };
+    let Some(probes) = cells.first().map(|cell| cell.columns.ncols()) else { return };
+    let (mut count, mut rest, mut columns) = (0.0, 0.0, RowDVector::zeros(probes));
+    for cell in &cells {
+        for row in areas(cell) {
+            count += 1.0;
+            rest += cell.residual[row];
+            columns += cell.columns.row(row);
+        }
+    }
+    if count == 0.0 {
+        return;
+    }
+    let mean = rest / count;
+    let within = mean.abs() < LEVEL;
+    for cell in &mut cells {
+        for row in areas(cell) {
+            cell.residual[row] -= mean.clamp(-LEVEL, LEVEL);
+            // beyond, the level is fixed, and columns say all of it
+            if within {
+                let centred = cell.columns.row(row) - &columns / count;
+                cell.columns.set_row(row, &centred);
+            }
+        }
+    }
+}

@@ -92,17 +92,23 @@ class Bench:
 
     def image_signature(self, effect, camera):
         late = camera["T_delay"] - self.camera["T_delay"] if self.setting.logs == "all" else 0.0
+        # an exposure: its blur alone, about the same middle; that the middle comes earlier is a delay (`signature`)
+        late -= self._middle(camera)
         rows = []
         for (run, t), cleans in zip(self.frames, self.clean):
             change = []
             for (du, dv), clean in zip(LATTICE, cleans):
                 moved = {**camera, "u0": camera["u0"] + du, "v0": camera["v0"] + dv}
-                seen = self._render(run, max(t - late, 0.0), moved)
+                seen = self._render(run, min(max(t - late, 0.0), run.times[-1]), moved)
                 change.append(seen - clean if np.all(seen[::3] >= 1) else np.full(9, 10.0))
             rows.append(np.mean(change, axis=0))
         rows = self._smooth(np.array(rows), effect)
         out = np.concatenate([w @ row for w, row in zip(self.white, rows)]) * math.sqrt(EVERY)
         return np.zeros_like(out) if effect.key in ("sigma", "drop_rate") else out
+
+    def _middle(self, camera):
+        """By how much earlier than nominal the middle of the exposure lies, s."""
+        return (camera["E_t"] - self.camera["E_t"]) / (2.0 * camera["omega_cam"])
 
     def _smooth(self, rows, effect):
         """What an effect does to a centroid is smooth over poses (and rates, where it is one of time); the rest of what a
@@ -200,6 +206,13 @@ class Bench:
         return out
 
     # ---- both --------------------------------------------------------------------------------------------------
+    def _delayed(self, by):
+        """A delay of the picture, s: that of T_delay's own probe, scaled. Two renderings that are shifted by different times
+        differ by the lattice, which would tell an exposure from a delay where nothing else does."""
+        effect = BY_NAME["camera.T_delay"]
+        late = {**self.camera, "T_delay": self.camera["T_delay"] + effect.probe}
+        return self.image_signature(effect, late) * (by / effect.probe)
+
     def signature(self, name, value):
         effect = BY_NAME[name]
         plant, camera = dict(self.plant), dict(self.camera)
@@ -207,7 +220,10 @@ class Bench:
         parts = []
         if self.image:
             moved = effect.side == "camera"
-            parts.append(self.image_signature(effect, camera) if moved else np.zeros(9 * len(self.frames)))
+            image = self.image_signature(effect, camera) if moved else np.zeros(9 * len(self.frames))
+            if effect.key == "E_t":
+                image = image + self._delayed(self._middle(camera))
+            parts.append(image)
             parts.append(self.count_signature(camera))
         # what a start state can explain is projected out to first order only: take the slope near zero. With 1 % of a theta,
         # the second order told exact copies apart (theta_1 from theta_2 by 93 sqrt(1 - 0.9993^2) = 3.4 instead of 0.5)

@@ -32,6 +32,10 @@ const MOST: usize = 6;
 /// So many may be accepted and turn out superfluous at once.
 const VAIN: usize = 4;
 
+/// A fit that leaves so much more than without the new effect (deviance) has led the windows elsewhere, and taken what was found
+/// before away with it.
+const ASTRAY: f64 = 100.0;
+
 /// One look in the story.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -136,6 +140,7 @@ pub fn study(
         step.held_out = held_out;
         step.deviance.1 = trial.deviance();
         tell(&format!("{}: {}", cut.name(), candidates[candidate].name));
+        let before = (active.clone(), last.point.clone(), last.deviance());
         active.push(candidate);
         step.accepted = Some(candidate);
         let mut point = trial.point.clone();
@@ -145,6 +150,14 @@ pub fn study(
         refused.extend(&step.dropped);
         last = look(cut, &point, &active)?;
         step.rest.1 = rest(&last);
+        let compared = !cut.lattice() || cut.free_pose();
+        if compared && !cut.outweighed() && last.deviance() > before.2 + ASTRAY {
+            (active, point) = (before.0, before.1);
+            (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);
+            refused.push(candidate);
+            cut.afresh();
+            last = look(cut, &point, &active)?;
+        }
         found = screen(&last, candidates, &active);
         let stuck = step.dropped.contains(&candidate);
         steps.push(step);

@@ -133,15 +133,21 @@ impl Seat<'_> {
     fn along_columns(&self, cut: &mut dyn Cut, index: usize, replaced: &Replaced, strength: f64) -> f64 {
         let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
         let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
-        let blur = if bent { BLUR * BLUR * replaced.loss.max(0.0) } else { 0.0 };
-        let loss = replaced.loss / (1.0 + honest + COLUMN * COLUMN * strength + blur);
-        if !bent || loss <= CLASS * self.temper {
+        let allowed = |loss: f64| {
+            let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
+            loss / (1.0 + honest + COLUMN * COLUMN * strength + blur)
+        };
+        let loss = allowed(replaced.loss);
+        // a column over another step than the one it asks for says nothing of what bends
+        let blurs = self.candidates[index].bends && self.candidates[index].side == Side::Camera;
+        if !bent || (loss <= CLASS * self.temper && !blurs) {
             return loss;
         }
         let from = Place { others: &self.others, effect: index, x: replaced.x };
         // where the unit shows nothing at all there is nothing to be seen from
         let Ok(there) = seen_from(cut, self.candidates, self.last, &from, self.effect) else { return loss };
-        loss.min(there.map_or(0.0, |gain| gain.max(0.0)))
+        let there = there.map_or(0.0, |gain| gain.max(0.0));
+        if blurs { allowed(there) } else { loss.min(there) }
     }
 
     /// Fits another through the units: candidate, coordinate and loss.

@@ -92,8 +92,7 @@ class Bench:
 
     def image_signature(self, effect, camera):
         late = camera["T_delay"] - self.camera["T_delay"] if self.setting.logs == "all" else 0.0
-        # an exposure: its blur alone, about the same middle; that the middle comes earlier is a delay (`signature`)
-        late -= self._middle(camera)
+        late -= self._middle(camera)  # an exposure: its blur alone, about the same middle; the rest is a delay (`signature`)
         rows = []
         for (run, t), cleans in zip(self.frames, self.clean):
             change = []

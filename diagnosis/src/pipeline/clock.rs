@@ -1,6 +1,7 @@
 //! The plant log's clock: cleared before anything is named.
 
 use super::*;
+use crate::dataset::Run;
 use crate::selection::steadiness;
 
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
@@ -83,13 +84,15 @@ pub(super) struct Clocks {
     common: f64,
     /// What is a run's own.
     own: Vec<f64>,
-    names: Vec<String>,
+    /// Of the runs that have such a log.
+    names: Vec<Option<String>>,
     rounds: usize,
 }
 
 impl Clocks {
     pub(super) fn new(data: &DataSet) -> Self {
-        let names = data.runs.iter().map(|run| run.name.clone()).collect();
+        let name = |run: &Run| run.plant.as_ref().map(|_| run.name.clone());
+        let names = data.runs.iter().map(name).collect();
         Self { common: 0.0, own: vec![0.0; data.runs.len()], names, rounds: 0 }
     }
 
@@ -157,7 +160,10 @@ impl Clocks {
         };
         if self.apart() {
             let runs = self.names.iter().zip(&self.own);
-            return runs.map(|(name, own)| notice(format!("{name}/plant.csv"), common + own)).collect();
+            let told = |(name, own): (&Option<String>, &f64)| {
+                name.as_ref().map(|name| notice(format!("{name}/plant.csv"), common + own))
+            };
+            return runs.filter_map(told).collect();
         }
         if common == 0.0 { Vec::new() } else { vec![notice("plant.csv".into(), common)] }
     }

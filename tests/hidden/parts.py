@@ -238,7 +238,7 @@ def specs(part, count, seed):
     yield from maker[part](count, seed)
 
 
-UNKNOWN = ("40 degrees",)  # a mount that this program can't turn so
+NOT_UNDERSTOOD = ("40 degrees",)  # a mount that this program can't turn so
 WORDS = (("exposure", {"exposure": 0.005}), ("90", {"turned": True}), ("turned", {"turned": True}),
          ("torque", {"applied": True, "logs": "all"}), ("tau_applied", {"applied": True, "logs": "all"}),
          ("encoder", {"logs": "all"}), ("plant", {"logs": "all"}), ("joint angles", {"logs": "all"}),
@@ -250,7 +250,7 @@ def follow(answer, words):
     """The same truth after the experiment that a diagnosis proposed in words; None where no word is known."""
     known = {k: answer[k] for k in ("rig", "logs", "noise", "mix", "arm", "applied", "velocity_nominal", "turned", "exposure")}
     setting = Setting(**known)
-    if any(word in words.lower() for word in UNKNOWN):
+    if any(word in words.lower() for word in NOT_UNDERSTOOD):
         return None
     for word, change in WORDS:
         if word in words.lower() and (setting.rig == "visual" or set(change) == {"applied", "logs"}):

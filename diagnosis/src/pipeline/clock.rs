@@ -145,6 +145,17 @@ impl Clocks {
         self.told(self.common + late)
     }
 
+    /// What was done before all else, in words.
+    pub(super) fn story(&self) -> Option<String> {
+        let late = self.own.iter().zip(&self.names).filter(|(_, name)| name.is_some());
+        let late: Vec<f64> = late.map(|(own, _)| 1e3 * (self.common + own)).collect();
+        let told = late.iter().map(|late| format!("{late:.2}")).collect::<Vec<_>>().join(", ");
+        let back = late.iter().any(|late| *late != 0.0);
+        back.then(|| {
+            format!("First the plant's logs were set back to the other logs' clock, run by run by {told} ms.")
+        })
+    }
+
     /// Whether runs have clocks of their own.
     pub(super) fn apart(&self) -> bool {
         self.own.iter().any(|late| *late != 0.0)

@@ -102,9 +102,12 @@ pub fn diagnose(
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
+    let first = clocks.story();
     notices.extend(clocks.clear(&list, &mut parts, &mut point));
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
-    conclude(&data, &model, &list, &parts, &point, notices, units)
+    let mut diagnosis = conclude(&data, &model, &list, &parts, &point, notices, units)?;
+    diagnosis.story.splice(0..0, first);
+    Ok(diagnosis)
 }
 
 /// All cuts of a data set.

@@ -72,6 +72,47 @@ fn recovers_a_late_picture_from_encoders_without_a_torque() {
     named(&found.expect("the data is good"), "camera.T_delay", 0.02, 2e-4);
 }
 
+/// Rewrites a file of each run, line by line after the head: number of the line, its time, and the rest of it.
+fn rewritten(folder: &Folder, file: &str, line: &dyn Fn(usize, f64, &str) -> Option<String>) {
+    for run in ["run-01", "run-02"] {
+        let path = folder.path().join(run).join(file);
+        let text = std::fs::read_to_string(&path).expect("it was recorded");
+        let kept = text.lines().enumerate().filter_map(|(place, text)| match text.split_once(',') {
+            Some((time, rest)) if place > 0 => line(place, time.parse().expect("a time"), rest),
+            _ => Some(text.to_owned()),
+        });
+        std::fs::write(&path, kept.collect::<Vec<_>>().join("\n")).expect("it can be written");
+    }
+}
+
+#[test]
+fn recovers_a_late_picture_beside_a_log_of_another_clock() {
+    let folder = common::recorded_along("another", LIVELY, &[("camera.T_delay", "0.02")]);
+    rewritten(&folder, "plant.csv", &|_, time, rest| Some(format!("{},{rest}", time + 1.7e9)));
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    // the torque, stamped as pictures are, knows the log's clock to about 1e-4 s
+    named(&found.expect("the data is good"), "camera.T_delay", 0.02, 1e-3);
+    // without it the picture's delay and the log's clock are one thing
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("controller.csv")).expect("it was recorded");
+    }
+    let found =
+        diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("it is good");
+    assert_eq!(found.verdict, Verdict::None, "{:?}", found.effects);
+    assert!(!found.minimum_detectable.contains_key("camera.T_delay"));
+}
+
+#[test]
+fn recovers_nothing_from_torques_that_begin_late_and_end_early() {
+    let folder = common::recorded("partly", &[]);
+    rewritten(&folder, "controller.csv", &|_, time, rest| {
+        (2.3..9.2).contains(&time).then(|| format!("{time},{rest}"))
+    });
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    let found = found.expect("the data is good");
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
+}
+
 #[test]
 fn recovers_that_a_torque_is_missing_without_encoders() {
     // friction that isn't listed; nothing but the poses that pictures show can tell
@@ -114,9 +155,20 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
 }
 
 #[test]
+fn recovers_whether_an_actuator_lags_or_delays_where_its_torque_is_logged_often() {
+    // to the arm both are the same: 5e-7 rad apart
+    for name in ["plant.T_act", "plant.tau_delay"] {
+        let folder = common::logged_along(name, LIVELY, &[(name, "0.0014")], true);
+        let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+        // 24 s, 720 commands of some 0.1 N·m: a standard error of 1e-5 s
+        named(&found.expect("the data is good"), name, 0.0014, 6e-5);
+    }
+}
+
+#[test]
 fn recovers_that_a_log_is_early_by_less_than_its_noise_shows() {
-    // the plant's logs know their clock to 0.08 ms, the picture its delay to 0.04: alone, it would be called one
-    let found = logged("early", 1e-3, &|_, time| time - 3e-4);
+    // the plant's logs know their clock to 0.1 ms, the picture its delay to 0.04: alone, it would be called one
+    let found = logged("early", 1.2e-3, &|_, time| time - 3e-4);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
     assert!(!found.story.iter().any(|line| line.contains("clock - offset")), "{:?}", found.story);
     assert!(clock(&found).is_some_and(|late| (late + 0.3).abs() < 0.1), "{:?}", found.notices);

@@ -22,7 +22,9 @@ pub enum Side {
     Clock,
     /// In the zeros of the plant log's angles: a nuisance, too.
     Zero,
-    /// In the camera's time stamps.
+    /// In the stamps of pictures, where they have a clock of their own: a nuisance in the place of a delay.
+    Stamps,
+    /// In the count of pictures.
     Count,
     /// In the scatter of the picture's signals.
     Scatter,
@@ -31,7 +33,7 @@ pub enum Side {
 impl Side {
     /// It is about the log and no part of the machine: cleared, told, and never named.
     pub fn is_of_log(self) -> bool {
-        matches!(self, Self::Clock | Self::Zero)
+        matches!(self, Self::Clock | Self::Zero | Self::Stamps)
     }
 }
 

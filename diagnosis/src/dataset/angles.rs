@@ -30,10 +30,28 @@ pub fn falling(manifest: &Manifest) -> [f64; 2] {
 
 /// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
-    let mut gaps: Vec<f64> = plant.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > FALLEN)
+}
+
+/// Median time between rows, s.
+pub fn typical_gap(log: &Table) -> Option<f64> {
+    let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
-    let typical = gaps.get(gaps.len() / 2).copied()?;
-    (typical * falling[0].max(falling[1]) > FALLEN).then_some(typical)
+    gaps.get(gaps.len() / 2).copied()
+}
+
+/// Makes cells of an angle that jump far from both their neighbours, which agree, not measured: the first such row, by how much
+/// it jumps (rad), and how many there are. No arm turns by a turn and a half and back between three rows.
+pub fn glitches(values: &mut [f64]) -> Option<(usize, (f64, usize))> {
+    let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
+    let jumps: Vec<(usize, f64)> = (rows.windows(3))
+        .map(|near| (near[1], [values[near[0]], values[near[1]], values[near[2]]]))
+        .filter(|(_, [before, _, after])| (after - before).abs() < 1.0)
+        .map(|(row, [before, here, _])| (row, here - before))
+        .filter(|(_, jump)| jump.abs() > 1.5 * TAU)
+        .collect();
+    jumps.iter().for_each(|(row, _)| values[*row] = f64::NAN);
+    jumps.first().map(|(row, jump)| (*row, (*jump, jumps.len())))
 }
 
 /// Makes an angle continuous where it jumps by whole turns; the first such row and how many there are. Only where all of it

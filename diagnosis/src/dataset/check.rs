@@ -1,7 +1,8 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
-use super::angles::{far_apart, in_degrees, unwrapped};
-use super::{Run, Table};
+use super::angles::{far_apart, glitches, in_degrees, typical_gap, unwrapped};
+use super::stamps::{self, Moved};
+use super::{Run, TORN, Table};
 use crate::error::Notice;
 
 /// A log with fewer rows says nothing after four start values were fitted.
@@ -13,8 +14,9 @@ const LATEST: f64 = 1e10;
 /// An arm that is below the horizontal in this share of the rows is not being balanced.
 const BELOW: f64 = 0.2;
 
-/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model.
-pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
+/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers
+/// which clock is known from the motion alone.
+pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", FEWEST_ROWS),
@@ -30,6 +32,18 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
     mask_invalid(run);
     let name = run.name.clone();
     let file = |file: &str| format!("{name}/{file}");
+    for angle in ["q1", "q2"] {
+        let Some(plant) = &mut run.plant else { continue };
+        let Some((row, found)) = plant.column_mut(angle).and_then(|values| glitches(values)) else {
+            continue;
+        };
+        let message = format!(
+            "{angle} jumps by {:.1e} rad and back ({} such rows, this is the first): taken as not measured",
+            found.0, found.1
+        );
+        notices.push(Notice { file: file("plant.csv"), line: plant.line[row], message });
+    }
+    let moved = stamps::joined(run, notices);
     if let Some(camera) = &run.camera {
         let centroids = ["u1", "v1", "u2", "v2", "u3", "v3"];
         if let Some(missing) = centroids.iter().find(|name| camera.column(name).is_none()) {
@@ -86,8 +100,17 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
             notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
             run.plant = None;
         } else if run.controller.is_none() {
+            let apart = typical_gap(plant).filter(|apart| *apart > TORN);
             let message = without_torque(run, commanded);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
+            if let Some(apart) = apart.filter(|_| run.controller.is_none() && run.camera.is_some()) {
+                let message = format!(
+                    "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({TORN} s or less \
+                     are needed); file put aside, poses are read off the picture"
+                );
+                notices.push(Notice { file: file("plant.csv"), line: 0, message });
+                run.plant = None;
+            }
         }
     }
     if let Some(plant) = &mut run.plant {
@@ -101,6 +124,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
             }
         }
     }
+    moved
 }
 
 /// Why a table can't be used whatever it holds, and in which line that shows.

@@ -6,12 +6,14 @@
 mod angles;
 mod check;
 mod manifest;
+mod stamps;
 mod table;
 
 pub use manifest::Manifest;
 pub use table::Table;
 
 use crate::error::{Error, Notice};
+use stamps::Moved;
 use std::path::{Path, PathBuf};
 
 /// Columns that `camera.csv` may hold: the camera's outputs.
@@ -23,6 +25,15 @@ pub const CAMERA_COLUMNS: &[&str] = &[
 pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
 /// Columns that `plant.csv` may hold.
 pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
+
+/// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
+/// cubic does.
+pub const TORN: f64 = 0.08;
+
+/// Torques from which on a log has a beginning and an end of its own.
+const MANY_TORQUES: usize = 12;
+/// So many of its usual steps a torque is held after its last row: the next one would have come by then.
+const HELD: f64 = 1.5;
 
 /// Links that touch may give way by this, or be logged a little off, rad.
 const TOUCHING: f64 = 0.2;
@@ -51,6 +62,18 @@ impl Run {
     }
 }
 
+impl Run {
+    /// From when to when the torque is known, s: from the first row of its log to when one should have followed the last. A few rows are
+    /// held as long as it takes, and no torque was before them.
+    pub fn driven(&self) -> (f64, f64) {
+        let log = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES);
+        let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        };
+        (log.time[0], log.time[log.len() - 1] + HELD * typical)
+    }
+}
+
 /// A data set, checked.
 #[derive(Debug, Clone)]
 pub struct DataSet {
@@ -62,8 +85,10 @@ pub struct DataSet {
     pub runs: Vec<Run>,
     /// What was put aside.
     pub notices: Vec<Notice>,
-    /// The clocks of plant logs were found to be off, each by a time of its own.
+    /// The clocks of plant logs were found to be off, by more than any actuator lags or each by a time of its own.
     pub clocks_apart: bool,
+    /// Nothing but the motion tells how late pictures are in some run: a delay of theirs can't be told from their clock.
+    pub pictures_apart: bool,
 }
 
 impl DataSet {
@@ -76,13 +101,16 @@ impl DataSet {
         let falling = angles::falling(&manifest);
         let mut notices = Vec::new();
         let mut runs = Vec::new();
+        let (mut clocks_apart, mut pictures_apart) = (false, false);
         for name in &manifest.runs {
             let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
             if path.join(name).is_dir() {
                 run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
                 run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
                 run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
-                check::run(&mut run, falling, &mut notices);
+                let moved = check::run(&mut run, falling, &mut notices);
+                clocks_apart |= moved == Some(Moved::Angles);
+                pictures_apart |= moved == Some(Moved::Pictures);
             } else {
                 notices.push(Notice { file: name.clone(), line: 0, message: "no such folder".into() });
             }
@@ -93,7 +121,7 @@ impl DataSet {
         if runs.is_empty() {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
-        Ok(Self { path: path.to_owned(), manifest, runs, notices, clocks_apart: false })
+        Ok(Self { path: path.to_owned(), manifest, runs, notices, clocks_apart, pictures_apart })
     }
 
     /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.

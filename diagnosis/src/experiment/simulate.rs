@@ -66,11 +66,12 @@ pub fn simulate(
     if camera.as_ref().is_some_and(Table::is_empty) {
         return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
     }
+    let often = prepared.logs.rate.unwrap_or_else(|| rate(like));
     let run = Run {
         name: "simulated".into(),
         camera,
         controller: Some(log.controller()?),
-        plant: if prepared.logs.encoders { Some(log.plant(&prepared.logs, rate(like))?) } else { None },
+        plant: if prepared.logs.encoders { Some(log.plant(&prepared.logs, often)?) } else { None },
     };
     let manifest =
         Manifest { runs: vec![run.name.clone()], noise: Default::default(), ..like.manifest.clone() };
@@ -80,12 +81,13 @@ pub fn simulate(
         runs: vec![run],
         notices: Vec::new(),
         clocks_apart: false,
+        pictures_apart: false,
     };
     Ok(Trial { data, motion: log.motion()? })
 }
 
 /// Rows of the plant's log per second, as in the runs that were made.
-fn rate(like: &DataSet) -> f64 {
+pub fn rate(like: &DataSet) -> f64 {
     let log = like.runs.iter().find_map(|run| run.plant.as_ref());
     let span =
         |log: &Table| log.time.last().copied().unwrap_or(0.0) - log.time.first().copied().unwrap_or(0.0);
@@ -150,7 +152,21 @@ impl Recorded {
 
     fn plant(&self, logs: &Logs, rate: f64) -> Result<Table, Error> {
         let rows = self.every(1.0 / rate);
-        self.table(&rows, "plant", if logs.torque { &["q1", "q2", "tau_applied"] } else { &["q1", "q2"] })
+        if !logs.torque {
+            return self.table(&rows, "plant", &["q1", "q2"]);
+        }
+        let mut log = self.table(&rows, "plant", &["q1", "q2", "tau_applied"])?;
+        // a row at the very time of a command may hold the torque before or after it, as a lab's clock will have it
+        let commands = self.controller()?.time;
+        let sure = |time: &f64| {
+            let next = commands.partition_point(|command| *command < time - ROUNDING);
+            commands.get(next).is_none_or(|command| *command > time + ROUNDING)
+        };
+        let sure: Vec<bool> = log.time.iter().map(sure).collect();
+        for (torque, sure) in log.column_mut("tau_applied").into_iter().flatten().zip(sure) {
+            *torque = if sure { *torque } else { f64::NAN };
+        }
+        Ok(log)
     }
 
     fn every(&self, interval: f64) -> Vec<usize> {

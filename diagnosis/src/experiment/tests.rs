@@ -64,6 +64,7 @@ fn every_entry_says_in_its_words_what_it_changes() {
             let named = match change {
                 Change::Log(super::catalogue::Log::Encoders) => says("joint angles") && says("encoders"),
                 Change::Log(super::catalogue::Log::Torque) => says("torque") && says("tau_applied"),
+                Change::Rate(often) => says(&format!("{often} times a second")),
                 Change::Desired(_) => says("z_desired"),
                 Change::Turned(_) => says("degrees") && says("camera.mount"),
                 Change::Hang => says("hang"),
@@ -86,13 +87,19 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         noise: BTreeMap::new(),
         runs: Vec::new(),
     };
-    let empty =
-        DataSet { path: ".".into(), manifest, runs: Vec::new(), notices: Vec::new(), clocks_apart: false };
+    let empty = DataSet {
+        path: ".".into(),
+        manifest,
+        runs: Vec::new(),
+        notices: Vec::new(),
+        clocks_apart: false,
+        pictures_apart: false,
+    };
     let units = scenarios::unit_path();
     let model = Model::load(&empty, &units).expect("cargo xtask pack was run");
     let mut scenario = model.scenario.clone();
     scenario.set_stop("15").expect("a time");
-    let logs = Logs { picture: true, encoders, torque: false };
+    let logs = Logs { picture: true, encoders, torque: false, rate: None };
     let prepared = Prepared { scenario, set: Vec::new(), logs, repeats: 1.0 };
     let hidden = [(hidden.0.to_owned(), hidden.1.to_owned())];
     (simulate(&prepared, &hidden, &empty, &units).expect("it runs").data, model)

@@ -4,8 +4,11 @@ use super::*;
 use crate::dataset::Run;
 use crate::selection::steadiness;
 
+const DELAY: &str = "camera.T_delay";
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
 pub(super) const MISSES: f64 = 3.0;
+/// Standard errors of the clock that a delay or an exposure must be larger than.
+const DOUBTED: f64 = 1.96;
 /// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
 const BLURRED: f64 = 2.0;
 
@@ -14,7 +17,8 @@ const BLURRED: f64 = 2.0;
 fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     let Compared { parts, point, .. } = compared;
     let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
-    let delay = list.iter().position(|candidate| candidate.name == "camera.T_delay")?;
+    let delay =
+        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
     let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
     let (by, error) =
         parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
@@ -31,7 +35,7 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
 fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)> {
     let late = |other: &&Alternative| other.candidate == delay && other.loss < CLASS;
     let (effect, by) = part.classes.iter().find_map(|(effect, class)| {
-        let own = ["camera.T_delay", "camera.E_t"].contains(&list[*effect].name);
+        let own = [DELAY, "camera.E_t"].contains(&list[*effect].name);
         let by = class.iter().find(late).map(|other| other.x - list[delay].off);
         own.then_some((*effect, by?))
     })?;
@@ -68,7 +72,7 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     let error = error.max(shift.abs());
     let twice = 2.0 * model.number("camera.omega_cam").unwrap_or(30.0);
     let of = |name, each: f64| place(name).map(|index| (index, each * error));
-    [of("camera.T_delay", 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
+    [of(DELAY, 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
 }
 
 /// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
@@ -84,6 +88,8 @@ pub(super) struct Clocks {
     common: f64,
     /// What is a run's own.
     own: Vec<f64>,
+    /// What is left of it, found beside all else.
+    left: f64,
     /// Of the runs that have such a log.
     names: Vec<Option<String>>,
     rounds: usize,
@@ -93,7 +99,7 @@ impl Clocks {
     pub(super) fn new(data: &DataSet) -> Self {
         let name = |run: &Run| run.plant.as_ref().map(|_| run.name.clone());
         let names = data.runs.iter().map(name).collect();
-        Self { common: 0.0, own: vec![0.0; data.runs.len()], names, rounds: 0 }
+        Self { common: 0.0, own: vec![0.0; data.runs.len()], left: 0.0, names, rounds: 0 }
     }
 
     /// Runs and the time by which their logs are late still, before anything else can be said.
@@ -113,7 +119,13 @@ impl Clocks {
 
     /// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and the
     /// camera early by the same time; a delay of either does only one of both.
-    pub(super) fn clear(self, list: &[Candidate], parts: &mut [Part], point: &mut [f64]) -> Vec<Notice> {
+    pub(super) fn clear(
+        &mut self,
+        model: &Model,
+        list: &[Candidate],
+        parts: &mut [Part],
+        point: &mut [f64],
+    ) -> Vec<Notice> {
         // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
         const SAME: f64 = 5e-4;
         const CLOSE: f64 = 0.1;
@@ -124,24 +136,32 @@ impl Clocks {
             late = point[clock];
             gone.push(clock);
         }
+        if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+            gone.push(stamps);
+        }
         if let Some((shown, by)) = early(list, parts, point) {
             // one that was found, that is: nothing is the same as a clock that is off by less than SAME
             let found = |index: &usize| point[*index] != list[*index].off;
             let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
             let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
             // an exposure may well be shorter than it is said to be, but no result comes before its picture
-            if actuator.is_some() || list[shown].name == "camera.T_delay" {
+            if actuator.is_some() || list[shown].name == DELAY {
                 late = if late == 0.0 { by } else { late };
                 gone.push(shown);
                 gone.extend(actuator);
             }
         }
+        // what is no larger than the clock may be off
+        let within =
+            |(index, error): &(usize, f64)| (point[*index] - list[*index].off).abs() < DOUBTED * error;
+        gone.extend(doubts(model, list, parts).iter().filter(|doubt| within(doubt)).map(|doubt| doubt.0));
         for index in &gone {
             point[*index] = list[*index].off;
         }
         for part in parts {
             part.classes.retain(|(index, _)| !gone.contains(index));
         }
+        self.left = late;
         self.told(self.common + late)
     }
 
@@ -150,9 +170,13 @@ impl Clocks {
         let late = self.own.iter().zip(&self.names).filter(|(_, name)| name.is_some());
         let late: Vec<f64> = late.map(|(own, _)| 1e3 * (self.common + own)).collect();
         let told = late.iter().map(|late| format!("{late:.2}")).collect::<Vec<_>>().join(", ");
+        let more = match 1e3 * self.left {
+            0.0 => String::new(),
+            left => format!(" What was left of that, {left:.2} ms, was found beside all else."),
+        };
         let back = late.iter().any(|late| *late != 0.0);
         back.then(|| {
-            format!("First the plant's logs were set back to the other logs' clock, run by run by {told} ms.")
+            format!("First the plant's logs were set back to the other logs' clock, run by run by {told} ms.{more}")
         })
     }
 
@@ -207,7 +231,8 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
 
 /// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
 fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
-    let delay = list.iter().position(|candidate| candidate.name == "camera.T_delay")?;
+    let delay =
+        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
     if point[delay] < 0.0 {
         return Some((delay, -point[delay]));
     }

@@ -30,6 +30,9 @@ use plant::plant_part;
 use std::path::Path;
 use std::sync::Arc;
 
+/// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
+const ANY: f64 = 0.06;
+
 /// What a user may choose.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -70,16 +73,25 @@ pub fn diagnose(
     let mut data = DataSet::load(path)?;
     let model = Model::load(&data, units)?;
     let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
-    if data.runs.iter().any(|run| run.camera.is_some()) {
+    let seen = data.runs.iter().any(|run| run.camera.is_some());
+    if seen {
         // the picture has a mount of its own, and knows the angles
         list.retain(|candidate| candidate.side != Side::Zero);
-    } else {
+    }
+    if data.pictures_apart {
+        let delay = list.iter_mut().filter(|candidate| candidate.name == "camera.T_delay");
+        delay.for_each(|delay| delay.side = Side::Stamps);
+    }
+    if !seen || data.pictures_apart {
         // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
         // within what stamps scatter by
         let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
         let scatter = logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
         let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
         clocks.for_each(|clock| clock.range.1 = clock.range.1.min(scatter));
+    }
+    if data.clocks_apart {
+        trust_no_clock(&mut list);
     }
     let mut list = Arc::new(list);
     let mut notices = data.notices.clone();
@@ -91,9 +103,7 @@ pub fn diagnose(
         late.iter().for_each(|(run, late)| data.set_back(*run, *late));
         if clocks.apart() {
             data.clocks_apart = true;
-            let clocks =
-                Arc::make_mut(&mut list).iter_mut().filter(|candidate| candidate.side == Side::Clock);
-            clocks.for_each(|clock| clock.range.1 = -clock.range.0);
+            trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut list));
         }
         compared = compare(&data, &model, &list, options, tell)?;
     }
@@ -102,12 +112,17 @@ pub fn diagnose(
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
-    let first = clocks.story();
-    notices.extend(clocks.clear(&list, &mut parts, &mut point));
+    notices.extend(clocks.clear(&model, &list, &mut parts, &mut point));
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
     let mut diagnosis = conclude(&data, &model, &list, &parts, &point, notices, units)?;
-    diagnosis.story.splice(0..0, first);
+    diagnosis.story.splice(0..0, clocks.story());
     Ok(diagnosis)
+}
+
+/// Lets logs be late by as much as any other, where their clocks are known to be off.
+fn trust_no_clock(list: &mut [Candidate]) {
+    let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
+    clocks.for_each(|clock| clock.range = (-ANY, ANY));
 }
 
 /// All cuts of a data set.

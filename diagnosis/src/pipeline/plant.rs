@@ -52,7 +52,7 @@ pub(super) fn plant_part(
         None => {
             let alone = part(&mut rows, list, point, &start, true, tell)?;
             let seen = data.runs.iter().any(|run| run.camera.is_some());
-            if seen && !data.clocks_apart && could_be_the_actuator(&alone, list) {
+            if seen && !data.clocks_apart && !data.pictures_apart && could_be_the_actuator(&alone, list) {
                 rows.trust_clock();
                 part(&mut rows, list, point, &start, true, tell)?
             } else {

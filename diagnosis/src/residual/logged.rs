@@ -3,15 +3,14 @@
 //! A cubic spline through the rows: nothing is smoothed, so that what is known of the motion is what is known of a row.
 
 use super::trajectory::{Motion, State};
-use crate::dataset::Run;
+use crate::dataset::{Run, TORN};
 
-/// Rows further apart than this tear the motion, s: a machine that falls at 7 1/s goes where no cubic does.
-const TORN: f64 = 0.08;
 /// Fewest rows of a stretch.
 const FEWEST: usize = 6;
 
 /// The motion of a run as its encoders have it, and how well it is known (rad): what rows scatter by about the cubic through
-/// their neighbours, which holds noise and what a spline misses. `None` without angles close enough to each other.
+/// their neighbours, which holds noise and what a spline misses. `None` without angles close enough to each other, or where they
+/// cover no picture.
 pub fn motion(run: &Run) -> Option<(Motion, f64)> {
     let log = run.plant.as_ref()?;
     let (q1, q2) = (log.column("q1")?, log.column("q2")?);
@@ -40,7 +39,9 @@ pub fn motion(run: &Run) -> Option<(Motion, f64)> {
         let states = stretch.iter().enumerate().map(state).collect();
         (times, states)
     };
-    Some((Motion { stretches: stretches.iter().map(splined).collect() }, sigma))
+    let motion = Motion { stretches: stretches.iter().map(splined).collect() };
+    let pictures = run.camera.iter().flat_map(|log| &log.time);
+    pictures.into_iter().any(|time| motion.at(*time).is_some()).then_some((motion, sigma))
 }
 
 /// How far rows lie from the cubic through the two on either side, in standard deviations of a row's own noise.

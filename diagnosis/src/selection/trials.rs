@@ -19,6 +19,9 @@ const FURTHER: f64 = 2.5;
 /// By how much a clock that is off must explain more than an effect whose column looks like its own: forwards it looks just
 /// like a delay.
 const HANDICAP: f64 = 10.0;
+/// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
+/// windows by more than their columns say.
+const DOUBTED: f64 = 0.3;
 const ALIKE: f64 = 0.8;
 /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
 /// that no candidate gives (with much data anything becomes significant there).
@@ -70,7 +73,9 @@ impl Trials<'_> {
         for hit in shortlist {
             self.fit(cut, hit, &mut trials);
         }
-        self.handicap(&mut trials, if cut.doubts_clock() { -HANDICAP } else { HANDICAP });
+        let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
+        let doubted = cut.doubts_clock();
+        self.handicap(&mut trials, if doubted { -HANDICAP.max(DOUBTED * most) } else { HANDICAP });
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
         let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < large);

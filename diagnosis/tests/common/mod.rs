@@ -67,6 +67,11 @@ pub fn recorded(name: &str, set: &[(&str, &str)]) -> Folder {
 
 /// As `recorded`, along another z_desired than the shipped one.
 pub fn recorded_along(name: &str, points: &str, set: &[(&str, &str)]) -> Folder {
+    logged_along(name, points, set, false)
+}
+
+/// As `recorded_along`; with the torque logged, too (0.01 N·m), 200 times a second where `torque`.
+pub fn logged_along(name: &str, points: &str, set: &[(&str, &str)], torque: bool) -> Folder {
     let shipped = std::fs::read_to_string(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
     let text = shipped.replace("[[0, 0], [2, 0], [12, 0.5], [15, 0.5], [25, 0], [30, 0]]", points);
     let folder = Folder::new(name);
@@ -80,12 +85,16 @@ pub fn recorded_along(name: &str, points: &str, set: &[(&str, &str)]) -> Folder 
         let mut simulation = Simulation::new(&scenario, &units()).expect("cargo xtask pack was run");
         let mut memory = MemoryRecorder::new();
         simulation.run(&mut memory, &mut Quiet).expect("it runs");
-        write_run(&folder, run, &memory);
+        write_run(&folder, run, &memory, torque);
+    }
+    if torque {
+        let noise = manifest(2).replace("[noise]", "[noise]\n\"plant.tau_applied\" = 0.01");
+        folder.put("dataset.toml", &noise);
     }
     folder
 }
 
-fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder) {
+fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder, torque: bool) {
     let series = |name: &str| memory.series(name).expect("all outputs are recorded").to_vec();
     let names = ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid"];
     let seen: Vec<Vec<f64>> = names.iter().map(|name| series(&format!("camera.{name}"))).collect();
@@ -93,16 +102,22 @@ fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder) {
         (series("camera.frame"), series("controller.tau"), series("plant.q1"), series("plant.q2"));
     let mut random = Random::new(run);
     let mut camera = format!("time,{}\n", names.join(","));
-    let (mut controller, mut plant) = ("time,tau\n".to_owned(), "time,q1,q2\n".to_owned());
+    let head = if torque { "time,q1,q2,tau_applied\n" } else { "time,q1,q2\n" };
+    let (mut controller, mut plant) = ("time,tau\n".to_owned(), head.to_owned());
+    let applied = series("plant.tau_applied");
     for (row, time) in memory.times().iter().enumerate() {
         if row == 0 || frame[row] != frame[row - 1] {
             let cells: Vec<String> = seen.iter().map(|column| column[row].to_string()).collect();
             let _ = writeln!(camera, "{time},{}", cells.join(","));
             let _ = writeln!(controller, "{time},{}", tau[row]);
         }
-        if row % 20 == 0 {
+        if row % if torque { 3 } else { 20 } == 0 {
             let (a, b) = (q1[row] + 2e-4 * random.normal(), q2[row] + 2e-4 * random.normal());
-            let _ = writeln!(plant, "{time},{a},{b}");
+            let _ = write!(plant, "{time},{a},{b}");
+            if torque {
+                let _ = write!(plant, ",{}", applied[row] + 0.01 * random.normal());
+            }
+            plant.push('\n');
         }
     }
     folder.put(&format!("run-{run:02}/camera.csv"), &camera);

@@ -261,7 +261,8 @@ impl Cut for ImageCut {
 
     fn sees(&self, candidate: &Candidate) -> bool {
         let free = !matches!(self.pose, Pose::Logged(..));
-        candidate.side == Side::Camera && !(free && candidate.name == "camera.T_delay")
+        let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
+        seen && !(free && candidate.name == "camera.T_delay")
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {

@@ -111,7 +111,11 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     // only an actuator has a past that must fill up
     let before = if steered(run) { PREROLL } else { 0.0 };
     let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
-    let usable = thinned(&plant.time, usable);
+    // rows before the first torque may start a window, and say nothing else
+    let (begin, end) = run.driven();
+    let earliest = plant.time[usable[0]].max(begin - PREROLL);
+    let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
+    let usable = thinned(&plant.time, usable.into_iter().filter(driven).collect());
     let mut from = 0;
     while from < usable.len() {
         let begin = plant.time[usable[from]];
@@ -125,7 +129,6 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
         let rows = usable[from..to].to_vec();
         if rows.len() >= 6 {
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
-            let earliest = plant.time[usable[0]];
             let start = (begin - before).max(earliest);
             let end = times[times.len() - 1];
             let edges: Vec<f64> =

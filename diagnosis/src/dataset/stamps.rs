@@ -1,0 +1,174 @@
+//! Logs of a run whose stamps have nothing to do with each other: an epoch here, a stopwatch there.
+//!
+//! Encoders and pictures show the same motion. Where their stamps disagree by more than any camera is late, the shift at which both
+//! motions agree sets them to one time, to some milliseconds; what is left is a matter of the residuals.
+
+use super::angles::unwrapped;
+use super::{MANY_TORQUES, Run, Table};
+use crate::error::Notice;
+
+/// Pictures that are late by this much against the encoders are late, and not stamped by another clock, s.
+const LATE: (f64, f64) = (-0.05, 1.0);
+/// Step of the search, s, and of its end.
+const STEP: f64 = 0.02;
+const FINE: f64 = 0.002;
+/// Rows that are compared in the search.
+const ROWS: usize = 300;
+/// Share of the motion that may be left where two logs agree: lenses bend, encoders slip.
+const AGREES: f64 = 0.2;
+/// So many times more must be left at any other time, or a motion that repeats itself would fit anywhere.
+const CLEARLY: f64 = 3.0;
+
+/// What was set right by the motion, and is known by it alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moved {
+    /// The plant's log: a torque that is stamped as pictures are can still tell.
+    Angles,
+    /// The pictures.
+    Pictures,
+}
+
+/// Sets the logs of a run to one time, or puts aside what has none in common with the others.
+pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
+    let moved = pictures(run, notices);
+    let others = [("plant.csv", &run.plant), ("camera.csv", &run.camera)];
+    let other = others.into_iter().find_map(|(file, log)| log.as_ref().map(|log| (file, span(log))));
+    if let (Some(torque), Some((file, (from, to)))) = (&run.controller, other) {
+        let (first, last) = span(torque);
+        if torque.len() >= MANY_TORQUES && (last < from || first > to) {
+            let message = format!(
+                "time runs from {first} to {last} s, in {file} from {from} to {to} s: stamped by another clock? Nothing shows \
+                 by how much it is off; file put aside"
+            );
+            notices.push(Notice { file: format!("{}/controller.csv", run.name), line: 0, message });
+            run.controller = None;
+        }
+    }
+    moved
+}
+
+fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
+    let (plant, camera) = (run.plant.as_ref()?, run.camera.as_ref()?);
+    if plant.is_empty() || camera.is_empty() {
+        return None;
+    }
+    let (logged, seen) = (span(plant), span(camera));
+    let apart = logged.1 < seen.0 - LATE.1 || logged.0 > seen.1 - LATE.0;
+    // a torque goes with the log that it began and ended with
+    let torque = run.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES).map(span);
+    let beside = |log: (f64, f64), torque: (f64, f64)| (log.0 - torque.0).abs() + (log.1 - torque.1).abs();
+    let keeps_plant = torque.is_some_and(|torque| beside(logged, torque) < beside(seen, torque));
+    let file = if keeps_plant { "camera.csv" } else { "plant.csv" };
+    let mut tell = |message| notices.push(Notice { file: format!("{}/{file}", run.name), line: 0, message });
+    let Some(late) = shift(plant, camera, apart) else {
+        if apart {
+            tell(format!(
+                "pictures are stamped {} to {} s, angles {} to {} s, and their motions agree at no shift in between: two clocks, \
+                 or two runs? File put aside",
+                seen.0, seen.1, logged.0, logged.1
+            ));
+            *(if keeps_plant { &mut run.camera } else { &mut run.plant }) = None;
+        }
+        return None;
+    };
+    if late == 0.0 {
+        return None;
+    }
+    let (by, log) = if keeps_plant { (late, &mut run.camera) } else { (-late, &mut run.plant) };
+    tell(format!(
+        "stamped {:.2} s {} against {}: set right by the motion that both show",
+        by.abs(),
+        if by > 0.0 { "late" } else { "early" },
+        if keeps_plant { "plant.csv" } else { "camera.csv" }
+    ));
+    log.iter_mut().flat_map(|log| &mut log.time).for_each(|time| *time -= by);
+    // without a torque there is no third clock, and it is the same which one is moved
+    Some(if keeps_plant || torque.is_none() { Moved::Pictures } else { Moved::Angles })
+}
+
+fn span(log: &Table) -> (f64, f64) {
+    let end = |time: Option<&f64>| time.copied().unwrap_or(f64::NAN);
+    (end(log.time.first()), end(log.time.last()))
+}
+
+/// By how much pictures are stamped late, s: 0 where stamps agree as they are or motions are too small to tell, `None` where
+/// nothing agrees.
+fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
+    let seen = directions(camera);
+    let logged = angles(plant);
+    let thin: Vec<_> = seen.iter().step_by(seen.len().div_ceil(ROWS).max(1)).copied().collect();
+    let least = |from: f64, to: f64, step: f64, rows: &[(f64, [f64; 2])]| {
+        let tries = (0..=((to - from) / step) as usize).map(|place| from + place as f64 * step);
+        tries.map(|late| (left(&logged, rows, late), late)).min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let now = least(LATE.0, LATE.1, STEP, &thin)?.0;
+    if now < AGREES || logged.is_empty() {
+        return Some(0.0);
+    }
+    let (from, to) = (camera.time[0] - span(plant).1, span(camera).1 - plant.time[0]);
+    let best = least(from, to, STEP, &thin)?;
+    let near = 10.0 * STEP;
+    let others = [least(from, best.1 - near, STEP, &thin), least(best.1 + near, to, STEP, &thin)];
+    let second = others.into_iter().flatten().fold(now, |second, other| second.min(other.0));
+    let clear = best.0 < AGREES && best.0 * CLEARLY < second;
+    let (_, fine) = least(best.1 - STEP, best.1 + STEP, FINE, &seen)?;
+    let bottom = [-FINE, 0.0, FINE].map(|by| left(&logged, &seen, fine + by).powi(2));
+    // of the parabola through three points
+    let bend = bottom[0] - 2.0 * bottom[1] + bottom[2];
+    let by = if bend > 0.0 { 0.5 * FINE * (bottom[0] - bottom[2]) / bend } else { 0.0 };
+    if clear { Some(fine + by.clamp(-FINE, FINE)) } else { (!apart).then_some(0.0) }
+}
+
+/// Times, and directions of the links as a picture shows them, but for a mount that turns all of them, rad.
+fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
+    let cell = |column: &str, row: usize| camera.column(column).map_or(f64::NAN, |values| values[row]);
+    let link = |row: usize, [ua, va, ub, vb]: [&str; 4]| {
+        libm::atan2(cell(ub, row) - cell(ua, row), cell(vb, row) - cell(va, row))
+    };
+    let links = [["u1", "v1", "u2", "v2"], ["u2", "v2", "u3", "v3"]];
+    rows(camera, links.map(|names| (0..camera.len()).map(|row| link(row, names)).collect()))
+}
+
+fn angles(plant: &Table) -> Vec<(f64, [f64; 2])> {
+    let column = |name: &str| plant.column(name).map_or_else(|| vec![f64::NAN; plant.len()], <[f64]>::to_vec);
+    rows(plant, ["q1", "q2"].map(column))
+}
+
+fn rows(log: &Table, mut pair: [Vec<f64>; 2]) -> Vec<(f64, [f64; 2])> {
+    for values in &mut pair {
+        unwrapped(values);
+    }
+    let row = |row: usize| (log.time[row], [pair[0][row], pair[1][row]]);
+    (0..log.len()).map(row).filter(|(_, pair)| pair.iter().all(|angle| angle.is_finite())).collect()
+}
+
+/// Share of the motion in the picture that is left beside the log, were the picture so late; infinite where less than half of
+/// the shorter log has a counterpart.
+fn left(logged: &[(f64, [f64; 2])], seen: &[(f64, [f64; 2])], late: f64) -> f64 {
+    let mut both: Vec<[[f64; 2]; 2]> = Vec::with_capacity(seen.len());
+    for (time, directions) in seen {
+        let next = logged.partition_point(|row| row.0 <= time - late);
+        if next == 0 || next == logged.len() {
+            continue;
+        }
+        let (before, after) = (&logged[next - 1], &logged[next]);
+        let share = (time - late - before.0) / (after.0 - before.0);
+        let angle = |i: usize| before.1[i] + share * (after.1[i] - before.1[i]);
+        both.push([*directions, [angle(0), angle(1)]]);
+    }
+    let length = |rows: &[(f64, [f64; 2])]| rows.last().map_or(0.0, |last| last.0 - rows[0].0);
+    let enough = (length(logged) / length(seen)).min(1.0) * 0.5 * seen.len() as f64;
+    if both.len() < 12 || (both.len() as f64) < enough {
+        return f64::INFINITY;
+    }
+    let spread = |value: &dyn Fn(&[[f64; 2]; 2]) -> f64| {
+        let mean = both.iter().map(value).sum::<f64>() / both.len() as f64;
+        both.iter().map(|row| (value(row) - mean).powi(2)).sum::<f64>()
+    };
+    let (mut rest, mut motion) = (0.0, 0.0);
+    for angle in 0..2 {
+        rest += spread(&|row| row[0][angle] - row[1][angle]);
+        motion += spread(&|row| row[0][angle]);
+    }
+    (rest / motion).sqrt()
+}

@@ -66,6 +66,9 @@ pub struct Diagnose {
     /// An effect that is not to be named; may be given several times.
     #[arg(long, value_name = "UNIT.VARIABLE")]
     pub without: Vec<String>,
+    /// Folder of an earlier diagnosis of the same machine, before an experiment: what it told apart counts, too.
+    #[arg(long, value_name = "DIR")]
+    pub after: Option<PathBuf>,
     /// Folder for the results, made if it is missing [default: out/diagnose-DATASET].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -31,6 +31,14 @@ pub enum Error {
         /// Why each file was put aside.
         notices: Vec<Notice>,
     },
+    /// An earlier diagnosis can't be read.
+    #[error("{}: {problem}; wanted is what `acroscope diagnose` wrote", path.display())]
+    Earlier {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// A unit of the nominal model failed, or something of ours did.
     #[error("nominal model: {0}")]
     Model(String),

@@ -7,7 +7,7 @@
 //! 4. [`selection`] names, one effect at a time, with the [`statistics`] that keep it honest.
 //! 5. [`rest`] says whether what remains is noise, `imitation` whether names only stand for something else, [`gap`] how far it closed, [`amend`] writes the better model.
 //! 6. [`correction`] fits labelled torques to a rest that has no name, for the residual unit.
-//! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses.
+//! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
 
 pub mod amend;
 pub mod bench;
@@ -16,6 +16,7 @@ pub mod correction;
 pub mod counting;
 pub mod dataset;
 mod diagnosis;
+mod earlier;
 mod error;
 mod experiment;
 pub mod gap;
@@ -32,5 +33,6 @@ mod story;
 mod write;
 
 pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
+pub use earlier::Earlier;
 pub use error::{Error, Notice};
 pub use pipeline::{Options, diagnose};

@@ -74,14 +74,14 @@ def _manifest(out, rows):
     text = ["# Sets made here, and extra arguments that a diagnosis of each has to be given."]
     file = Path(out) / "manifest.toml"
     known = {r["dir"]: r["args"] for r in tomllib.loads(file.read_text()).get("set", [])} if file.exists() else {}
-    known |= {name: ["--without", "camera.k2"] if part == "unknown" else [] for name, part in rows}
+    known |= {name: (["--without", "camera.k2"] if part == "unknown" else []) + more for name, part, more in rows}
     for name, args in sorted(known.items()):
         text += ["", "[[set]]", f'dir = "{name}"', f"args = {json.dumps(args)}"]
     file.write_text("\n".join(text) + "\n")
 
 
 def _made(spec, args):
-    return parts.make(spec, args.out, args.answers, args.salt), spec.part
+    return parts.make(spec, args.out, args.answers, args.salt), spec.part, []
 
 
 def _apart(args):
@@ -90,7 +90,7 @@ def _apart(args):
         raise SystemExit(f"--answers {answers} lies inside --out {out}: the diagnosis would see it")
 
 
-def _write_all(specs, args, jobs=1):
+def _write_all(specs, args, jobs=1, earlier=()):
     _apart(args)
     start, rows = time.time(), []
     if jobs > 1:
@@ -101,6 +101,7 @@ def _write_all(specs, args, jobs=1):
     else:
         for spec in specs:
             rows.append(_made(spec, args))
+    rows = [(*row[:2], ["--after", str(folder)]) for row, folder in zip(rows, earlier)] if earlier else rows
     _manifest(args.out, rows)
     print(f"{len(rows)} sets in {time.time() - start:.1f} s -> {args.out}")
 
@@ -165,7 +166,7 @@ def _diagnose(args):
 
 
 def _follow(args):
-    specs = []
+    specs, earlier = [], []
     for file in sorted(Path(args.truths).glob("*/answer.toml")):
         answer = tomllib.loads(file.read_text())
         found = Path(args.diagnoses) / file.parent.name / "diagnosis.json"
@@ -177,7 +178,8 @@ def _follow(args):
             print(f"{file.parent.name}: no experiment understood in {proposal!r}")
         else:
             specs.append(spec)
-    _write_all(specs, args)
+            earlier.append(found.parent.resolve())
+    _write_all(specs, args, earlier=earlier)
 
 
 def main(argv=None):

@@ -2,7 +2,7 @@
 
 use crate::cli::Diagnose;
 use crate::error::Error;
-use diagnosis::{Diagnosis, Options, Verdict};
+use diagnosis::{Diagnosis, Earlier, Options, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,8 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     // Before the work, so that a folder that can't be made costs no minute.
     std::fs::create_dir_all(&out).map_err(Error::file(&out))?;
     let spinner = spinner(quiet);
-    let options = Options { without: arguments.without.clone(), ..Options::default() };
+    let earlier = arguments.after.as_deref().map(Earlier::load).transpose()?;
+    let options = Options { without: arguments.without.clone(), earlier, ..Options::default() };
     let units = scenarios::unit_path();
     let mut tell = |stage: &str| spinner.set_message(stage.to_owned());
     let diagnosis = diagnosis::diagnose(&arguments.dataset, &units, &options, &mut tell);
@@ -92,6 +93,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             [] => tell!("next experiment: {}", next.what),
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
+        tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
     }
     tell!("the report is {}", out.join("report.html").display());
 }

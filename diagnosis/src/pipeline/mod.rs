@@ -12,6 +12,7 @@ mod plant;
 use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
 use crate::dataset::{DataSet, Table};
 use crate::diagnosis::Diagnosis;
+use crate::earlier::Earlier;
 use crate::error::{Error, Notice};
 use crate::model::Model;
 use crate::residual::image::Noise;
@@ -40,11 +41,13 @@ pub struct Options {
     pub without: Vec<String>,
     /// Most frames that are compared.
     pub frames: usize,
+    /// What is known of the machine from other data.
+    pub earlier: Option<Earlier>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), frames: 2400 }
+        Self { without: Vec::new(), frames: 2400, earlier: None }
     }
 }
 
@@ -114,9 +117,25 @@ pub fn diagnose(
     }
     notices.extend(clocks.clear(&model, &list, &mut parts, &mut point));
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
+    let known = remembered(options, &list, &mut parts);
     let mut diagnosis = conclude(&data, &model, &list, &parts, &point, notices, units)?;
     diagnosis.story.splice(0..0, clocks.story());
+    diagnosis.story.extend(known);
     Ok(diagnosis)
+}
+
+/// Weighs all classes with what an earlier diagnosis said; in words.
+fn remembered(options: &Options, list: &[Candidate], parts: &mut [Part]) -> Vec<String> {
+    let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
+    let known = |(effect, class): &mut (usize, Vec<Alternative>)| {
+        let known = options.earlier.as_ref()?.weigh(list, class)?;
+        Some(format!(
+            "The earlier diagnosis left {} open where {} was found here: both count.",
+            known.join(" or "),
+            list[*effect].name
+        ))
+    };
+    classes.filter_map(known).collect()
 }
 
 /// Lets logs be late by as much as any other, where their clocks are known to be off.

@@ -36,6 +36,7 @@ class Setting:
     velocity_nominal: bool = True
     turned: bool = False  # camera mounted turned by 90 degrees (nominal, in [set])
     exposure: float = 0.01  # nominal E_t
+    often: bool = False  # the plant is logged 200 times a second whatever the rig; the table of MDEs knows no difference
 
     @property
     def key(self):
@@ -54,7 +55,7 @@ class Setting:
 
     @property
     def plant_rate(self):
-        return PLANT_RATE[self.rig]
+        return 200.0 if self.often else PLANT_RATE[self.rig]
 
     def nominal(self):
         """(plant, camera) as the data set's [set] declares them."""

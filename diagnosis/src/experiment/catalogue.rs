@@ -34,6 +34,8 @@ pub enum Rig {
 pub enum Change {
     /// A signal is logged that was not.
     Log(Log),
+    /// Angles and torque are logged so many times a second, or oftener as before.
+    Rate(f64),
     /// Another z_desired.
     Desired(Profile),
     /// A parameter times a factor.
@@ -93,7 +95,7 @@ const RAMP: Profile = Profile::Points(&[(0.0, 0.0), (1.0, 0.0), (6.0, 0.45), (14
 const SWING: Profile = Profile::Sweep { size: 0.2, from: 0.08, to: 0.5 };
 const FAST_SWING: Profile = Profile::Sweep { size: 0.12, from: 0.3, to: 0.9 };
 
-use Change::{Desired, Hang, Plus, Times, Turned};
+use Change::{Desired, Hang, Plus, Rate, Times, Turned};
 
 /// No experiment but the control of the predictions: what the data at hand should have told.
 pub const AGAIN: Experiment =
@@ -120,5 +122,6 @@ pub const CATALOGUE: &[Experiment] = &[
     Experiment { name: "hanging down", rig: Rig::Pinned, cost: 2, changes: &[Hang], what: "Let the arm hang down: start at rest and drive it with a sum of sines from 0.2 to 3 Hz." },
     Experiment { name: "joint angles logged", rig: Rig::Any, cost: 3, changes: &[Change::Log(Log::Encoders)], what: "Log the joint angles by encoders (or motion capture) beside the picture and repeat the runs." },
     Experiment { name: "torque logged", rig: Rig::Any, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders and repeat the runs." },
+    Experiment { name: "torque logged often", rig: Rig::Any, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders), Rate(200.0)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders, 200 times a second, and repeat the runs." },
     Experiment { name: "torque logged, faster steps", rig: Rig::Rolling, cost: 4, changes: &[Change::Log(Log::Torque), Change::Log(Log::Encoders), Desired(FAST)], what: "Log the applied torque (tau_applied) together with the joint angles by encoders, and make faster steps of z_desired: up to 0.4, each in 0.8 s." },
 ];

@@ -1,8 +1,8 @@
 //! The data of a simulated experiment, cut at the interfaces as in any diagnosis.
 
-use super::Question;
 use super::scenario::Logs;
 use super::simulate::Trial;
+use super::{Member, Question};
 use crate::candidates::{Candidate, Motion, Side};
 use crate::dataset::{DataSet, Table};
 use crate::error::Error;
@@ -11,7 +11,7 @@ use crate::residual::chain::Chain;
 use crate::residual::image::{ImageCut, Pose};
 use crate::residual::plant::PlantCut;
 use crate::residual::trajectory::{PREROLL, State};
-use crate::residual::{Cut, Probe};
+use crate::residual::{Block, Cut, Probe};
 use crate::statistics::linear::{Reduced, reduce};
 use std::sync::Arc;
 
@@ -88,14 +88,31 @@ impl<'a> Cuts<'a> {
         Probe { candidate, by }
     }
 
+    /// What moves a torque in time, by its whole size, with the place among the probes.
+    fn late(&self, point: &[f64], probes: &[Probe]) -> Vec<(usize, Probe)> {
+        let size = |member: &Member| member.x - self.list[member.candidate].off;
+        let whole = |(place, probe): (usize, &Probe)| {
+            let member = self.question.members.iter().find(|member| member.candidate == probe.candidate)?;
+            let (here, x) = (&self.list[probe.candidate], point[probe.candidate]);
+            let late = self.logs.torque && here.side == Side::Plant && here.steps.len() > 1;
+            let by = if x == here.off { size(member) } else { here.off - x };
+            late.then_some((place, Probe { by, ..*probe }))
+        };
+        probes.iter().enumerate().filter_map(whole).collect()
+    }
+
     /// What is left of all rows at a point, with the nuisances projected out, under the noise that the logs have.
     ///
     /// # Errors
     /// A unit failed.
     pub fn reduced(&mut self, point: &[f64], probes: &[Probe]) -> Result<Reduced, Error> {
         let mut sum = Reduced::zero(probes.len());
+        let late = self.late(point, probes);
         for (cut, share) in &mut self.all {
             let mut blocks = cut.linearise(point, probes, false)?;
+            if !late.is_empty() {
+                torque_columns(cut.as_mut(), point, &late, &mut blocks)?;
+            }
             // the actuator's past is not known where a log begins, and that is no way to learn of a delay
             let begin = blocks.iter().map(|block| block.from).fold(f64::INFINITY, f64::min);
             blocks.retain(|block| block.from > begin + PREROLL);
@@ -111,6 +128,27 @@ impl<'a> Cuts<'a> {
         }
         Ok(sum)
     }
+}
+
+/// Columns of the logged torque by whole sizes: a torque that jumps has no tangent.
+fn torque_columns(
+    cut: &mut dyn Cut,
+    point: &[f64],
+    late: &[(usize, Probe)],
+    blocks: &mut [Block],
+) -> Result<(), Error> {
+    let whole: Vec<Probe> = late.iter().map(|(_, probe)| *probe).collect();
+    let torque = cut.signals().iter().position(|signal| signal.name == "plant.tau_applied");
+    let other = cut.linearise(point, &whole, true)?;
+    let cells = other.iter().flat_map(|block| &block.cells);
+    for (cell, other) in blocks.iter_mut().flat_map(|block| &mut block.cells).zip(cells) {
+        for row in (0..cell.signal.len()).filter(|row| Some(cell.signal[*row]) == torque) {
+            for (from, (to, _)) in late.iter().enumerate() {
+                cell.columns[(row, *to)] = other.columns[(row, from)];
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Angles as they are read off the frames: where only the plant is in question, what else the picture shows needs no

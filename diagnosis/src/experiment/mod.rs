@@ -223,5 +223,6 @@ fn text(question: &Question<'_>, entry: &Experiment) -> Result<String, Error> {
     log.extend(logs.picture.then_some("the camera's centroids and areas"));
     log.extend(logs.encoders.then_some("plant.q1, plant.q2"));
     log.extend(logs.torque.then_some("plant.tau_applied"));
-    Ok(format!("# Next experiment: {}\n# Log: {}.\n{resolved}", entry.what, log.join("; ")))
+    let often = logs.rate.map_or_else(String::new, |rate| format!(" ({rate} times a second)"));
+    Ok(format!("# Next experiment: {}\n# Log: {}{often}.\n{resolved}", entry.what, log.join("; ")))
 }

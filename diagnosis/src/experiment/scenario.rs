@@ -2,6 +2,7 @@
 
 use super::catalogue::{Change, Experiment, LENGTH, Log, Profile, Rig};
 use super::motion::{self, Tables};
+use super::simulate::rate;
 use crate::dataset::DataSet;
 use crate::error::Error;
 use crate::model::Model;
@@ -9,7 +10,7 @@ use orchestrator::scenario::{Placed, Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Scenario};
 
 /// Which logs there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
     /// Centroids and areas.
     pub picture: bool,
@@ -17,6 +18,8 @@ pub struct Logs {
     pub encoders: bool,
     /// `tau_applied`.
     pub torque: bool,
+    /// Rows of angles and torque a second; `None`: as in the runs that were made.
+    pub rate: Option<f64>,
 }
 
 impl Logs {
@@ -26,7 +29,7 @@ impl Logs {
             data.runs.iter().any(|run| run.plant.as_ref().is_some_and(|log| log.column(name).is_some()))
         };
         let picture = data.runs.iter().any(|run| run.camera.is_some());
-        Self { picture, encoders: plant("q1"), torque: plant("tau_applied") }
+        Self { picture, encoders: plant("q1"), torque: plant("tau_applied"), rate: None }
     }
 
     fn place(&mut self, log: Log) -> &mut bool {
@@ -70,6 +73,7 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     for change in entry.changes {
         match *change {
             Change::Log(log) => *now.place(log) = true,
+            Change::Rate(often) => now.rate = Some(often).filter(|often| *often > rate(data)),
             Change::Desired(profile) => moved = Some(Tables::desired(data, points(profile))),
             Change::Hang => moved = Some(motion::hanging(data, model)),
             Change::Turned(by) => {
@@ -80,7 +84,8 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
             Change::Plus(name, by) => set.push((name, number(model, name)? + by)),
         }
     }
-    let only_logs = entry.changes.iter().all(|change| matches!(change, Change::Log(_) | Change::Desired(_)));
+    let of_logs = |change: &Change| matches!(change, Change::Log(_) | Change::Rate(_) | Change::Desired(_));
+    let only_logs = entry.changes.iter().all(of_logs);
     let more = entry.changes.iter().any(|change| matches!(change, Change::Log(_)));
     let filmed = set.iter().any(|(name, _)| name.starts_with("camera."));
     let idle = (entry.rig != Rig::Any && entry.rig != rig) || (only_logs && more && now == logs);

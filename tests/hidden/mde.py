@@ -18,12 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from . import camera as cam, dynamics as dyn
-from .effects import BY_NAME, THETA
+from .effects import BY_NAME
 from .settings import ENCODER, LOGS, MIXES, TORQUE, Setting, apply, off_value, value_at
 
 THRESHOLD = 6.0
 THRESHOLD_LENS = 12.0  # for the effects in MOUNT: two honest renderers may differ by some 0.003 px; gives PEERS' 2e-4 for k1
-ALIKE = 3.0  # SNR below which the difference of two explanations is taken as unseen
 WINDOW = 0.5
 COARSE = 1.0 / 480.0  # s, substep of the replays: only differences between replays count
 EVERY = 4  # frames taken for the image part
@@ -352,25 +351,6 @@ def save(tables, path=FILE):
     new = Path(path).with_suffix(".part")
     new.write_text("\n".join(rows) + "\n")
     new.replace(path)
-
-
-def classes(setting, name, size, sign=1.0):
-    """(class, wide class) that only can be known for an effect of `size` MDE: its own name first."""
-    entry = of(setting).get(name, {})
-    out = []
-    for kind in ("alike", "alike_wide"):
-        members = [name]
-        for other, cos in entry.get(kind, {}).items():
-            e = BY_NAME[other]
-            if len(e.signs) == 1 and cos * sign < 0 and e.shape == "linear":
-                continue
-            if size * entry["strength"] * math.sqrt(max(0.0, 1.0 - cos * cos)) < ALIKE:
-                members.append(other)
-        out.append(members)
-    if name == "plant.k_tau":  # exactly the same as all of theta scaled together
-        out[1] += [f"plant.{k}" for k in THETA]
-    out[1] = out[0] + [m for m in out[1] if m not in out[0]]
-    return out
 
 
 def every_setting():

@@ -2,7 +2,7 @@
 
 import random
 
-from . import mde, sets
+from . import alike, mde, sets
 from .effects import BY_NAME, LISTED, UNKNOWN
 from .settings import MIXES, Setting, off_value, value_at
 from .sets import Spec
@@ -180,7 +180,7 @@ def classes(count, seed):
             if e.shape != "linear":
                 continue
             for m in (3.0, 10.0):
-                if len(mde.classes(base, name, m, 1.0)[0]) < 2:
+                if len(alike.classes(base, name, m, 1.0)[0]) < 2:
                     continue
                 best = None
                 for word, after in experiments(base):
@@ -190,7 +190,7 @@ def classes(count, seed):
                     if got is None or name not in mde.of(after):
                         continue
                     size = abs(got[0] - off_value(e, after)) / mde.of(after)[name]["mde"]
-                    members = mde.classes(after, name, size, 1.0)[0]
+                    members = alike.classes(after, name, size, 1.0)[0]
                     if best is None or len(members) < len(best[2]):
                         best = (word, after, members, size)
                 if best:
@@ -240,7 +240,8 @@ def specs(part, count, seed):
 
 NOT_UNDERSTOOD = ("40 degrees",)  # a mount that this program can't turn so
 WORDS = (("exposure", {"exposure": 0.005}), ("90", {"turned": True}), ("turned", {"turned": True}),
-         ("200 times a second", {"applied": True, "logs": "all", "often": True}),
+         ("encoders, 200 times a second", {"applied": True, "logs": "all", "often": True}),
+         ("angles 200 times a second", {"mix": "lively", "often": True}),
          ("torque", {"applied": True, "logs": "all"}), ("tau_applied", {"applied": True, "logs": "all"}),
          ("encoder", {"logs": "all"}), ("plant", {"logs": "all"}), ("joint angles", {"logs": "all"}),
          ("hang", {"rig": "hang", "logs": "plant"}), ("fast", {"mix": "lively"}), ("step", {"mix": "lively"}),
@@ -270,6 +271,6 @@ def make(spec, out, answers, salt=sets.SALT):
     """Simulates and writes one spec with its classes; returns the folder's name."""
     classes_ = []
     for name, _, size in spec.effects:
-        exact, wide = mde.classes(spec.setting, name, size, spec.note.get("sign", 1.0))
+        exact, wide = alike.classes(spec.setting, name, size, spec.note.get("sign", 1.0))
         classes_.append((exact, wide))
     return sets.write(spec, out, answers, salt=salt, extra={"classes": classes_})

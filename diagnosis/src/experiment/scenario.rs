@@ -87,9 +87,11 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     let of_logs = |change: &Change| matches!(change, Change::Log(_) | Change::Rate(_) | Change::Desired(_));
     let only_logs = entry.changes.iter().all(of_logs);
     let more = entry.changes.iter().any(|change| matches!(change, Change::Log(_)));
+    // who logs no angles can't log them often
+    let blind = now.rate.is_some() && !now.encoders;
     let filmed = set.iter().any(|(name, _)| name.starts_with("camera."));
     let idle = (entry.rig != Rig::Any && entry.rig != rig) || (only_logs && more && now == logs);
-    if idle || (filmed && !now.picture) {
+    if idle || blind || (filmed && !now.picture) {
         return Ok(None);
     }
     let tables = moved.unwrap_or_else(|| motion::repeated(data, rig));

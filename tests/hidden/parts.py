@@ -242,6 +242,7 @@ NOT_UNDERSTOOD = ("40 degrees",)  # a mount that this program can't turn so
 WORDS = (("exposure", {"exposure": 0.005}), ("90", {"turned": True}), ("turned", {"turned": True}),
          ("encoders, 200 times a second", {"applied": True, "logs": "all", "often": True}),
          ("angles 200 times a second", {"mix": "lively", "often": True}),
+         ("200 times a second beside the picture", {"logs": "all", "mix": "lively", "often": True}),
          ("torque", {"applied": True, "logs": "all"}), ("tau_applied", {"applied": True, "logs": "all"}),
          ("encoder", {"logs": "all"}), ("plant", {"logs": "all"}), ("joint angles", {"logs": "all"}),
          ("hang", {"rig": "hang", "logs": "plant"}), ("fast", {"mix": "lively"}), ("step", {"mix": "lively"}),

@@ -87,8 +87,10 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     let of_logs = |change: &Change| matches!(change, Change::Log(_) | Change::Rate(_) | Change::Desired(_));
     let only_logs = entry.changes.iter().all(of_logs);
     let more = entry.changes.iter().any(|change| matches!(change, Change::Log(_)));
-    // who logs no angles can't log them often
-    let blind = now.rate.is_some() && !now.encoders;
+    // who logs no angles can't log them often, and who logs them needs no encoders
+    let asks = |log| entry.changes.contains(&Change::Log(log));
+    let there = logs.encoders && asks(Log::Encoders) && !asks(Log::Torque);
+    let blind = now.rate.is_some() && (!now.encoders || there);
     let filmed = set.iter().any(|(name, _)| name.starts_with("camera."));
     let idle = (entry.rig != Rig::Any && entry.rig != rig) || (only_logs && more && now == logs);
     if idle || blind || (filmed && !now.picture) {

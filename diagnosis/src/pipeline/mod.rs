@@ -160,8 +160,9 @@ fn compare(
 ) -> Result<Compared, Error> {
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let mut parts = Vec::new();
-    let motions = plant_part(data, model, list, &mut point, &mut parts, tell)?;
-    let mut notices: Vec<Notice> = conventions(data, model, list, &parts)?.into_iter().collect();
+    let mut notices = Vec::new();
+    let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, tell)?;
+    notices.extend(conventions(data, model, list, &parts)?);
     camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
     Ok(Compared { parts, point, notices })
 }

@@ -23,6 +23,7 @@ pub(super) fn plant_part(
     list: &Arc<Vec<Candidate>>,
     point: &mut Vec<f64>,
     parts: &mut Vec<Part>,
+    notices: &mut Vec<Notice>,
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
@@ -30,6 +31,11 @@ pub(super) fn plant_part(
         return Ok(as_logged(data, &mut motions).map(|sigma| (motions, sigma)));
     };
     tell("plant: windows of the logs");
+    let (compared, all) = rows.windows();
+    if compared < all {
+        let message = format!("{compared} of {all} windows are compared, evenly chosen over all runs");
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+    }
     rows.begin(point)?;
     let mut start = Vec::new();
     let mut coarse = None;

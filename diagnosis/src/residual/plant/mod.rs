@@ -19,13 +19,16 @@ pub mod jitter;
 mod layout;
 mod log;
 mod long;
+mod through;
 mod window;
 
 use fitting::Look;
 use layout::Layout;
 use log::steered;
 pub use log::zeros;
-use window::{Kept, Span, Window, cut_run};
+pub use through::Poses;
+use through::Through;
+use window::{Kept, MOST, Span, Window, cut_run, thin};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
 /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
@@ -50,35 +53,6 @@ const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 
-/// Poses that were read off pictures.
-#[derive(Debug, Clone, Default)]
-pub struct Poses {
-    /// Per run and row: q1, q2; `NaN` where the picture says nothing.
-    pub angles: Vec<Vec<[f64; 2]>>,
-    /// Per run and row: how each probe would move them, per unit.
-    pub moves: Vec<Vec<DMatrix<f64>>>,
-}
-
-impl Poses {
-    /// None yet.
-    pub fn new(runs: usize) -> Self {
-        Self { angles: vec![Vec::new(); runs], moves: vec![Vec::new(); runs] }
-    }
-
-    /// The next row of a run.
-    pub fn push(&mut self, run: usize, angles: [f64; 2], moves: &DMatrix<f64>) {
-        self.angles[run].push(angles);
-        self.moves[run].push(moves.clone());
-    }
-}
-
-/// What lies between the motion and a log that a camera made.
-struct Through {
-    index: Option<usize>,
-    delay: f64,
-    poses: Poses,
-}
-
 /// Torque in, motion out.
 pub struct PlantCut {
     bench: Arc<Bench>,
@@ -96,6 +70,8 @@ pub struct PlantCut {
     jitter: f64,
     /// Runs were found to have clocks of their own.
     doubted: bool,
+    /// Windows that the logs were cut into, before they were thinned.
+    cut: usize,
 }
 
 impl PlantCut {
@@ -122,6 +98,11 @@ impl PlantCut {
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
             cut_run(index, run, contact, span, &mut windows);
+        }
+        let cut = windows.len();
+        // where there are pictures each window has frames to tell of
+        if data.runs.iter().all(|run| run.camera.is_none()) {
+            thin(&mut windows, MOST / span.0);
         }
         if windows.is_empty() {
             return Ok(None);
@@ -154,7 +135,13 @@ impl PlantCut {
             zeros: [0.0; 2],
             jitter: 0.0,
             doubted: data.clocks_apart,
+            cut,
         }))
+    }
+
+    /// Windows that are compared, and those that the logs were cut into.
+    pub fn windows(&self) -> (usize, usize) {
+        (self.windows.len(), self.cut)
     }
 
     fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {

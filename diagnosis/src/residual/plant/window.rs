@@ -34,6 +34,19 @@ impl Span {
     }
 }
 
+/// Most usual windows that are compared, 160 s of a balanced arm: the time goes with them, what they tell with their root.
+pub(super) const MOST: usize = 320;
+
+/// Evenly chosen windows, at most so many.
+pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
+    let all = windows.len();
+    let mut place = 0;
+    windows.retain(|_| {
+        place += 1;
+        all <= most || place * most / all != (place - 1) * most / all
+    });
+}
+
 /// A window's nuisances.
 type Nuisances = (State, Vec<f64>, Option<Kept>, Option<super::fitting::Fit>);
 

@@ -1,7 +1,7 @@
 //! The statistics keep what they promise.
 
 use diagnosis::statistics::bootstrap::{Null, Scores};
-use diagnosis::statistics::linear::{Cell, nuisances, reduce};
+use diagnosis::statistics::linear::{Cell, Sized, nuisances, reduce};
 use diagnosis::statistics::random::Random;
 use nalgebra::{DMatrix, DVector};
 
@@ -50,6 +50,20 @@ fn law_a_soft_nuisance_is_its_prior_covariance() {
     assert!((reduced.square - (rest.transpose() * &inverse * &rest)[0]).abs() < 1e-9);
     assert!((reduced.log_det - covariance.determinant().ln()).abs() < 1e-9);
     assert!((reduced.gram - one.columns.transpose() * inverse * &one.columns).amax() < 1e-9);
+}
+
+#[test]
+fn law_one_projection_gives_the_deviance_of_every_size() {
+    let mut random = Random::new(5);
+    for fixed in [0, 1, 2] {
+        let one = Cell { discrepancy: fixed, ..cell(&mut random, 12) };
+        let sized = Sized::of(&one);
+        for size in [0.0, 1e-3, 0.7, 40.0] {
+            let reduced = reduce(&one, size);
+            // rounding
+            assert!((sized.deviance(size) - reduced.square - reduced.log_det).abs() < 1e-9, "{fixed} {size}");
+        }
+    }
 }
 
 #[test]

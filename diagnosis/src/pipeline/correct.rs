@@ -39,13 +39,16 @@ pub(super) fn correct(
 ) -> Option<Correction> {
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
     let name = wiring::free_name(&model.scenario);
-    let at = |point: &[f64]| match cut(data, model, list, part, point)? {
-        Some(mut cut) => offer(cut.as_mut(), point, &runs, units, &name),
-        None => Ok(Offer::default()),
-    };
     let named: Vec<usize> = part.classes.iter().map(|(index, _)| *index).collect();
     let point = &part.study.last.point;
-    let found = at(point).and_then(|beside| {
+    let found = cut(data, model, list, part, point).and_then(|cut| {
+        let Some(mut cut) = cut else { return Ok(None) };
+        // each begins from the data again; how stamps scatter is known best beside all effects
+        let mut at = |point: &[f64]| {
+            cut.afresh();
+            offer(cut.as_mut(), point, &runs, units, &name)
+        };
+        let beside = at(point)?;
         for withdrawn in withdrawable(&named) {
             let mut bare = point.clone();
             withdrawn.iter().for_each(|index| bare[*index] = list[*index].off);

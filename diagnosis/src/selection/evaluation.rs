@@ -4,7 +4,7 @@
 use crate::candidates::Candidate;
 use crate::error::Error;
 use crate::residual::{Block, Cut, Probe, Signal};
-use crate::statistics::linear::{Cell, Reduced, projected, reduce, solve, submatrix, subvector};
+use crate::statistics::linear::{Cell, Reduced, Sized, projected, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -296,25 +296,12 @@ fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
 
 /// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
 fn likely_size(blocks: &[Block]) -> f64 {
-    let cells: Vec<Cell> = blocks
-        .iter()
-        .flat_map(|block| &block.cells)
-        .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
-        .collect();
+    let cells: Vec<&Cell> = blocks.iter().flat_map(|block| &block.cells).collect();
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
-    // collected before it is summed: the same bits whatever the number of threads
-    let deviance = |size: f64| -> f64 {
-        let each: Vec<f64> = cells
-            .par_iter()
-            .map(|cell| {
-                let reduced = reduce(cell, size);
-                reduced.square + reduced.log_det
-            })
-            .collect();
-        each.iter().sum()
-    };
+    let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
+    let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
     // every fourth power of two first, then the neighbours of the best
     for power in (0..SIZES).step_by(2) {

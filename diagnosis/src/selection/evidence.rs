@@ -3,8 +3,7 @@
 
 use super::evaluation::{Evaluation, Folds};
 use crate::residual::torque::torques;
-use crate::statistics::linear::{Cell, reduce};
-use nalgebra::DMatrix;
+use crate::statistics::linear::Sized;
 
 /// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
 const TORQUE_EVIDENCE: f64 = 20.0;
@@ -21,15 +20,8 @@ pub fn discrepancy(evaluation: &Evaluation) -> f64 {
     if size <= 0.0 {
         return 0.0;
     }
-    let deviance = |size: f64| -> f64 {
-        let cells = evaluation.blocks.iter().flat_map(|block| &block.cells);
-        cells
-            .map(|cell| Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() })
-            .map(|cell| reduce(&cell, size))
-            .map(|reduced| reduced.square + reduced.log_det)
-            .sum()
-    };
-    deviance(0.0) - deviance(size)
+    let cells = evaluation.blocks.iter().flat_map(|block| &block.cells);
+    cells.map(Sized::of).map(|cell| cell.deviance(0.0) - cell.deviance(size)).sum()
 }
 
 /// Whether a torque lacks. `explained` is what the scatter of the stamps gives, N·m; `pictured` where poses are read off pictures.

@@ -195,6 +195,41 @@ pub fn reduce(cell: &Cell, softness: f64) -> Reduced {
     }
 }
 
+/// The deviance of a cell's own rows (square and log det) as a function of the discrepancy's size, with one projection for all
+/// sizes: r'(I + s² D D')⁻¹r and log det(I + s² D'D) in the eigenvectors of D'D (Woodbury).
+pub struct Sized {
+    none: f64,
+    /// For each eigenvector of D'D its value, and the square of D'r along it.
+    along: Vec<(f64, f64)>,
+}
+
+impl Sized {
+    /// Projects all other nuisances out.
+    pub fn of(cell: &Cell) -> Self {
+        let free = cell.discrepancy.min(cell.soft.ncols());
+        let columns = cell.soft.columns(free, cell.soft.ncols() - free).into_owned();
+        let Projected { rest, columns, log_det, .. } = projected(&Cell { columns, ..cell.clone() }, 0.0);
+        let none = rest.norm_squared() + log_det;
+        if columns.ncols() == 0 {
+            return Self { none, along: Vec::new() };
+        }
+        let eigen = columns.tr_mul(&columns).symmetric_eigen();
+        let scores = eigen.eigenvectors.tr_mul(&columns.tr_mul(&rest));
+        let along =
+            eigen.eigenvalues.iter().zip(&scores).map(|(value, score)| (value.max(0.0), score * score));
+        Self { none, along: along.collect() }
+    }
+
+    /// -2 log likelihood, up to a constant.
+    pub fn deviance(&self, size: f64) -> f64 {
+        let square = size * size;
+        let part = |(value, score): &(f64, f64)| {
+            libm::log1p(square * value) - square * score / (1.0 + square * value)
+        };
+        self.none + self.along.iter().map(part).sum::<f64>()
+    }
+}
+
 /// Most likely nuisances (hard, then soft) of a cell.
 pub fn nuisances(cell: &Cell, softness: f64) -> DVector<f64> {
     let soft = soft_columns(cell, softness);

@@ -57,6 +57,31 @@ fn every_row_that_runs_back_is_named_and_ignored() {
 }
 
 #[test]
+fn every_stamp_that_leaps_ahead_is_named_and_ignored() {
+    let mut lines: Vec<String> = plant(60, 1.0).lines().map(str::to_owned).collect();
+    lines[30] = format!("1.7e9,{}", lines[30].split_once(',').map_or("", |(_, rest)| rest));
+    let set = load(&lines.join("\n"), "leap").expect("the rest is usable");
+    assert_eq!(notice(&set.notices, "leaps ahead").line, 31);
+    assert_eq!(set.runs[0].plant.as_ref().map(|log| log.len()), Some(59));
+    // a clock that was set when the log had begun
+    let set: Vec<String> = (lines.iter().enumerate())
+        .filter(|(line, _)| *line != 30)
+        .map(|(line, text)| match text.split_once(',') {
+            Some((time, rest)) if line > 1 => {
+                format!("{},{rest}", 1.7e9 + time.parse::<f64>().unwrap_or(f64::NAN))
+            }
+            _ => text.clone(),
+        })
+        .collect();
+    let folder = Folder::new("set");
+    folder.put("dataset.toml", &manifest(1));
+    folder.put("run-01/plant.csv", &set.join("\n"));
+    let set = DataSet::load(folder.path()).expect("the rest is usable");
+    assert_eq!(notice(&set.notices, "leaps ahead").line, 2);
+    assert_eq!(set.runs[0].plant.as_ref().map(|log| log.len()), Some(58));
+}
+
+#[test]
 fn every_line_is_counted_alike_however_it_ends() {
     let text = plant(60, 1.0);
     let mut lines: Vec<&str> = text.lines().collect();

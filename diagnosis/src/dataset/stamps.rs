@@ -12,6 +12,8 @@ const LATE: (f64, f64) = (-0.05, 1.0);
 /// Step of the search, s, and of its end.
 const STEP: f64 = 0.02;
 const FINE: f64 = 0.002;
+/// Logs that are longer together than this (s), maybe for one absurd stamp, are not searched.
+const LONGEST: f64 = 7200.0;
 /// Rows that are compared in the search.
 const ROWS: usize = 300;
 /// Share of the motion that may be left where two logs agree: lenses bend, encoders slip.
@@ -106,6 +108,9 @@ fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
         return Some(0.0);
     }
     let (from, to) = (camera.time[0] - span(plant).1, span(camera).1 - plant.time[0]);
+    if to - from > LONGEST {
+        return (!apart).then_some(0.0);
+    }
     let best = least(from, to, STEP, &thin)?;
     let near = 10.0 * STEP;
     let others = [least(from, best.1 - near, STEP, &thin), least(best.1 + near, to, STEP, &thin)];

@@ -3,6 +3,11 @@
 use crate::error::{Error, Notice};
 use std::path::Path;
 
+/// No run is silent for so long, s.
+const DAY: f64 = 86_400.0;
+/// So often a clock may have been set in a run.
+const FEW: usize = 3;
+
 /// An ordered log.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
@@ -38,6 +43,12 @@ impl Table {
     /// Takes a column away.
     pub fn remove(&mut self, name: &str) {
         self.columns.retain(|(column, _)| column != name);
+    }
+
+    fn keep(&mut self, rows: std::ops::Range<usize>) {
+        self.time = self.time[rows.clone()].to_vec();
+        self.line = self.line[rows.clone()].to_vec();
+        self.columns.iter_mut().for_each(|(_, values)| *values = values[rows.clone()].to_vec());
     }
 
     /// Number of rows.
@@ -117,6 +128,13 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
             notes.many("time is not a number; row ignored", line);
             continue;
         }
+        if let [.., before, last] = table.time[..]
+            && last - before > DAY
+            && (before..last).contains(&time)
+        {
+            notes.many(&leap(before, last), table.line[table.len() - 1]);
+            table.keep(0..table.len() - 1);
+        }
         if let Some(last) = table.time.last() {
             if time < *last {
                 notes.many(
@@ -152,7 +170,29 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
         }
     }
     table.columns.retain(|(name, _)| known.contains(&name.as_str()));
+    longest(&mut table, notes);
     Some(table)
+}
+
+fn leap(before: f64, time: f64) -> String {
+    format!("time leaps ahead (from {before} to {time} s at the first such line); row ignored")
+}
+
+/// A clock that was set while the log was written: the longest part of it counts. Times that leap at every row are in other units.
+fn longest(table: &mut Table, notes: &mut Notes<'_>) {
+    let leaps: Vec<usize> =
+        (1..table.len()).filter(|row| table.time[*row] - table.time[row - 1] > DAY).collect();
+    if leaps.is_empty() || leaps.len() > FEW {
+        return;
+    }
+    let edges: Vec<usize> = [0].into_iter().chain(leaps).chain([table.len()]).collect();
+    let parts = edges.windows(2).map(|pair| pair[0]..pair[1]);
+    let Some(kept) = parts.max_by_key(|part| part.len()) else { return };
+    let message = leap(table.time[edges[1] - 1], table.time[edges[1]]);
+    for row in (0..table.len()).filter(|row| !kept.contains(row)) {
+        notes.many(&message, table.line[row]);
+    }
+    table.keep(kept);
 }
 
 /// Collects notices of one file; the same complaint on many lines becomes one with a count.

@@ -106,10 +106,12 @@ pub(super) fn conclude(
     };
     let gap = gaps.iter().cloned().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
-    // where a model lacks much, noise says nothing of what an experiment would tell
+    // where a model lacks much, noise says nothing of what an experiment would tell, nor are effects asked for that a
+    // correction took the place of
     let stands = |part: &&Part| part.study.active.iter().all(|index| !withdrawn.contains(index));
     let certain = parts.iter().filter(|part| !part.study.outweighed).filter(stands);
-    let cuts = certain.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
+    let cuts = certain.filter(|part| !part.torque || gone.is_empty());
+    let cuts = cuts.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
     let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
     let mut point = point;
     for (own, best, x) in swaps {

@@ -10,6 +10,8 @@ use crate::statistics::linear::{solve, submatrix, subvector};
 const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
+/// One that promised less than this, half a standard error at most, and then didn't keep it ends the fit, too.
+const REFUSED: f64 = 0.25;
 
 /// Fits `active` from a point; discrete ones stay where they are.
 ///
@@ -39,6 +41,7 @@ pub fn refit(
                 best = trial;
                 damping *= 0.1;
             }
+            _ if promise < REFUSED => break,
             _ => {
                 damping = if damping == 0.0 { 0.3 } else { damping * 10.0 };
                 if damping > 1e4 {

@@ -8,6 +8,7 @@
 //!   their noise.
 //! - [`image`]: motion in, picture out, frame by frame.
 //! - [`chain`]: commanded torque in, picture out, where no encoder was logged.
+//! - [`logged`]: the motion for a picture straight from encoders, where no torque was logged.
 
 mod actuator;
 pub mod chain;

@@ -328,6 +328,8 @@ fn every_log_of_another_motion_or_one_that_repeats_itself_is_left_as_it_is() {
     let set = filmed("strangers", &wander, &other, 1.7e9).expect("pictures alone are usable");
     assert!(set.runs[0].plant.is_none() && set.runs[0].camera.is_some());
     assert!(notice(&set.notices, "agree at no shift").message.contains("File put aside"));
+    let blind = filmed("blind", &wander, &|_| [f64::NAN; 2], 1.7e9).expect("angles alone are usable");
+    assert!(blind.runs[0].plant.is_some() && !blind.pictures_apart, "{:?}", blind.notices);
     // every 2.1 s the same: 3.5 s late, or 1.4?
     let sway = |time: f64| [0.1 * (3.0 * time).sin(), 0.4 * (6.0 * time).cos()];
     let set = filmed("again", &sway, &sway, 3.5).expect("both logs are good");

@@ -98,13 +98,16 @@ fn span(log: &Table) -> (f64, f64) {
 fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let seen = directions(camera);
     let logged = angles(plant);
+    if seen.is_empty() || logged.is_empty() {
+        return Some(0.0);
+    }
     let thin: Vec<_> = seen.iter().step_by(seen.len().div_ceil(ROWS).max(1)).copied().collect();
     let least = |from: f64, to: f64, step: f64, rows: &[(f64, [f64; 2])]| {
         let tries = (0..=((to - from) / step) as usize).map(|place| from + place as f64 * step);
         tries.map(|late| (left(&logged, rows, late), late)).min_by(|a, b| a.0.total_cmp(&b.0))
     };
     let now = least(LATE.0, LATE.1, STEP, &thin)?.0;
-    if now < AGREES || logged.is_empty() {
+    if now < AGREES {
         return Some(0.0);
     }
     let (from, to) = (camera.time[0] - span(plant).1, span(camera).1 - plant.time[0]);

@@ -23,8 +23,10 @@ pub fn losses(data: &DataSet, interval: f64) -> Option<Losses> {
 }
 
 fn of(camera: &Table, interval: f64) -> (f64, f64) {
-    let lost: f64 =
-        camera.time.windows(2).map(|pair| ((pair[1] - pair[0]) / interval).round().max(1.0) - 1.0).sum();
+    // where rows of the file were put aside, frames are not lost
+    let broken: Vec<(f64, f64)> = camera.broken().collect();
+    let whole = camera.time.windows(2).filter(|pair| !broken.contains(&(pair[0], pair[1])));
+    let lost: f64 = whole.map(|pair| ((pair[1] - pair[0]) / interval).round().max(1.0) - 1.0).sum();
     (camera.len() as f64 + lost, lost)
 }
 

@@ -3,27 +3,10 @@
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
 
-use common::{Folder, manifest};
+use common::{Folder, manifest, notice, plant, torque};
+use diagnosis::Error;
 use diagnosis::dataset::DataSet;
-use diagnosis::{Error, Notice};
 use std::fmt::Write as _;
-
-fn plant(rows: usize, scale: f64) -> String {
-    let mut text = "time,q1,q2\n".to_owned();
-    for row in 0..rows {
-        let time = row as f64 / 30.0;
-        let _ = writeln!(text, "{time},{},{}", scale * 0.1 * time.sin(), scale * 0.8 * time.cos());
-    }
-    text
-}
-
-fn torque(rows: usize) -> String {
-    let mut text = "time,tau\n".to_owned();
-    for row in 0..rows {
-        let _ = writeln!(text, "{},0.1", row as f64 / 30.0);
-    }
-    text
-}
 
 fn load(plant: &str, name: &str) -> Result<DataSet, Error> {
     let folder = Folder::new(name);
@@ -31,13 +14,6 @@ fn load(plant: &str, name: &str) -> Result<DataSet, Error> {
     folder.put("run-01/plant.csv", plant);
     folder.put("run-01/controller.csv", &torque(60));
     DataSet::load(folder.path())
-}
-
-fn notice<'a>(notices: &'a [Notice], words: &str) -> &'a Notice {
-    notices
-        .iter()
-        .find(|notice| notice.message.contains(words))
-        .unwrap_or_else(|| panic!("no {words}: {notices:?}"))
 }
 
 #[test]
@@ -79,6 +55,50 @@ fn every_stamp_that_leaps_ahead_is_named_and_ignored() {
     let set = DataSet::load(folder.path()).expect("the rest is usable");
     assert_eq!(notice(&set.notices, "leaps ahead").line, 2);
     assert_eq!(set.runs[0].plant.as_ref().map(|log| log.len()), Some(58));
+}
+
+#[test]
+fn every_torque_that_is_not_known_leaves_out_what_it_drives() {
+    let head = |bad: &dyn Fn(usize) -> Option<&'static str>| {
+        let mut text = "time,tau\n".to_owned();
+        for row in 0..60 {
+            let good = format!("{},0.1\n", row as f64 / 30.0);
+            text.push_str(bad(row).unwrap_or(&good));
+        }
+        text
+    };
+    let set = |torques: &str| {
+        let folder = Folder::new("unknown-torque");
+        folder.put("dataset.toml", &manifest(1));
+        folder.put("run-01/plant.csv", &plant(60, 1.0));
+        folder.put("run-01/controller.csv", torques);
+        DataSet::load(folder.path()).expect("the rest is usable")
+    };
+    let near = |spans: Vec<(f64, f64)>, from: f64, to: f64| {
+        spans.len() == 1 && (spans[0].0 - from).abs() < 1e-9 && (spans[0].1 - to).abs() < 1e-9
+    };
+    // no number, and one that no motor gives, are unknown until the next row; gravity pulls with 6.7 N·m
+    for (cell, words) in [("1,NaN\n", "not a finite number"), ("1,\n", ""), ("1,-1e9\n", "tau = -1e9 N·m")] {
+        let set = set(&head(&|row| (row == 30).then_some(cell)));
+        assert!(words.is_empty() || notice(&set.notices, words).line == 32, "{cell}");
+        assert!(near(set.runs[0].undriven(), 1.0, 31.0 / 30.0), "{cell}: {:?}", set.runs[0].undriven());
+    }
+    // a row that was ignored was somewhere between its neighbours
+    for line in ["0.1,0.1\n", "1,0.1,3\n", "now,0.1\n", "1e9,0.1\n"] {
+        let set = set(&head(&|row| (row == 30).then_some(line)));
+        assert!(
+            near(set.runs[0].undriven(), 29.0 / 30.0, 31.0 / 30.0),
+            "{line}: {:?}",
+            set.runs[0].undriven()
+        );
+    }
+    // another column is logged ten times as often: a torque is held between its own rows
+    let mut often = "time,tau,z_desired\n".to_owned();
+    for row in 0..600 {
+        let _ = writeln!(often, "{},{},0.2", row as f64 / 300.0, if row % 10 == 0 { "0.1" } else { "" });
+    }
+    let set = set(&often);
+    assert_eq!(set.runs[0].undriven(), []);
 }
 
 #[test]
@@ -273,69 +293,6 @@ fn every_motor_at_the_first_link_alone_drives_it() {
     assert_eq!((log.held("tau", 1.0, 9.0), log.held("tau_1", 1.0, 9.0)), (0.0, 0.1));
 }
 
-/// A log of the angles, and what a camera sees of them, stamped later by `late`.
-fn filmed(
-    name: &str,
-    turn: &dyn Fn(f64) -> [f64; 2],
-    other: &dyn Fn(f64) -> [f64; 2],
-    late: f64,
-) -> Result<DataSet, Error> {
-    let (mut logged, mut seen) = ("time,q1,q2\n".to_owned(), "time,u1,v1,u2,v2,u3,v3\n".to_owned());
-    for row in 0..600 {
-        let time = f64::from(row) / 60.0;
-        let [q1, q2] = turn(time);
-        let _ = writeln!(logged, "{time},{q1},{q2}");
-        let [q1, q2] = other(time);
-        let (u2, v2) = (200.0 + 80.0 * q1.sin(), 200.0 + 80.0 * q1.cos());
-        let (u3, v3) = (u2 + 60.0 * q2.sin(), v2 + 60.0 * q2.cos());
-        let _ = writeln!(seen, "{},200,200,{u2},{v2},{u3},{v3}", time + late);
-    }
-    let folder = Folder::new(name);
-    folder.put("dataset.toml", &manifest(1));
-    folder.put("run-01/plant.csv", &logged);
-    folder.put("run-01/camera.csv", &seen);
-    DataSet::load(folder.path())
-}
-
-fn wander(time: f64) -> [f64; 2] {
-    [
-        0.1 * (1.3 * time).sin() + 0.05 * (2.9 * time).cos(),
-        0.4 * (0.7 * time).cos() + 0.2 * (2.2 * time).sin(),
-    ]
-}
-
-#[test]
-fn every_log_stamped_by_another_clock_is_set_right_by_the_motion() {
-    for late in [1.7e9 + 0.1234, -30.0, 2.5] {
-        let set = filmed("epoch", &wander, &wander, late).expect("both logs are good");
-        let found = notice(&set.notices, "set right by the motion");
-        assert_eq!(found.file, "run-01/plant.csv");
-        let first = set.runs[0].plant.as_ref().map_or(f64::NAN, |log| log.time[0]);
-        // straight lines between rows 17 ms apart, and doubles of 1.7e9 s
-        assert!((first - late).abs() < 1e-3, "{first} {late}");
-        assert!(set.pictures_apart);
-    }
-    // a camera may be as late as that
-    for late in [0.0, 0.3] {
-        let set = filmed("late", &wander, &wander, late).expect("both logs are good");
-        assert!(!set.pictures_apart && set.notices.len() == 1, "{:?}", set.notices);
-    }
-}
-
-#[test]
-fn every_log_of_another_motion_or_one_that_repeats_itself_is_left_as_it_is() {
-    let other = |time: f64| wander(17.0 - 1.7 * time);
-    let set = filmed("strangers", &wander, &other, 1.7e9).expect("pictures alone are usable");
-    assert!(set.runs[0].plant.is_none() && set.runs[0].camera.is_some());
-    assert!(notice(&set.notices, "agree at no shift").message.contains("File put aside"));
-    let blind = filmed("blind", &wander, &|_| [f64::NAN; 2], 1.7e9).expect("angles alone are usable");
-    assert!(blind.runs[0].plant.is_some() && !blind.pictures_apart, "{:?}", blind.notices);
-    // every 2.1 s the same: 3.5 s late, or 1.4?
-    let sway = |time: f64| [0.1 * (3.0 * time).sin(), 0.4 * (6.0 * time).cos()];
-    let set = filmed("again", &sway, &sway, 3.5).expect("both logs are good");
-    assert!(!set.notices.iter().any(|notice| notice.message.contains("set right")), "{:?}", set.notices);
-}
-
 #[test]
 fn every_angle_that_jumps_and_comes_back_is_not_measured() {
     let good = plant(60, 1.0);
@@ -348,19 +305,4 @@ fn every_angle_that_jumps_and_comes_back_is_not_measured() {
     assert_eq!((found.line, found.message.contains("2 such rows")), (11, true), "{found:?}");
     let q2 = set.runs[0].plant.as_ref().and_then(|log| log.column("q2")).expect("it was logged");
     assert_eq!(q2.iter().filter(|angle| angle.is_nan()).count(), 2);
-}
-
-#[test]
-fn every_stranger_among_the_torques_is_put_aside() {
-    let folder = Folder::new("torques");
-    folder.put("dataset.toml", &manifest(1));
-    folder.put("run-01/plant.csv", &plant(60, 1.0));
-    let mut later = "time,tau\n".to_owned();
-    for row in 0..60 {
-        let _ = writeln!(later, "{},0.1", 1.7e9 + f64::from(row) / 30.0);
-    }
-    folder.put("run-01/controller.csv", &later);
-    let set = DataSet::load(folder.path()).expect("the angles are there");
-    assert_eq!(notice(&set.notices, "stamped by another clock").file, "run-01/controller.csv");
-    assert!(set.runs[0].controller.is_none());
 }

@@ -28,6 +28,15 @@ pub fn falling(manifest: &Manifest) -> [f64; 2] {
     ]
 }
 
+/// The torque (N·m) by which gravity pulls at most on the nominal model's links.
+pub fn gravity(manifest: &Manifest) -> f64 {
+    let usual = Theta::TABLE_2;
+    let of = |name: &str, usual: f64| {
+        manifest.set.get(&format!("plant.{name}")).and_then(number).map_or(usual, f64::abs)
+    };
+    of("theta_9", usual.theta_9) + of("theta_10", usual.theta_10)
+}
+
 /// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
     typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > FALLEN)

@@ -11,12 +11,14 @@ const FEWEST_ROWS: usize = 12;
 const FEWEST_TORQUES: usize = 1;
 /// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
 const LATEST: f64 = 1e10;
+/// A torque so many times that of gravity is none.
+const ABSURD: f64 = 1000.0;
 /// An arm that is below the horizontal in this share of the rows is not being balanced.
 const BELOW: f64 = 0.2;
 
-/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers
+/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model, `gravity` is its torque (N·m). Answers
 /// which clock is known from the motion alone.
-pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
+pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", FEWEST_ROWS),
@@ -43,6 +45,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
         );
         notices.push(Notice { file: file("plant.csv"), line: plant.line[row], message });
     }
+    absurd(run, gravity, notices);
     let moved = stamps::joined(run, notices);
     if let Some(camera) = &run.camera {
         let centroids = ["u1", "v1", "u2", "v2", "u3", "v3"];
@@ -125,6 +128,23 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
         }
     }
     moved
+}
+
+/// Makes torques that no motor of such an arm gives not measured.
+fn absurd(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
+    let Some(log) = run.controller.as_mut().filter(|_| gravity > 0.0) else { return };
+    for name in ["tau", "tau_1"] {
+        let Some(torques) = log.column_mut(name) else { continue };
+        let absurd = |torque: &f64| torque.abs() > ABSURD * gravity;
+        let Some(first) = torques.iter().position(absurd) else { continue };
+        let (value, count) = (torques[first], torques.iter().filter(|torque| absurd(torque)).count());
+        torques.iter_mut().filter(|torque| absurd(torque)).for_each(|torque| *torque = f64::NAN);
+        let message = format!(
+            "{name} = {value:e} N·m, where gravity pulls with {gravity:.3} N·m at most ({count} such rows, this is the \
+             first): taken as not measured"
+        );
+        notices.push(Notice { file: format!("{}/controller.csv", run.name), line: log.line[first], message });
+    }
 }
 
 /// Why a table can't be used whatever it holds, and in which line that shows.

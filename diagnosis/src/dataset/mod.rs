@@ -35,6 +35,9 @@ const MANY_TORQUES: usize = 12;
 /// So many of its usual steps a torque is held after its last row: the next one would have come by then.
 const HELD: f64 = 1.5;
 
+/// One in so many rows without a torque is one that is missing.
+const FEW_BARE: usize = 20;
+
 /// Links that touch may give way by this, or be logged a little off, rad.
 const TOUCHING: f64 = 0.2;
 
@@ -72,6 +75,21 @@ impl Run {
         };
         (log.time[0], log.time[log.len() - 1] + HELD * typical)
     }
+
+    /// Times between which the torque isn't known, s: where its rows were ignored, or a few hold no number. Where many don't,
+    /// other columns are logged more often.
+    pub fn undriven(&self) -> Vec<(f64, f64)> {
+        let Some(log) = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES) else {
+            return Vec::new();
+        };
+        let torques: Vec<&[f64]> = ["tau", "tau_1"].iter().filter_map(|name| log.column(name)).collect();
+        let bare = |row: &usize| torques.iter().any(|torque| torque[*row].is_nan());
+        let rows: Vec<usize> = (0..log.len()).filter(bare).collect();
+        let few = rows.len() * FEW_BARE <= log.len();
+        let until = |row: &usize| log.time.get(row + 1).copied().unwrap_or(f64::INFINITY);
+        let spans = rows.iter().filter(|_| few).map(|row| (log.time[*row], until(row)));
+        spans.chain(log.broken()).collect()
+    }
 }
 
 /// A data set, checked.
@@ -98,7 +116,7 @@ impl DataSet {
     /// The manifest can't be read, or no run is usable.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let manifest = Manifest::load(&path.join("dataset.toml"))?;
-        let falling = angles::falling(&manifest);
+        let (falling, gravity) = (angles::falling(&manifest), angles::gravity(&manifest));
         let mut notices = Vec::new();
         let mut runs = Vec::new();
         let (mut clocks_apart, mut pictures_apart) = (false, false);
@@ -108,7 +126,7 @@ impl DataSet {
                 run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
                 run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
                 run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
-                let moved = check::run(&mut run, falling, &mut notices);
+                let moved = check::run(&mut run, falling, gravity, &mut notices);
                 clocks_apart |= moved == Some(Moved::Angles);
                 pictures_apart |= moved == Some(Moved::Pictures);
             } else {

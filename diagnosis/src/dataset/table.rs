@@ -15,6 +15,8 @@ pub struct Table {
     pub time: Vec<f64>,
     /// Line of each row in its file, counted from 1.
     pub line: Vec<usize>,
+    /// Places before which rows were ignored.
+    broken: Vec<usize>,
     columns: Vec<(String, Vec<f64>)>,
 }
 
@@ -22,7 +24,13 @@ impl Table {
     /// A table from columns of equal length, for logs that are simulated instead of read.
     pub fn new(time: Vec<f64>, columns: Vec<(String, Vec<f64>)>) -> Self {
         let line = (0..time.len()).map(|row| row + 2).collect();
-        Self { time, line, columns }
+        Self { time, line, broken: Vec::new(), columns }
+    }
+
+    /// Times between which rows of the file were ignored, s.
+    pub fn broken(&self) -> impl Iterator<Item = (f64, f64)> {
+        let inside = |place: &&usize| (1..self.len()).contains(*place);
+        self.broken.iter().filter(inside).map(|place| (self.time[place - 1], self.time[*place]))
     }
 
     /// A column, if it was measured at all.
@@ -48,6 +56,7 @@ impl Table {
     fn keep(&mut self, rows: std::ops::Range<usize>) {
         self.time = self.time[rows.clone()].to_vec();
         self.line = self.line[rows.clone()].to_vec();
+        self.broken = self.broken.iter().filter_map(|place| place.checked_sub(rows.start)).collect();
         self.columns.iter_mut().for_each(|(_, values)| *values = values[rows.clone()].to_vec());
     }
 
@@ -116,16 +125,19 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
     for record in reader.records() {
         let Ok(record) = record else {
             notes.many("not a line of CSV; row ignored", 0);
+            table.broken.push(table.len());
             continue;
         };
         let line = record.position().map_or(0, |position| position.line() as usize);
         if record.len() != headers.len() {
             notes.many("wrong number of cells; row ignored", line);
+            table.broken.push(table.len());
             continue;
         }
         let time = record.get(0).and_then(|cell| cell.parse::<f64>().ok()).unwrap_or(f64::NAN);
         if !time.is_finite() {
             notes.many("time is not a number; row ignored", line);
+            table.broken.push(table.len());
             continue;
         }
         if let [.., before, last] = table.time[..]
@@ -134,6 +146,7 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
         {
             notes.many(&leap(before, last), table.line[table.len() - 1]);
             table.keep(0..table.len() - 1);
+            table.broken.push(table.len());
         }
         if let Some(last) = table.time.last() {
             if time < *last {
@@ -141,6 +154,7 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
                     &format!("time runs back (from {last} to {time} s at the first such line); row ignored"),
                     line,
                 );
+                table.broken.push(table.len());
                 continue;
             }
             if time == *last {

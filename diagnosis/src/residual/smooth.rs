@@ -90,7 +90,17 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
             late: unevenness(&plant.time),
         };
         if log.time.len() > ROWS as usize {
+            let first = all.len();
             cut(&mut Grid::new(index, &log, controller, &mut nodes), &sigma, &mut all);
+            let undriven = run.undriven();
+            let known = |stretch: &Stretch| {
+                undriven.iter().all(|span| span.0 >= stretch.to || span.1 <= stretch.from)
+            };
+            let mut place = 0;
+            all.retain(|stretch| {
+                place += 1;
+                place <= first || known(stretch)
+            });
         }
     }
     (all, nodes)

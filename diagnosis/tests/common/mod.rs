@@ -1,5 +1,6 @@
 //! Data sets for tests: written by hand, or recorded from a simulation with an effect switched on.
 
+use diagnosis::Notice;
 use diagnosis::statistics::random::Random;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
 use std::fmt::Write as _;
@@ -123,4 +124,31 @@ fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder, torque: bool) {
     folder.put(&format!("run-{run:02}/camera.csv"), &camera);
     folder.put(&format!("run-{run:02}/controller.csv"), &controller);
     folder.put(&format!("run-{run:02}/plant.csv"), &plant);
+}
+
+/// A log of angles by hand, 30 rows a second.
+pub fn plant(rows: usize, scale: f64) -> String {
+    let mut text = "time,q1,q2\n".to_owned();
+    for row in 0..rows {
+        let time = row as f64 / 30.0;
+        let _ = writeln!(text, "{time},{},{}", scale * 0.1 * time.sin(), scale * 0.8 * time.cos());
+    }
+    text
+}
+
+/// A log of a torque that is held.
+pub fn torque(rows: usize) -> String {
+    let mut text = "time,tau\n".to_owned();
+    for row in 0..rows {
+        let _ = writeln!(text, "{},0.1", row as f64 / 30.0);
+    }
+    text
+}
+
+/// The notice with some words.
+pub fn notice<'a>(notices: &'a [Notice], words: &str) -> &'a Notice {
+    notices
+        .iter()
+        .find(|notice| notice.message.contains(words))
+        .unwrap_or_else(|| panic!("no {words}: {notices:?}"))
 }

@@ -129,6 +129,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
     let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
     let usable = thinned(&plant.time, usable.into_iter().filter(driven).collect());
+    let undriven = run.undriven();
     let mut from = 0;
     while from < usable.len() {
         let begin = plant.time[usable[from]];
@@ -140,7 +141,9 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
             to += 1;
         }
         let rows = usable[from..to].to_vec();
-        if rows.len() >= 6 {
+        let last = plant.time[usable[to - 1]];
+        let known = undriven.iter().all(|span| span.0 >= last || span.1 <= begin - before);
+        if rows.len() >= 6 && known {
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
             let start = (begin - before).max(earliest);
             let end = times[times.len() - 1];

@@ -30,7 +30,7 @@ def classes(setting, name, size, sign=1.0):
             told = math.sqrt(max(0.0, 1.0 - cos * cos))
             if {name, other} == {EXPOSURE, DELAY}:
                 told *= _blurs(name, size * entry["mde"])
-            if size * entry["strength"] * told < ALIKE:
+            if size * entry["strength"] * told * math.sqrt(setting.longer) < ALIKE:
                 members.append(other)
         out.append(members)
     if name == "plant.k_tau":  # exactly the same as all of theta scaled together

@@ -51,7 +51,16 @@ def desired(kind, rng, duration):
         return _steps([(2.0, duration / 2.5, a), (duration / 1.9, duration / 2.6, b)])
     if kind == "still":
         return lambda t: 0.0
-    raise ValueError(f"excitation {kind!r}: one of steps, fast, ramp, swing, slow, still")
+    if kind in ("sweep", "fast sweep"):
+        size, low, high = (0.2, 0.08, 0.5) if kind == "sweep" else (0.12, 0.3, 0.9)
+        amp, phase = size * rng.uniform(0.9, 1.1), rng.uniform(0, 6.28)
+        return lambda t: amp * smooth(t / 2.5) * math.sin(2 * math.pi * (low + 0.5 * (high - low) * t / duration) * t + phase)
+    if kind in ("large", "small"):
+        size, length = (0.3, 4.0) if kind == "large" else (0.05, 1.0)
+        every, sign = length + rng.uniform(0.8, 1.2), rng.choice([-1, 1])
+        count = int((duration - 1.0) / every) + 1
+        return _steps([(1.0 + i * every, length, sign * (-1) ** i * size) for i in range(count)])
+    raise ValueError(f"excitation {kind!r}: one of steps, fast, ramp, swing, slow, still, sweep, fast sweep, large, small")
 
 
 def multisine(rng, amplitude, low, high, n=7):

@@ -1,6 +1,7 @@
 """The parts of the benchmark: which cases are made. Deterministic in (part, count, seed)."""
 
 import random
+import re
 
 from . import alike, mde, sets
 from .effects import BY_NAME, LISTED, UNKNOWN
@@ -238,34 +239,31 @@ def specs(part, count, seed):
     yield from maker[part](count, seed)
 
 
-NOT_UNDERSTOOD = ("40 degrees",)  # a mount that this program can't turn so
-WORDS = (("exposure", {"exposure": 0.005}), ("90", {"turned": True}), ("turned", {"turned": True}),
-         ("encoders, 200 times a second", {"applied": True, "logs": "all", "often": True}),
-         ("angles 200 times a second", {"mix": "lively", "often": True}),
-         ("200 times a second beside the picture", {"logs": "all", "mix": "lively", "often": True}),
-         ("torque", {"applied": True, "logs": "all"}), ("tau_applied", {"applied": True, "logs": "all"}),
-         ("encoder", {"logs": "all"}), ("plant", {"logs": "all"}), ("joint angles", {"logs": "all"}),
-         ("hang", {"rig": "hang", "logs": "plant"}), ("fast", {"mix": "lively"}), ("step", {"mix": "lively"}),
-         ("swing", {"mix": "lively"}), ("z_desired", {"mix": "lively"}))
+# What the words of a proposal mean; several may stand in one.
+WORDS = {"halve the exposure": {"exposure": 0.005}, "double the exposure": {"exposure": 0.02}, "90 degrees": {"turned": True},
+         "40 degrees": {"slanted": True}, "200 times a second": {"often": True}, "joint angles by encoders": {"logs": "all"},
+         "tau_applied": {"applied": True}, "faster steps": {"mix": "lively"}, "larger steps": {"mix": "large"},
+         "small steps": {"mix": "small"}, "slow ramps": {"mix": "ramps"}, "swing:": {"mix": "sweep"},
+         "swing fast": {"mix": "fast sweep"}, "arm hang down": {"rig": "hang", "mix": "mixed"}}
+UNABLE = ("frames a second", "refocus", "nearer", "farther")  # of the camera, what this program does not change
 
 
 def follow(answer, words):
-    """The same truth after the experiment that a diagnosis proposed in words; None where no word is known."""
+    """The same truth after the experiment that a diagnosis proposed in words; None where it can't be done here."""
     known = {k: answer[k] for k in ("rig", "logs", "noise", "mix", "arm", "applied", "velocity_nominal", "turned", "exposure")}
-    setting = Setting(**known)
-    if any(word in words.lower() for word in NOT_UNDERSTOOD):
+    setting, said = Setting(**known), words.lower()
+    change = {key: to for word, one in WORDS.items() if word in said for key, to in one.items()}
+    if longer := re.search(r"record (\d+) times as long", said):
+        change["longer"] = int(longer[1])
+    pinned = setting.rig != "visual"
+    if pinned:  # no camera, and both angles are always logged, 200 times a second
+        change = {key: to for key, to in change.items() if key in ("rig", "mix", "applied", "longer")}
+    if not change or any(word in said for word in UNABLE) or ("rig" in change and (not pinned or setting.rig == "hang")):
         return None
-    for word, change in WORDS:
-        if word in words.lower() and (setting.rig == "visual" or set(change) == {"applied", "logs"}):
-            if change.get("rig") == "hang":  # a rolling acrobot cannot hang
-                continue
-            if setting.rig != "visual":
-                change = {"applied": True}
-            effects = [(e["name"], e["value"], e["size_mde"]) for e in answer.get("effect", [])]
-            note = {"pair": answer.get("pair", ""), "stage": "after", "experiment": words[:80], "resolves": True,
-                    "sign": answer.get("sign", 1.0)}
-            return Spec(setting.with_(**change), effects, part="classes", seed=answer["seed"] + 1, note=note)
-    return None
+    effects = [(e["name"], e["value"], e["size_mde"]) for e in answer.get("effect", [])]
+    note = {"pair": answer.get("pair", ""), "stage": "after", "experiment": words[:80], "resolves": True,
+            "sign": answer.get("sign", 1.0)}
+    return Spec(setting.with_(**change), effects, part="classes", seed=answer["seed"] + 1, note=note)
 
 
 def make(spec, out, answers, salt=sets.SALT):

@@ -1,6 +1,7 @@
 """Settings: which rig, which logs, how noisy, how moved. Everything that a data set's visible side depends on."""
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, field, replace
 
 from .effects import BY_NAME, CAMERA_NOMINAL, LISTED, PLANT_NOMINAL
 
@@ -15,6 +16,9 @@ MIXES = {
              "gentle": ("gentle", "gentle", "gentle")},
     "balance": {"mixed": ("drive", "swing", "drive"), "slow": ("slow", "still", "slow")},
 }
+# Mixes that only an experiment asks for
+PROPOSED = {"visual": {"sweep": ("sweep",) * 3, "fast sweep": ("fast sweep",) * 3, "large": ("large",) * 3, "small": ("small",) * 3,
+                       "ramps": ("ramp",) * 3}, "hang": {}, "balance": {}}
 LOGS = {"visual": ("all", "plant", "image"), "hang": ("plant",), "balance": ("plant",)}
 DURATION = {"visual": 20.0, "hang": 10.0, "balance": 10.0}
 PLANT_RATE = {"visual": 30.0, "hang": 200.0, "balance": 200.0}
@@ -37,17 +41,20 @@ class Setting:
     turned: bool = False  # camera mounted turned by 90 degrees (nominal, in [set])
     exposure: float = 0.01  # nominal E_t
     often: bool = False  # the plant is logged 200 times a second whatever the rig; the table of MDEs knows no difference
+    # no part of a set's name: what experiments ask for does not make other sets of those before
+    slanted: bool = field(default=False, repr=False)  # camera mounted turned by 0.7 rad (nominal, in [set])
+    longer: int = field(default=1, repr=False)  # times as many runs
 
     @property
     def key(self):
         extra = "".join([f"-arm{self.arm}" if self.rig != "visual" else "", "-applied" if self.applied else "",
-                         "" if self.velocity_nominal else "-novel", "-turned" if self.turned else "",
+                         "" if self.velocity_nominal else "-novel", "-turned" if self.turned else "", "-slanted" if self.slanted else "",
                          "" if self.exposure == 0.01 else f"-exposure{self.exposure:g}"])
         return f"{self.rig}-{self.logs}-{self.noise}-{self.mix}{extra}"
 
     @property
     def excitations(self):
-        return MIXES[self.rig][self.mix]
+        return self.longer * {**MIXES[self.rig], **PROPOSED[self.rig]}[self.mix]
 
     @property
     def duration(self):
@@ -63,8 +70,8 @@ class Setting:
         camera = dict(CAMERA_NOMINAL, sigma=IMAGE[self.noise], E_t=self.exposure)
         if self.rig != "visual":
             plant.update(ARMS[self.arm], theta_2=0.0, theta_7=0.0, q2_max=1e9, theta_slope=0.0)
-        if self.turned:
-            camera["roll"] = 1.5707963267948966
+        if self.turned or self.slanted:
+            camera["roll"] = math.pi / 2 if self.turned else 0.7
         return plant, camera
 
     def declared(self):
@@ -78,7 +85,7 @@ class Setting:
             table["camera.sigma"] = camera["sigma"]
         if not self.velocity_nominal:
             table["plant.velocity_terms"] = False
-        if self.turned:
+        if self.turned or self.slanted:
             table["camera.roll"] = camera["roll"]
         if self.exposure != 0.01:
             table["camera.E_t"] = self.exposure

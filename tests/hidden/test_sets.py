@@ -88,6 +88,23 @@ def test_every_part_makes_specs():
     assert 18 <= len(list(parts.ci_slice())) <= 24
 
 
+@pytest.mark.parametrize("said, change", [
+    ("Swing: let z_desired be a sinusoid whose frequency rises from 0.08 to 0.5 Hz. Record 3 times as long as before, in more runs.",
+     {"mix": "sweep", "longer": 3}),
+    ("Repeat with faster steps of z_desired, and log the joint angles 200 times a second.", {"mix": "lively", "often": True}),
+    ("Log the applied torque (tau_applied) together with the joint angles by encoders and repeat the runs.", {"applied": True}),
+    ("Turn the camera mount by 40 degrees about its axis, and make slow ramps of z_desired.", {"slanted": True, "mix": "ramps"}),
+    ("Double the frames a second of the camera and repeat the runs.", None),
+    ("Let the arm hang down: start at rest and drive it with a sum of sines.", None),
+])
+def test_value_what_a_proposal_asks_for(said, change):
+    spec = sets.Spec(Setting(), [("plant.theta_1", 0.2, 3.0)], part="classes")
+    answer = tomllib.loads("\n".join(sets.answer(spec, [], {})))
+    after = parts.follow(answer, said)
+    assert (after and after.setting) == (change and Setting().with_(**change))
+    assert after is None or len(sets.simulate(after)) == 3 * after.setting.longer
+
+
 def answers_and_diagnoses(tmp_path, verdict):
     """Answers for three kinds of sets and diagnoses made up by `verdict(answer)`."""
     for i, spec in enumerate(list(parts.ci_slice())):

@@ -11,6 +11,10 @@ pub const TOLD: f64 = 9.0;
 const CAUTION: f64 = 4.0;
 /// Certainties that differ by less are equal; the cheaper experiment is taken then.
 const EQUAL: f64 = 0.01;
+/// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS`.
+const ENOUGH: f64 = 17.0;
+/// A lab records as many times what it did before, but no more.
+const LONGEST: f64 = 5.0;
 
 /// An experiment of the catalogue with what simulating it gave.
 pub struct Tried {
@@ -18,9 +22,41 @@ pub struct Tried {
     pub entry: &'static Experiment,
     /// Losses between members.
     pub losses: Losses,
+    /// How many times as long as before is recorded.
+    pub times: f64,
 }
 
 impl Tried {
+    /// Asks for longer records where these tell what is not told otherwise: losses grow with the rows.
+    pub fn lengthen(&mut self) {
+        let count = self.losses.len();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        let hopeful = pairs.map(|(a, b)| self.pair(a, b)).filter(|loss| loss * LONGEST >= ENOUGH);
+        let times = (ENOUGH / hopeful.fold(ENOUGH, f64::min)).ceil();
+        self.losses.iter_mut().flatten().for_each(|loss| *loss *= times);
+        self.times *= times;
+    }
+
+    /// Its name, and how long it takes.
+    pub fn name(&self) -> String {
+        let times = self.times;
+        if times > 1.0 {
+            format!("{}, {times} times as long", self.entry.name)
+        } else {
+            self.entry.name.to_owned()
+        }
+    }
+
+    /// What is to be done.
+    pub fn order(&self) -> String {
+        let (what, times) = (self.entry.what, self.times);
+        if times > 1.0 {
+            format!("{what} Record {times} times as long as before, in more runs.")
+        } else {
+            what.to_owned()
+        }
+    }
+
     /// Loss of a pair, whichever of the two is true.
     pub fn pair(&self, a: usize, b: usize) -> f64 {
         self.losses[a][b].min(self.losses[b][a])
@@ -47,7 +83,7 @@ impl Tried {
     /// Better first: by certainty in whole steps, then the cheaper, then the larger loss of the worst pair.
     pub fn rank(&self, weights: &[f64]) -> (i64, i64, f64) {
         let steps = (self.certainty(weights) / EQUAL).round() as i64;
-        (-steps, i64::from(self.entry.cost), -self.worst().2)
+        (-steps, i64::from(self.entry.cost) + i64::from(self.times > 1.0), -self.worst().2)
     }
 
     /// Makes the losses smaller where simulating the runs at hand promises more than their data gave: a pair that
@@ -87,10 +123,10 @@ pub fn sort(tried: &mut [Tried], weights: &[f64]) {
 pub fn words(best: &Tried) -> String {
     let told = best.groups();
     if told.len() == best.losses.len() {
-        return best.entry.what.to_owned();
+        return best.order();
     }
     let all = if told.len() > 1 { "all of them" } else { "them" };
-    format!("Nothing in the catalogue tells {all} apart for sure. Nearest comes: {}", best.entry.what)
+    format!("Nothing in the catalogue tells {all} apart for sure. Nearest comes: {}", best.order())
 }
 
 /// A line of the table of experiments.
@@ -98,7 +134,7 @@ pub fn line(tried: &Tried, question: &Question<'_>) -> Separation {
     let (a, b, loss) = tried.worst();
     let name = |place: usize| question.name(place);
     Separation {
-        experiment: tried.entry.name.to_owned(),
+        experiment: tried.name(),
         loss: Some(loss),
         pair: vec![name(a), name(b)],
         certainty: Some(tried.certainty(&question.weights())),

@@ -16,7 +16,7 @@ mod simulate;
 #[cfg(test)]
 mod tests;
 
-use crate::candidates::Candidate;
+use crate::candidates::{Candidate, Side};
 use crate::dataset::DataSet;
 use crate::diagnosis::{NextExperiment, Separation};
 use crate::error::Error;
@@ -151,20 +151,30 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     }
     // what can't be simulated can't be checked either
     let same = first_look(question, &AGAIN, likely).ok().flatten();
-    let discount = |one: &mut Tried| same.iter().for_each(|same| one.discount(&same.losses, CLASS));
-    tried.iter_mut().for_each(discount);
+    // what honest renderers differ by does not become less with more pictures
+    let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
+    let weigh = |one: &mut Tried| {
+        same.iter().for_each(|same| one.discount(&same.losses, CLASS));
+        if longer {
+            one.lengthen();
+        }
+    };
+    tried.iter_mut().for_each(weigh);
     choose::sort(&mut tried, &weights);
     for one in tried.iter_mut().take(FINALISTS) {
         match closer_look(question, one.entry, likely) {
-            Ok(losses) => one.losses = losses,
-            Err(problem) => failed.push((one.entry, problem.to_string())),
+            Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
+            Err(problem) => {
+                failed.push((one.entry, problem.to_string()));
+                continue;
+            }
         }
-        discount(one);
+        weigh(one);
     }
     tried.retain(|one| failed.iter().all(|(entry, _)| entry.name != one.entry.name));
     choose::sort(&mut tried, &weights);
     let Some(best) = tried.first() else { return (None, None) };
-    let text = text(question, best.entry).ok();
+    let text = text(question, best).ok();
     let groups = best.groups();
     let names = |group: &[usize]| group.iter().map(|place| question.name(*place)).collect::<Vec<_>>();
     let apart = if groups.len() > 1 { (0..question.members.len()).collect() } else { Vec::new() };
@@ -195,7 +205,7 @@ fn first_look(
 ) -> Result<Option<Tried>, Error> {
     let Some(prepared) = prepare(question.data, question.model, entry)? else { return Ok(None) };
     let losses = Bench::new(question, &prepared)?.losses(truth)?;
-    Ok(Some(Tried { entry, losses }))
+    Ok(Some(Tried { entry, losses, times: 1.0 }))
 }
 
 /// The same with each member as the truth in turn, for that member's row.
@@ -214,8 +224,8 @@ fn closer_look(question: &Question<'_>, entry: &'static Experiment, likely: usiz
 }
 
 /// The scenario of the chosen experiment: the nominal model, for what will be measured to be compared with.
-fn text(question: &Question<'_>, entry: &Experiment) -> Result<String, Error> {
-    let prepared = prepare(question.data, question.model, entry)?;
+fn text(question: &Question<'_>, chosen: &Tried) -> Result<String, Error> {
+    let prepared = prepare(question.data, question.model, chosen.entry)?;
     let Prepared { scenario, logs, .. } =
         prepared.ok_or_else(|| Error::Model("the experiment has no scenario".into()))?;
     let resolved = Simulation::new(&scenario, question.units).map_err(refused)?.resolved();
@@ -224,5 +234,5 @@ fn text(question: &Question<'_>, entry: &Experiment) -> Result<String, Error> {
     log.extend(logs.encoders.then_some("plant.q1, plant.q2"));
     log.extend(logs.torque.then_some("plant.tau_applied"));
     let often = logs.rate.map_or_else(String::new, |rate| format!(" ({rate} times a second)"));
-    Ok(format!("# Next experiment: {}\n# Log: {}{often}.\n{resolved}", entry.what, log.join("; ")))
+    Ok(format!("# Next experiment: {}\n# Log: {}{often}.\n{resolved}", chosen.order(), log.join("; ")))
 }

@@ -13,7 +13,7 @@ fn entry(name: &str) -> &'static Experiment {
 }
 
 fn pair(name: &str, loss: f64) -> Tried {
-    Tried { entry: entry(name), losses: vec![vec![0.0, loss], vec![loss, 0.0]] }
+    Tried { entry: entry(name), losses: vec![vec![0.0, loss], vec![loss, 0.0]], times: 1.0 }
 }
 
 fn first(mut tried: Vec<Tried>) -> &'static str {
@@ -41,6 +41,7 @@ fn law_a_loss_below_nine_separates_nobody_and_is_said_so() {
     let three = Tried {
         entry: entry("joint angles logged"),
         losses: vec![vec![0.0, 50.0, 60.0], vec![40.0, 0.0, 1.0], vec![70.0, 2.0, 0.0]],
+        times: 1.0,
     };
     assert_eq!(three.groups(), vec![vec![0], vec![1, 2]]);
     assert!(words(&three).contains("tells all of them apart"), "{}", words(&three));
@@ -54,6 +55,37 @@ fn law_what_the_data_at_hand_did_not_give_is_discounted() {
     one.discount(&vec![vec![0.0, 45.0], vec![2.0, 0.0]], 4.5);
     // the first direction promised ten times too much, the second was within what chance does
     assert_eq!(one.losses, vec![vec![0.0, 10.0], vec![100.0, 0.0]]);
+}
+
+#[test]
+fn law_longer_records_are_asked_for_where_they_tell() {
+    let longer = |loss: f64| {
+        let mut one = pair("swing", loss);
+        one.lengthen();
+        (one.times, one.pair(0, 1))
+    };
+    assert_eq!(longer(17.0), (1.0, 17.0));
+    assert_eq!(longer(5.0), (4.0, 20.0));
+    assert_eq!(longer(3.0), (1.0, 3.0), "five times as long is not enough");
+    let mut three = Tried {
+        entry: entry("swing"),
+        losses: vec![vec![0.0, 50.0, 10.0], vec![50.0, 0.0, 0.0], vec![9.0, 0.0, 0.0]],
+        times: 1.0,
+    };
+    three.lengthen();
+    assert_eq!(
+        (three.times, three.pair(0, 2), three.pair(1, 2)),
+        (2.0, 18.0, 0.0),
+        "by the pair that it helps"
+    );
+    assert!(words(&three).ends_with("Record 2 times as long as before, in more runs."), "{}", words(&three));
+    assert_eq!(three.name(), "swing, 2 times as long");
+    // at equal certainty the shorter record is cheaper
+    assert_eq!(first(vec![three_times("swing", 90.0), pair("faster steps", 90.0)]), "faster steps");
+}
+
+fn three_times(name: &str, loss: f64) -> Tried {
+    Tried { times: 3.0, ..pair(name, loss) }
 }
 
 #[test]

@@ -28,7 +28,7 @@ use log::steered;
 pub use log::zeros;
 pub use through::Poses;
 use through::Through;
-use window::{Kept, MOST, Span, Window, cut_run, thin};
+use window::{Kept, Span, Window, cut_run, most, thin};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
 /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
@@ -102,7 +102,8 @@ impl PlantCut {
         let cut = windows.len();
         // where there are pictures each window has frames to tell of
         if data.runs.iter().all(|run| run.camera.is_none()) {
-            thin(&mut windows, MOST / span.0);
+            let most = most(&windows, &data.runs, span);
+            thin(&mut windows, most);
         }
         if windows.is_empty() {
             return Ok(None);

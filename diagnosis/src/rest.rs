@@ -1,6 +1,6 @@
 //! Is what is left noise? And if not, what does it look like?
 
-use crate::candidates::{CLOCK, Candidate};
+use crate::candidates::{CLOCK, Candidate, Side};
 use crate::diagnosis::Unknown;
 use crate::gap::led;
 use crate::residual::torque::{rms, torques};
@@ -108,18 +108,30 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let honest = |s: usize, rows: f64| rows * (signals[s].honest / study.last.sigmas[s]).powi(2);
     let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
     let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + honest(s, rows));
-    let (worst, size) = rest
-        .means
-        .iter()
-        .enumerate()
-        .take(6)
-        .map(|(s, mean)| (s, over(s, *mean)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    if size < 1.0 {
-        return None;
-    }
+    let worst = |rest: &Rest| {
+        let all = rest.means.iter().enumerate().take(6).map(|(s, mean)| (s, over(s, *mean)));
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, size)| *size >= 1.0)
+    };
+    let (worst, _) = worst(&rest).filter(|_| {
+        let beside = beside_dropped(study, candidates);
+        beside.is_none_or(|beside| worst(&self::rest(&beside, signals, accounted)).is_some())
+    })?;
     let (depends_on, shape) = image_shape(&study.last, worst);
     Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest })
+}
+
+/// The model with the likeliest effect of the picture that was dropped: honest renderers may differ by as much, so that it is
+/// neither named nor a rest.
+fn beside_dropped(study: &Study, candidates: &[Candidate]) -> Option<Evaluation> {
+    let dropped = |index: usize| study.steps.iter().any(|step| step.dropped.contains(&index));
+    let pictured = |index: usize| candidates[index].side == Side::Camera && !study.active.contains(&index);
+    let hit = study.screen.hits.iter().find(|hit| pictured(hit.candidate) && dropped(hit.candidate))?;
+    let mut beside = study.last.clone();
+    for cell in beside.blocks.iter_mut().flat_map(|block| &mut block.cells) {
+        let column = cell.columns.column(hit.column);
+        cell.residual.iter_mut().zip(&column).for_each(|(rest, slope)| *rest -= hit.displacement * slope);
+    }
+    Some(beside)
 }
 
 /// Standard errors from which a clock drifts.

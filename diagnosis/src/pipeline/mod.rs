@@ -197,7 +197,12 @@ fn part(
     let study = study(cut, list, point, known, tell)?;
     let mut classes = Vec::new();
     for effect in &study.active {
-        classes.push((*effect, alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?));
+        let known = study.class.as_ref().filter(|(accepted, _)| accepted == effect);
+        let class = match known {
+            Some((_, class)) => class.clone(),
+            None => alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?,
+        };
+        classes.push((*effect, class));
     }
     Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, coarse: Vec::new(), noise: None })
 }

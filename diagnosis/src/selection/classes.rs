@@ -6,7 +6,7 @@
 use super::Step;
 use super::bare::{Bare, Opinion};
 use super::evaluation::Evaluation;
-use super::refit::refit;
+use super::refit::{own_fit, refit, settled};
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::{Cut, Probe};
@@ -55,8 +55,7 @@ pub fn alternatives(
     steps: &[Step],
 ) -> Result<Vec<Alternative>, Error> {
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
-    let reference = refit(cut, candidates, &last.point, active)?;
-    let reference = settled(cut, reference)?;
+    let (x, own) = own_fit(cut, candidates, last, active, effect)?;
     cut.remember();
     let seat = Seat {
         candidates,
@@ -65,9 +64,9 @@ pub fn alternatives(
         effect,
         temper: temper(last, active, effect, candidates),
         offsets: if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
-        own: reference.deviance(),
+        own,
     };
-    let mut all = vec![(effect, reference.point[effect], 0.0)];
+    let mut all = vec![(effect, x, 0.0)];
     let mut bare: Option<Bare> = None;
     for (index, candidate) in candidates.iter().enumerate() {
         let resembles = !candidates[effect].is_discrete() || resembled(steps, effect, index);
@@ -98,11 +97,6 @@ pub fn alternatives(
         .collect();
     alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     Ok(alternatives)
-}
-
-/// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
-fn settled(cut: &mut dyn Cut, fit: Evaluation) -> Result<Evaluation, Error> {
-    if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
 }
 
 /// An effect that others are tried in the place of.

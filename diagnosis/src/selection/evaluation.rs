@@ -147,6 +147,14 @@ impl Evaluation {
         candidates.iter().filter_map(|c| self.probes.iter().position(|probe| probe.candidate == *c)).collect()
     }
 
+    /// The fall of the deviance that a straight step of some active values promises.
+    pub fn promise(&self, free: &[usize]) -> Option<f64> {
+        let places = self.places(free);
+        let score = subvector(&self.total.score, &places);
+        let shift = solve(&submatrix(&self.total.gram, &places), &score)?;
+        (places.len() == free.len()).then(|| shift.dot(&score))
+    }
+
     /// Held-out squares: each fold judged with the active values that the other folds want (one Newton step).
     pub fn held_out(&self, folds: &Folds, active: &[usize]) -> f64 {
         self.shifts(folds, active)

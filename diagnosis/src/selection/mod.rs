@@ -16,7 +16,7 @@ pub use evaluation::{Evaluation, FREE, Folds, all_probes};
 pub use evidence::{STAMPS, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
-use settle::{second_opinion, settle};
+use settle::{Opinion, second_opinion, settle};
 pub use steady::{Steadiness, steadiness};
 use trials::{Accepted, Trials, shortlist, switched};
 
@@ -65,6 +65,8 @@ pub struct Study {
     pub nominal: Evaluation,
     /// The final model with the columns of all candidates.
     pub last: Evaluation,
+    /// All that could stand in the place of the effect that was accepted last, where they were asked for at the final model.
+    pub class: Option<(usize, Vec<Alternative>)>,
     /// The last screen: its null distribution and the standard errors of everything.
     pub screen: Screen,
     /// The story.
@@ -114,6 +116,7 @@ pub fn study(
     let mut found = screen(&last, candidates, &active);
     let mut refused: Vec<usize> = Vec::new();
     let (mut vain, mut in_vain) = (0, Vec::new());
+    let mut class = None;
     while active.len() < MOST {
         let mut step = Step {
             best: found.hits.iter().take(8).cloned().collect(),
@@ -141,6 +144,7 @@ pub fn study(
         step.deviance.1 = trial.deviance();
         tell(&format!("{}: {}", cut.name(), candidates[candidate].name));
         let before = (active.clone(), last.point.clone(), last.deviance());
+        class = None;
         active.push(candidate);
         step.accepted = Some(candidate);
         let mut point = trial.point.clone();
@@ -169,18 +173,22 @@ pub fn study(
             }
             continue;
         }
-        if let Some(other) = second_opinion(cut, candidates, &last, &mut active, candidate, &steps)? {
-            last = look(cut, &other, &active)?;
-            found = screen(&last, candidates, &active);
-            if let Some(step) = steps.last_mut() {
-                step.accepted = active.last().copied();
-                step.rest.1 = rest(&last);
+        match second_opinion(cut, candidates, &last, &mut active, candidate, &steps)? {
+            Opinion::Stays(others) => class = Some((candidate, others)),
+            Opinion::Swapped(other) => {
+                class = None;
+                last = look(cut, &other, &active)?;
+                found = screen(&last, candidates, &active);
+                if let Some(step) = steps.last_mut() {
+                    step.accepted = active.last().copied();
+                    step.rest.1 = rest(&last);
+                }
             }
         }
     }
     let (explained, outweighed) = (cut.explained(), cut.outweighed());
     let name = cut.name();
-    Ok(Study { name, active, nominal, last, screen: found, steps, folds, seen, explained, outweighed })
+    Ok(Study { name, active, nominal, last, class, screen: found, steps, folds, seen, explained, outweighed })
 }
 
 /// Mean square of the whitened rest.

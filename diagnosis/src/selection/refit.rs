@@ -10,8 +10,9 @@ use crate::statistics::linear::{solve, submatrix, subvector};
 const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
-/// One that promised less than this, half a standard error at most, and then didn't keep it ends the fit, too.
-const REFUSED: f64 = 0.25;
+/// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too: chords of windows leave
+/// some 5 of deviance more or less from look to look, and shorter steps found nothing there.
+const REFUSED: f64 = 1.0;
 
 /// Fits `active` from a point; discrete ones stay where they are.
 ///
@@ -51,6 +52,31 @@ pub fn refit(
         }
     }
     Ok(best)
+}
+
+/// The coordinate of the effect and the deviance of its own fit: where the last look's columns promise little more, it is that
+/// look, less what they promise.
+pub(super) fn own_fit(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    effect: usize,
+) -> Result<(f64, f64), Error> {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let promise = last.promise(&free).filter(|promise| !cut.lattice() && *promise < REFUSED);
+    if let Some(promise) = promise {
+        cut.back();
+        return Ok((last.point[effect], last.deviance() - promise));
+    }
+    let fit = refit(cut, candidates, &last.point, active)?;
+    let fit = settled(cut, fit)?;
+    Ok((fit.point[effect], fit.deviance()))
+}
+
+/// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
+pub(super) fn settled(cut: &mut dyn Cut, fit: Evaluation) -> Result<Evaluation, Error> {
+    if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
 }
 
 fn judge(

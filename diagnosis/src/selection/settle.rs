@@ -1,7 +1,7 @@
 //! After a candidate was accepted: values and nuisances settle, what became superfluous goes, and a second opinion.
 
 use super::Step;
-use super::classes::alternatives;
+use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit;
 use crate::candidates::{Candidate, Side};
@@ -20,9 +20,16 @@ const MOVED: f64 = 0.2;
 /// By how much another must be better, at the fitted model, to take an effect's place (deviance).
 const BETTER: f64 = 2.0;
 
+/// What a second opinion comes to.
+pub(super) enum Opinion {
+    /// The effect stays where it is; all that could stand in its place.
+    Stays(Vec<Alternative>),
+    /// Another took its place, at this point.
+    Swapped(Vec<f64>),
+}
+
 /// Asks at the fitted model, where noise is small again and columns are short, whether another candidate in the place of
-/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise. Answers
-/// the new point, if so.
+/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise.
 pub(super) fn second_opinion(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
@@ -30,12 +37,12 @@ pub(super) fn second_opinion(
     active: &mut Vec<usize>,
     candidate: usize,
     steps: &[Step],
-) -> Result<Option<Vec<f64>>, Error> {
+) -> Result<Opinion, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + BETTER)
     else {
-        return Ok(None);
+        return Ok(Opinion::Stays(others));
     };
     let mut point = last.point.clone();
     point[candidate] = candidates[candidate].off;
@@ -47,11 +54,11 @@ pub(super) fn second_opinion(
         Ok(dropped) if !dropped.contains(&best.candidate) => {}
         _ => {
             cut.recall();
-            return Ok(None);
+            return Ok(Opinion::Stays(others));
         }
     }
     *active = swapped;
-    Ok(Some(point))
+    Ok(Opinion::Swapped(point))
 }
 
 /// Nuisances and values in turns, until no value moves much. Answers who was dropped.

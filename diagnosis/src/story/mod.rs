@@ -1,6 +1,6 @@
 //! The diagnosis told: shape of the rest, hypothesis, number, what remains.
 
-use crate::candidates::Candidate;
+use crate::candidates::{Candidate, Side};
 use crate::correction::Correction;
 use crate::diagnosis::{Gap, Unknown};
 use crate::selection::Study;
@@ -39,7 +39,11 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             )),
         }
         for index in &step.dropped {
-            lines.push(format!("{} became superfluous and was dropped.", list[*index].name));
+            let why = match list[*index].side {
+                Side::Camera => "became superfluous, or is no larger than what honest renderers differ by,",
+                _ => "became superfluous",
+            };
+            lines.push(format!("{} {why} and was dropped.", list[*index].name));
         }
     }
     match (gap.closed, left) {

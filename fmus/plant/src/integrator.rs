@@ -111,17 +111,14 @@ impl Stretch<'_> {
         let mut k = [*first; 7];
         let mut moved = *state;
         for stage in 0..6 {
-            for i in 0..4 {
-                let slope =
-                    (0..=stage).fold(0.0, |sum, earlier| sum + WEIGHTS[stage][earlier] * k[earlier][i]);
-                moved[i] = state[i] + step * slope;
-            }
+            let slope = combined(&WEIGHTS[stage][..=stage], &k);
+            moved = std::array::from_fn(|i| state[i] + step * slope[i]);
             k[stage + 1] = self.derivative(at + NODES[stage] * step, &moved);
         }
+        let estimate = combined(&DIFFERENCE, &k);
         let mut error: f64 = 0.0;
         for i in 0..4 {
-            let estimate = (0..7).fold(0.0, |sum, stage| sum + DIFFERENCE[stage] * k[stage][i]).abs();
-            let share = estimate / (TOLERANCE * state[i].abs().max(1.0));
+            let share = estimate[i].abs() / (TOLERANCE * state[i].abs().max(1.0));
             // f64::max would lose a NaN.
             if share > error || share.is_nan() {
                 error = share;
@@ -183,6 +180,18 @@ impl Stretch<'_> {
             equation.determinant()
         ))
     }
+}
+
+/// A weighted sum of slopes, all four components at once.
+#[inline(always)]
+fn combined(weights: &[f64], slopes: &[State; 7]) -> State {
+    let mut sum = [0.0; 4];
+    for (weight, slope) in weights.iter().zip(slopes) {
+        for i in 0..4 {
+            sum[i] += weight * slope[i];
+        }
+    }
+    sum
 }
 
 struct Trial {

@@ -6,7 +6,7 @@
 use super::Step;
 use super::bare::{Bare, Opinion};
 use super::evaluation::Evaluation;
-use super::refit::{own_fit, refit, settled};
+use super::refit::{own_fit, refit, refit_towards, settled};
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::{Cut, Probe};
@@ -25,8 +25,8 @@ const COLUMN: f64 = 0.0025;
 const BLUR: f64 = 0.2;
 /// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
 const STRAIGHT: f64 = 50.0;
-/// A fit that loses more than this is far enough not to be settled any further.
-const FAR: f64 = 60.0;
+/// A fit that loses more than this is far enough not to be settled any further: that takes 0.03 away at most.
+const FAR: f64 = 20.0;
 /// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
 /// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).
 pub const CLASS: f64 = 6.0;
@@ -151,19 +151,19 @@ impl Seat<'_> {
         let mut set = self.others.clone();
         set.push(index);
         let mut best: Option<Evaluation> = None;
+        let enough = self.own + self.temper * FAR;
         for x in starts(candidate, self.last, self.effect, index, self.candidates) {
             let mut point = self.last.point.clone();
             point[self.effect] = self.candidates[self.effect].off;
             point[index] = x;
-            if let Ok(fit) = refit(cut, self.candidates, &point, &set)
+            if let Ok(fit) = refit_towards(cut, self.candidates, &point, &set, enough)
                 && best.as_ref().is_none_or(|known| fit.deviance() < known.deviance())
             {
                 best = Some(fit);
             }
         }
         let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) else { return Ok(None) };
-        let far = fit.deviance() > self.own + self.temper * FAR;
-        let fit = if far { fit } else { settled(cut, fit)? };
+        let fit = if fit.deviance() > enough { fit } else { settled(cut, fit)? };
         Ok(Some((index, fit.point[index], fit.deviance() - self.own)))
     }
 }

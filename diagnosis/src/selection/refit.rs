@@ -14,6 +14,9 @@ const SETTLED: f64 = 0.02;
 /// some 5 of deviance more or less from look to look, and shorter steps found nothing there.
 const REFUSED: f64 = 1.0;
 
+/// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
+const REACH: f64 = 5.0;
+
 /// Fits `active` from a point; discrete ones stay where they are.
 ///
 /// # Errors
@@ -24,13 +27,27 @@ pub fn refit(
     start: &[f64],
     active: &[usize],
 ) -> Result<Evaluation, Error> {
+    refit_towards(cut, candidates, start, active, f64::INFINITY)
+}
+
+/// The same, ended as soon as the deviance won't fall to where it would matter.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub(super) fn refit_towards(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+    enough: f64,
+) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
     cut.back();
     let mut best = judge(cut, candidates, start, &free)?;
     let mut damping = 0.0;
     for _ in 0..ROUNDS {
         let Some((next, promise)) = propose(&best, candidates, &free, damping) else { break };
-        if promise < SETTLED {
+        if promise < SETTLED || best.deviance() - REACH * promise > enough {
             break;
         }
         // columns are wanted only of a step that is taken

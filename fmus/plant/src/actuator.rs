@@ -36,14 +36,16 @@ impl Signal {
 
     /// The torque `s` seconds after the beginning. Terms that are zero are left out, not added.
     pub fn at(&self, s: f64) -> f64 {
-        let mut torque = self.value;
-        if self.rate != 0.0 {
-            torque += self.rate * s;
-        }
+        let mut torque = self.line(s);
         if self.transient != 0.0 {
             torque += self.transient * libm::exp(-self.decay * s);
         }
         torque
+    }
+
+    /// The same without the transient.
+    pub fn line(&self, s: f64) -> f64 {
+        if self.rate != 0.0 { self.value + self.rate * s } else { self.value }
     }
 }
 

@@ -108,6 +108,12 @@ y = integrate((-.05, .1, 0, 0), [piece[0] for piece in pieces] + [end], line, la
 show('actuator, .5 s', y[:4])
 show('actuator, .5 s: torque', 1.1*y[4] + .02)
 
+# Lags far shorter than what a command is held for: COMMANDS as they are, every 1/30 s.
+held = lambda a: (lambda t: COMMANDS[int(a*30 + .5)])
+for lag in (1e-4, 3e-3):
+    y = integrate((-.05, .1, 0, 0), [k/30 for k in range(16)], held, lag=lag)
+    show(f'lag of {lag} s, .5 s', y[:4])
+
 # Contact: the free fall from (14) until abs(q2) = 2.35.
 hit = lambda t, y: abs(y[1]) - 2.35
 hit.terminal = True

@@ -104,10 +104,32 @@ fn value_torques_along_lines() {
     }
 }
 
+const COMMANDS: [f64; 15] =
+    [0.5, -0.2, 0.1, 0.4, -0.6, 0.3, 0.0, 0.2, -0.1, 0.25, -0.3, 0.05, 0.15, -0.05, 0.1];
+
+#[test]
+fn value_lags_far_shorter_than_a_command() {
+    // steps longer and shorter than the lag: only the former take the transient's own motion in closed form
+    for (lag, expected) in [
+        (1e-4, [-0.7742291878812703, 1.320145559451595, -2.6568632514407793, 4.959299815217143]),
+        (3e-3, [-0.7717202082616393, 1.3154385610887034, -2.65415093662526, 4.948163089884756]),
+    ] {
+        for steps in [1_u32, 7, 500] {
+            let mut rig = Rig::at([-0.05, 0.1, 0.0, 0.0], |variables| variables.effects.lag.time = lag);
+            for (k, command) in COMMANDS.into_iter().enumerate() {
+                rig.variables.inputs.torque = command;
+                for j in 1..=steps {
+                    rig.step((k as f64 + f64::from(j) / f64::from(steps)) / 30.0);
+                }
+            }
+            println!("{lag} {steps}: {:e}", distance(rig.state(), expected));
+            assert!(distance(rig.state(), expected) < CLOSE, "{lag} {steps}: {:?}", rig.state());
+        }
+    }
+}
+
 #[test]
 fn value_actuator() {
-    const COMMANDS: [f64; 15] =
-        [0.5, -0.2, 0.1, 0.4, -0.6, 0.3, 0.0, 0.2, -0.1, 0.25, -0.3, 0.05, 0.15, -0.05, 0.1];
     let expected = [-0.8092918712040478, 1.4278015860750932, -2.6427185637062713, 5.440461373899307];
     for steps in [1_u32, 20, 33] {
         let mut rig = Rig::at([-0.05, 0.1, 0.0, 0.0], |variables| {

@@ -79,6 +79,9 @@ def test_value_classes_of_the_issue():
     # only the blur tells an exposure, and it grows with the square: not at 0.45 ms, but at 1.8
     assert alike.classes(Setting(), "camera.T_delay", 10.0)[0] == ["camera.T_delay", "camera.E_t"]
     assert alike.classes(Setting(), "camera.T_delay", 40.0)[0] == ["camera.T_delay"]
+    # a lag of 1.1 ms in slow runs is a delay, one of 4.6 ms is not
+    assert "plant.tau_delay" in alike.classes(Setting(mix="slow"), "plant.T_act", 3.0)[0]
+    assert "plant.tau_delay" not in alike.classes(Setting(mix="slow"), "plant.T_act", 13.0)[0]
 
 
 def test_every_part_makes_specs():

@@ -111,6 +111,7 @@ pub const CATALOGUE: &[Experiment] = &[
     Experiment { name: "slow ramps", rig: Rig::Rolling, cost: 1, changes: &[Desired(RAMP)], what: "Repeat with slow ramps of z_desired from one end of the range to the other." },
     Experiment { name: "small steps", rig: Rig::Rolling, cost: 1, changes: &[Desired(SMALL)], what: "Repeat with small steps of z_desired, 0.1 each." },
     Experiment { name: "faster steps, logged often", rig: Rig::Rolling, cost: 2, changes: &[Desired(FAST), Rate(200.0)], what: "Repeat with faster steps of z_desired, up to 0.4, each in 0.8 s, and log the joint angles 200 times a second." },
+    Experiment { name: "swing, logged often", rig: Rig::Rolling, cost: 2, changes: &[Desired(SWING), Rate(200.0)], what: "Swing: let z_desired be a sinusoid whose frequency rises from 0.08 to 0.5 Hz, and log the joint angles 200 times a second." },
     Experiment { name: "exposure halved", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 0.5)], what: "Halve the exposure and repeat the runs." },
     Experiment { name: "exposure doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 2.0)], what: "Double the exposure and repeat the runs." },
     Experiment { name: "frame rate doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.omega_cam", 2.0)], what: "Double the frames a second of the camera and repeat the runs." },

@@ -30,7 +30,7 @@ pub fn refit(
     refit_towards(cut, candidates, start, active, f64::INFINITY)
 }
 
-/// The same, ended as soon as the deviance won't fall to where it would matter.
+/// The same, ended as soon as the deviance is not going to fall to `enough`.
 ///
 /// # Errors
 /// A unit failed even at the point to begin with.

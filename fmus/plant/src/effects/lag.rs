@@ -2,7 +2,7 @@
 //!
 //! u(s) = v − rT + r·s + (u₀ − v + rT)·e^(−s/T). Starts from `tau_0`.
 
-use super::non_negative;
+use super::{non_negative, refused};
 use crate::actuator::{Memory, Signal, Stage};
 use fmi2_export::{ModelError, unit, variables};
 
@@ -16,7 +16,11 @@ variables! {
 
 impl Stage for Lag {
     fn check(&self) -> Result<(), ModelError> {
-        non_negative("T_act", self.time)
+        non_negative("T_act", self.time)?;
+        if self.time.is_subnormal() {
+            return Err(refused("T_act", self.time, "must be 0 or so large that its inverse is finite"));
+        }
+        Ok(())
     }
 
     fn shape(&self, memory: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {

@@ -69,6 +69,8 @@ impl Trials<'_> {
         switched: Option<Trial>,
         refused: &mut Vec<usize>,
     ) -> Result<Option<Accepted>, Error> {
+        // half a law of motion is a matter of fits, whatever columns say
+        let small = switched.is_none();
         let mut trials: Vec<Trial> = switched.into_iter().collect();
         for hit in shortlist {
             self.fit(cut, hit, &mut trials);
@@ -78,7 +80,7 @@ impl Trials<'_> {
         self.handicap(&mut trials, if doubted { -HANDICAP.max(DOUBTED * most) } else { HANDICAP });
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
-        let linear = cut.lattice() && shortlist.iter().all(|hit| hit.gain < large);
+        let linear = cut.lattice() && small && shortlist.iter().all(|hit| hit.gain < large);
         if linear {
             trials.sort_by(|a, b| self.gain(b.0).total_cmp(&self.gain(a.0)));
         }

@@ -270,6 +270,5 @@ def make(spec, out, answers, salt=sets.SALT):
     """Simulates and writes one spec with its classes; returns the folder's name."""
     classes_ = []
     for name, _, size in spec.effects:
-        exact, wide = alike.classes(spec.setting, name, size, spec.note.get("sign", 1.0))
-        classes_.append((exact, wide))
+        classes_.append(alike.classes(spec.setting, name, size, spec.note.get("sign", 1.0)))
     return sets.write(spec, out, answers, salt=salt, extra={"classes": classes_})

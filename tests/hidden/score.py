@@ -120,8 +120,12 @@ def measure(cases):
     t.share("pairs_one", [any(touched(e["name"], d) for e in a["effect"]) for a, d in pairs], ">=0.95", "pairs: at least one")
     before = [(a, d) for a, d in by["classes"] if a["stage"] == "before"]
     after = [(a, d) for a, d in by["classes"] if a["stage"] == "after" and a["resolves"]]
-    t.share("over_confident", [bool(named(d)) and len(members(named(d)[0])) == 1 for _, d in before], "<=0.02",
+    single = [(a["effect"][0], bool(named(d)) and len(members(named(d)[0])) == 1) for a, d in before]
+    t.share("over_confident", [one for truth, one in single if len(truth["class_exact"]) > 1], "<=0.02",
             "confident single name inside an exact class")
+    t.share("single", [one for _, one in single], ">=0", "  the same, classes that less than 3 sd tell apart")
+    wrong = [one and not touched(a["effect"][0]["name"], d) for (a, d), (_, one) in zip(before, single)]
+    t.share("single_wrong", wrong, "<=0.02", "  of these, another name than the truth")
     t.share("resolved", [right_single(a, d) and len(members(named(d)[0])) == 1 for a, d in after], ">=0.9",
             "resolved after the experiment")
     t.share("wrong_1x", [bool(named(d)) and not touched(a["effect"][0]["name"], d) for a, d in faint], "<=0.05", "wrong name at 1x MDE")

@@ -221,5 +221,5 @@ def answer(spec, runs, extra):
                  f"off = {float(off_value(BY_NAME[name], spec.setting))!r}", f"size_mde = {float(size)!r}"]
         classes = extra.get("classes", [])
         if i < len(classes):
-            rows += [f"class = {toml(classes[i][0])}", f"class_wide = {toml(classes[i][1])}"]
+            rows += [f"{key} = {toml(members)}" for key, members in zip(("class", "class_wide", "class_exact"), classes[i])]
     return rows

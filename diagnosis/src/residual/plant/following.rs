@@ -46,7 +46,7 @@ impl PlantCut {
 
     /// Far more than noise is left.
     pub(super) fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
-        self.loose(layout, fit) > LED * LED * layout.len() as f64
+        self.loose(layout, fit) > LED * LED
     }
 
     /// Whether a window that was begun anew must be led along the log.

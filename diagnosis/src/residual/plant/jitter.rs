@@ -89,14 +89,18 @@ impl PlantCut {
         cell.soft = soft;
     }
 
-    /// Sum of squares with the stamps' scatter counted as noise.
+    /// Mean square of the motion's rows with the stamps' scatter counted as noise. What was logged of the torque is none of it: no
+    /// lead changes that, and a late one is off by far more than noise wherever the command jumps.
     pub(super) fn loose(&self, layout: &Layout, fit: &Fit) -> f64 {
         let rows = fit.cell.residual.iter().zip(&fit.cell.sigma).zip(&layout.bins);
-        rows.map(|((rest, sigma), (signal, rows))| {
-            let late = if *signal < 2 { self.jitter * rate(&fit.base, *signal, rows) } else { 0.0 };
-            rest * rest / (sigma * sigma + late * late)
-        })
-        .sum()
+        let squares =
+            rows.filter(|(_, (signal, _))| *signal < MOTION).map(|((rest, sigma), (signal, rows))| {
+                let late = if *signal < 2 { self.jitter * rate(&fit.base, *signal, rows) } else { 0.0 };
+                (rest * rest / (sigma * sigma + late * late), 1.0)
+            });
+        let (sum, count) =
+            squares.fold((0.0, 0.0), |(sum, count), (square, one)| (sum + square, count + one));
+        sum / f64::max(count, 1.0)
     }
 }
 

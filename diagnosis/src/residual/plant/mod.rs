@@ -47,6 +47,8 @@ const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4;
 /// Columns of `plant.csv` in the order of the simulated outputs.
 pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
+/// So many of them are motion.
+const MOTION: usize = 4;
 const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
 /// Standard deviations to begin with where none is stated.
 const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];

@@ -61,6 +61,8 @@ pub(super) fn refit_towards(
             }
             _ if promise < REFUSED => break,
             _ => {
+                // what the refused step did to nuisances is no beginning for the next one
+                cut.back();
                 damping = if damping == 0.0 { 0.3 } else { damping * 10.0 };
                 if damping > 1e4 {
                     break;

@@ -90,6 +90,12 @@ fn both_are_found(diagnosis: &Diagnosis) {
 #[test]
 fn recovers_friction_from_a_free_swing_and_no_clock() {
     let diagnosis = said(&swings("swing", &FRICTION, &|_, a, b| Some((a, b))));
+    // nor is there a motor that could push
+    assert!(
+        !diagnosis.minimum_detectable.contains_key("plant.tau_bias"),
+        "{:?}",
+        diagnosis.minimum_detectable
+    );
     both_are_found(&diagnosis);
     assert!(
         !diagnosis.notices.iter().any(|notice| notice.message.contains("late")),

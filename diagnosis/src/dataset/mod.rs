@@ -55,6 +55,12 @@ pub struct Run {
 }
 
 impl Run {
+    /// Nothing drives the machine: no torque was logged, which is one row of none where that is what was meant.
+    pub fn swings_freely(&self) -> bool {
+        let none = |log: &Table| log.len() == 1 && log.column("tau") == Some(&[0.0]);
+        self.controller.as_ref().is_none_or(none)
+    }
+
     /// First and last time of any row, in s.
     pub fn span(&self) -> (f64, f64) {
         let tables = [&self.camera, &self.controller, &self.plant];

@@ -10,7 +10,7 @@ mod correct;
 mod plant;
 
 use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
-use crate::dataset::{DataSet, Table};
+use crate::dataset::{DataSet, Run, Table};
 use crate::diagnosis::Diagnosis;
 use crate::earlier::Earlier;
 use crate::error::{Error, Notice};
@@ -80,6 +80,10 @@ pub fn diagnose(
     if seen {
         // the picture has a mount of its own, and knows the angles
         list.retain(|candidate| candidate.side != Side::Zero);
+    }
+    if data.runs.iter().all(Run::swings_freely) {
+        // what nobody drives has no motor that could be off
+        list.retain(|candidate| candidate.name != "plant.tau_bias");
     }
     if data.pictures_apart {
         let delay = list.iter_mut().filter(|candidate| candidate.name == "camera.T_delay");

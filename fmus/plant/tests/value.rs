@@ -107,6 +107,18 @@ fn value_torques_along_lines() {
 const COMMANDS: [f64; 15] =
     [0.5, -0.2, 0.1, 0.4, -0.6, 0.3, 0.0, 0.2, -0.1, 0.25, -0.3, 0.05, 0.15, -0.05, 0.1];
 
+/// The acrobot of Figure 19 under the commands, each taken in so many steps.
+fn commanded(steps: u32, change: impl FnOnce(&mut Variables)) -> Rig {
+    let mut rig = Rig::at([-0.05, 0.1, 0.0, 0.0], change);
+    for (k, command) in COMMANDS.into_iter().enumerate() {
+        rig.variables.inputs.torque = command;
+        for j in 1..=steps {
+            rig.step((k as f64 + f64::from(j) / f64::from(steps)) / 30.0);
+        }
+    }
+    rig
+}
+
 #[test]
 fn value_lags_far_shorter_than_a_command() {
     // steps longer and shorter than the lag: only the former take the transient's own motion in closed form
@@ -115,13 +127,7 @@ fn value_lags_far_shorter_than_a_command() {
         (3e-3, [-0.7717202082616393, 1.3154385610887034, -2.65415093662526, 4.948163089884756]),
     ] {
         for steps in [1_u32, 7, 500] {
-            let mut rig = Rig::at([-0.05, 0.1, 0.0, 0.0], |variables| variables.effects.lag.time = lag);
-            for (k, command) in COMMANDS.into_iter().enumerate() {
-                rig.variables.inputs.torque = command;
-                for j in 1..=steps {
-                    rig.step((k as f64 + f64::from(j) / f64::from(steps)) / 30.0);
-                }
-            }
+            let rig = commanded(steps, |variables| variables.effects.lag.time = lag);
             println!("{lag} {steps}: {:e}", distance(rig.state(), expected));
             assert!(distance(rig.state(), expected) < CLOSE, "{lag} {steps}: {:?}", rig.state());
         }
@@ -132,7 +138,7 @@ fn value_lags_far_shorter_than_a_command() {
 fn value_actuator() {
     let expected = [-0.8092918712040478, 1.4278015860750932, -2.6427185637062713, 5.440461373899307];
     for steps in [1_u32, 20, 33] {
-        let mut rig = Rig::at([-0.05, 0.1, 0.0, 0.0], |variables| {
+        let rig = commanded(steps, |variables| {
             let effects = &mut variables.effects;
             effects.delay.time = 0.0123;
             effects.saturation.limit = 0.3;
@@ -141,12 +147,6 @@ fn value_actuator() {
             effects.gain.factor = 1.1;
             effects.bias.torque = 0.02;
         });
-        for (k, command) in COMMANDS.into_iter().enumerate() {
-            rig.variables.inputs.torque = command;
-            for j in 1..=steps {
-                rig.step((k as f64 + f64::from(j) / f64::from(steps)) / 30.0);
-            }
-        }
         println!("{:e}", distance(rig.state(), expected));
         assert!(distance(rig.state(), expected) < CLOSE, "{:?}", rig.state());
         assert!((rig.variables.outputs.applied_torque - 0.07495409319609754).abs() < 1e-12); // closed form

@@ -121,7 +121,7 @@ def measure(cases):
     before = [(a, d) for a, d in by["classes"] if a["stage"] == "before"]
     after = [(a, d) for a, d in by["classes"] if a["stage"] == "after" and a["resolves"]]
     single = [(a["effect"][0], bool(named(d)) and len(members(named(d)[0])) == 1) for a, d in before]
-    t.share("over_confident", [one for truth, one in single if len(truth["class_exact"]) > 1], "<=0.02",
+    t.share("over_confident", [one for truth, one in single if len(truth.get("class_exact", truth["class"])) > 1], "<=0.02",
             "confident single name inside an exact class")
     t.share("single", [one for _, one in single], ">=0", "  the same, classes that less than 3 sd tell apart")
     wrong = [one and not touched(a["effect"][0]["name"], d) for (a, d), (_, one) in zip(before, single)]

@@ -16,8 +16,8 @@ const ABSURD: f64 = 1000.0;
 /// An arm that is below the horizontal in this share of the rows is not being balanced.
 const BELOW: f64 = 0.2;
 
-/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model, `gravity` is its torque (N·m). Answers
-/// which clock is known from the motion alone.
+/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model, `gravity` is
+/// its torque (N·m). Answers which clock is known from the motion alone.
 pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [

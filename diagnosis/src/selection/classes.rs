@@ -25,7 +25,7 @@ const COLUMN: f64 = 0.0025;
 const BLUR: f64 = 0.2;
 /// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
 const STRAIGHT: f64 = 50.0;
-/// A fit that loses more than this is far enough not to be settled any further: that takes 0.03 away at most.
+/// A fit that loses more than this is far enough not to be settled any further: that took 0.03 away at most on ten sets.
 const FAR: f64 = 20.0;
 /// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
 /// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).

@@ -1,11 +1,11 @@
 //! How far apart, in physical units, before and after, on runs left out; and where.
 
 use crate::diagnosis::{Gap, Trace, Where};
-use crate::residual::torque::{growth, rms, torques};
+use crate::residual::torque::{growth, moved, rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
-use crate::statistics::linear::{Cell, projected};
-use nalgebra::{DMatrix, DVector};
+use crate::statistics::linear::bare;
+use nalgebra::DVector;
 
 /// A gap must stand this far above the floor to be worth closing.
 const ABOVE: f64 = 1.05;
@@ -79,25 +79,11 @@ pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
     growth(&before, &after) > CLEARLY
 }
 
-fn shifted(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Cell {
-    let mut moved = cell.clone();
-    if let Some(shift) = shift {
-        for (place, by) in places.iter().zip(shift.iter()) {
-            for row in 0..moved.residual.len() {
-                moved.residual[row] -= by * moved.columns[(row, *place)];
-            }
-        }
-    }
-    moved.columns = DMatrix::zeros(moved.residual.len(), 0);
-    moved
-}
-
 fn centroid_rms(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], folds: &[usize]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (block, fold) in blocks.iter().zip(folds) {
         for cell in &block.cells {
-            let moved = shifted(cell, places, shifts.get(*fold));
-            let rest = projected(&moved, 0.0).rest;
+            let rest = bare(cell, &moved(cell, places, shifts.get(*fold)), 0.0).rest;
             for row in (0..cell.residual.len()).filter(|row| cell.signal[*row] < 6) {
                 sum += (rest[row] * cell.sigma[row]).powi(2);
                 count += 1.0;
@@ -117,7 +103,7 @@ pub fn places(study: &Study, signals: &[Signal]) -> Vec<(f64, Where)> {
         let mut own = vec![0.0; signals.len()];
         let mut rows = vec![0.0; signals.len()];
         for cell in &block.cells {
-            let rest = projected(&shifted(cell, &[], None), 0.0).rest;
+            let rest = bare(cell, &cell.residual, 0.0).rest;
             for row in 0..cell.residual.len() {
                 own[cell.signal[row]] += rest[row] * rest[row];
                 rows[cell.signal[row]] += 1.0;

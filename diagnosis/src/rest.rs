@@ -6,8 +6,8 @@ use crate::gap::led;
 use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, STAMPS, Study, lacking, steadiness};
-use crate::statistics::linear::{Cell, projected};
-use nalgebra::{DMatrix, DVector};
+use crate::statistics::linear::bare;
+use nalgebra::DVector;
 
 /// How a rest differs from noise.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,8 +57,7 @@ pub fn rest(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> Rest
 fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
-        let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-        let rest = projected(&bare, accounted).rest;
+        let rest = bare(cell, &cell.residual, accounted).rest;
         rows.extend((0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| rest[row]));
     }
     rows

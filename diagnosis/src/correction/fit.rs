@@ -4,7 +4,7 @@ use super::dictionary::Entry;
 use crate::residual::torque::{Torque, rms, torques};
 use crate::residual::{Block, Probe, Signal};
 use crate::selection::{Evaluation, FREE, Folds};
-use crate::statistics::linear::{Cell, projected, solve, submatrix, subvector};
+use crate::statistics::linear::{bare, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
 /// Standard deviations, by the scatter between blocks, that a coefficient must be away from 0. Fewer than for a name:
@@ -92,8 +92,7 @@ fn followed(block: &Block) -> bool {
         if !cell.floor.is_empty() {
             return true; // a cell of torques: nothing was driven
         }
-        let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-        let rest = projected(&bare, FREE).rest;
+        let rest = bare(cell, &cell.residual, FREE).rest;
         let angles: Vec<f64> = (0..cell.residual.len())
             .filter(|row| cell.signal[*row] < 2)
             .map(|row| (rest[row] * cell.sigma[row]).powi(2))

@@ -3,8 +3,9 @@
 //! a weak form: nothing is differentiated.
 
 use super::Block;
-use crate::statistics::linear::{Cell, nuisances, solve};
+use crate::statistics::linear::{Cell, inverse, nuisances};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// The torques of one part of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,38 +22,42 @@ pub struct Torque {
 
 /// Torques of all blocks after `shift` more of the active columns.
 pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], folds: &[usize]) -> Vec<Torque> {
-    let mut all = Vec::new();
-    for (index, block) in blocks.iter().enumerate() {
-        for cell in &block.cells {
-            let mut moved = cell.clone();
-            if let Some(shift) = shifts.get(folds[index]) {
-                for (place, by) in places.iter().zip(shift.iter()) {
-                    for row in 0..moved.residual.len() {
-                        moved.residual[row] -= by * moved.columns[(row, *place)];
-                    }
-                }
-            }
-            let (at, solved, floor) = if cell.floor.is_empty() {
-                (
-                    cell.hard.ncols() + cell.discrepancy,
-                    nuisances(&moved, crate::selection::FREE).as_slice().to_vec(),
-                    deviations(cell),
-                )
-            } else {
-                (0, moved.residual, cell.floor.clone())
-            };
-            for part in 0..(solved.len() - at) / 2 {
-                let at = at + 2 * part;
-                all.push(Torque {
-                    block: index,
-                    part,
-                    torque: [solved[at], solved[at + 1]],
-                    floor: [floor[at], floor[at + 1]],
-                });
-            }
-        }
+    let of = |(index, block): (usize, &Block)| -> Vec<Torque> {
+        let shift = shifts.get(folds[index]);
+        block.cells.iter().flat_map(|cell| parts(index, cell, &moved(cell, places, shift))).collect()
+    };
+    let each: Vec<Vec<Torque>> = blocks.par_iter().enumerate().map(of).collect();
+    each.into_iter().flatten().collect()
+}
+
+/// Residual after `shift` more of some columns.
+pub fn moved(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Vec<f64> {
+    let mut residual = cell.residual.clone();
+    for (place, by) in places.iter().zip(shift.iter().flat_map(|shift| shift.iter())) {
+        let column = cell.columns.column(*place);
+        residual.iter_mut().zip(column.iter()).for_each(|(rest, column)| *rest -= by * column);
     }
-    all
+    residual
+}
+
+fn parts(block: usize, cell: &Cell, residual: &[f64]) -> Vec<Torque> {
+    let (at, solved, floor) = if cell.floor.is_empty() {
+        let solved = nuisances(cell, residual, crate::selection::FREE);
+        (cell.hard.ncols() + cell.discrepancy, solved.as_slice().to_vec(), deviations(cell))
+    } else {
+        (0, residual.to_vec(), cell.floor.clone())
+    };
+    (0..(solved.len() - at) / 2)
+        .map(|part| {
+            let place = at + 2 * part;
+            Torque {
+                block,
+                part,
+                torque: [solved[place], solved[place + 1]],
+                floor: [floor[place], floor[place + 1]],
+            }
+        })
+        .collect()
 }
 
 /// Standard deviations of the nuisances that the rows' noise gives; the discrepancy is free.
@@ -66,13 +71,11 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
     for place in hard..hard + cell.discrepancy {
         normal[(place, place)] += 1.0;
     }
-    (0..all)
-        .map(|place| {
-            let mut unit = DVector::zeros(all);
-            unit[place] = 1.0;
-            solve(&normal, &unit).map_or(f64::INFINITY, |column| column[place].max(0.0).sqrt())
-        })
-        .collect()
+    let inverse = inverse(&normal).filter(|inverse| inverse.iter().all(|value| value.is_finite()));
+    let deviation = |place: usize| {
+        inverse.as_ref().map_or(f64::INFINITY, |inverse| inverse[(place, place)].max(0.0).sqrt())
+    };
+    (0..all).map(deviation).collect()
 }
 
 /// Torques beyond this many typical sizes come from windows in which the plant could not be led along the log.

@@ -4,7 +4,7 @@
 use crate::candidates::Candidate;
 use crate::error::Error;
 use crate::residual::{Block, Cut, Probe, Signal};
-use crate::statistics::linear::{Cell, Reduced, Sized, projected, reduce, solve, submatrix, subvector};
+use crate::statistics::linear::{Cell, Reduced, Sized, bare, projected, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -14,6 +14,9 @@ pub const FREE: f64 = 1e3;
 /// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit.
 const SIZES: usize = 15;
 const SMALLEST: f64 = 2e-4;
+
+/// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
+const SAME: f64 = 1e-3;
 
 /// Which blocks are left out together: runs, or thirds of a single run.
 #[derive(Debug, Clone)]
@@ -91,8 +94,13 @@ impl Evaluation {
                     None => *seen,
                 })
                 .collect();
+            let moved = |(before, after): (&f64, &f64)| (after / before - 1.0).abs() > SAME;
+            let done = !sigmas.iter().zip(&wanted).any(moved);
             rescale(&mut blocks, &sigmas, &wanted);
             sigmas = wanted;
+            if done {
+                break;
+            }
         }
         let softness = likely_size(&blocks);
         let mut evaluation = Self {
@@ -267,8 +275,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
         .map(|block| {
             let mut sums = vec![(0.0, 0.0); count];
             for cell in &block.cells {
-                let bare = Cell { columns: DMatrix::zeros(cell.residual.len(), 0), ..cell.clone() };
-                let left = projected(&bare, FREE);
+                let left = bare(cell, &cell.residual, FREE);
                 for (row, signal) in cell.signal.iter().enumerate() {
                     sums[*signal].0 += left.rest[row] * left.rest[row];
                     sums[*signal].1 += left.expected[row];

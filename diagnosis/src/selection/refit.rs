@@ -10,9 +10,14 @@ use crate::statistics::linear::{solve, submatrix, subvector};
 const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
-/// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too: chords of windows leave
-/// some 5 of deviance more or less from look to look, and shorter steps found nothing there.
+/// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
+/// one that promises no more: chords of windows leave some 5 of deviance more or less from look to look, and shorter steps found
+/// nothing there.
 const REFUSED: f64 = 1.0;
+/// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
+/// of each step there, and a ceiling without encoders was found by such steps only.
+const SHORTER: f64 = 1.0;
+const SHORTER_SEEN: f64 = 0.3;
 
 /// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
 const REACH: f64 = 5.0;
@@ -44,10 +49,12 @@ pub(super) fn refit_towards(
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
     cut.back();
     let mut best = judge(cut, candidates, start, &free)?;
-    let mut damping = 0.0;
+    let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
+    let mut damping: f64 = 0.0;
     for _ in 0..ROUNDS {
         let Some((next, promise)) = propose(&best, candidates, &free, damping) else { break };
-        if promise < SETTLED || best.deviance() - REACH * promise > enough {
+        let least = if damping < shorter { SETTLED } else { REFUSED };
+        if promise < least || best.deviance() - REACH * promise > enough {
             break;
         }
         // columns are wanted only of a step that is taken
@@ -63,7 +70,7 @@ pub(super) fn refit_towards(
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
                 cut.back();
-                damping = if damping == 0.0 { 0.3 } else { damping * 10.0 };
+                damping = (10.0 * damping).max(shorter);
                 if damping > 1e4 {
                     break;
                 }

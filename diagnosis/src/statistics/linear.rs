@@ -91,50 +91,87 @@ impl Reduced {
 
 /// An orthonormal basis of a cell's nuisances, after whitening.
 struct Basis {
-    vectors: Vec<DVector<f64>>,
+    rows: usize,
+    /// One vector behind the other.
+    vectors: Vec<f64>,
     log_det: f64,
     hard_rank: usize,
 }
 
+/// A column that keeps this share of its length is orthogonal to rounding after one pass (Kahan's criterion; Parlett, *The
+/// Symmetric Eigenvalue Problem*, SIAM 1998, section 6.9).
+const KEPT: f64 = 0.7;
+
 impl Basis {
-    /// Gram-Schmidt, each column twice, which is as good as Householder here and leaves dependent columns out.
-    fn new(hard: &DMatrix<f64>, soft: &DMatrix<f64>) -> Self {
-        let rows = hard.nrows() + soft.ncols();
-        let mut basis = Self { vectors: Vec::new(), log_det: 0.0, hard_rank: 0 };
-        for column in hard.column_iter() {
-            let mut vector = DVector::zeros(rows);
-            vector.rows_mut(0, column.len()).copy_from(&column);
-            basis.hard_rank += usize::from(basis.push(vector));
+    /// Gram-Schmidt, each column twice where it needs that, which is as good as Householder here and leaves dependent columns
+    /// out.
+    fn new(cell: &Cell, softness: f64) -> Self {
+        let (n, soft) = (cell.residual.len(), kept(cell, softness));
+        let rows = n + soft;
+        let vectors = Vec::with_capacity(rows * (cell.hard.ncols() + soft));
+        let mut basis = Self { rows, vectors, log_det: 0.0, hard_rank: 0 };
+        let mut vector = vec![0.0; rows];
+        for column in cell.hard.column_iter() {
+            whiten(cell, column.as_slice(), 1.0, &mut vector);
+            basis.hard_rank += usize::from(basis.push(&mut vector));
         }
-        for (place, column) in soft.column_iter().enumerate() {
-            let mut vector = DVector::zeros(rows);
-            vector.rows_mut(0, column.len()).copy_from(&column);
-            vector[column.len() + place] = 1.0;
-            basis.push(vector);
+        for (place, column) in cell.soft.column_iter().take(soft).enumerate() {
+            let factor = if place < cell.discrepancy { 1.0 } else { softness };
+            whiten(cell, column.as_slice(), factor, &mut vector);
+            vector[n + place] = 1.0;
+            basis.push(&mut vector);
         }
         basis
     }
 
-    fn push(&mut self, mut vector: DVector<f64>) -> bool {
-        let before = vector.norm();
-        self.project(&mut vector);
-        self.project(&mut vector);
-        let after = vector.norm();
+    fn push(&mut self, vector: &mut [f64]) -> bool {
+        let before = norm(vector);
+        self.project(vector);
+        let mut after = norm(vector);
+        if after <= KEPT * before {
+            self.project(vector);
+            after = norm(vector);
+        }
         if after.is_nan() || after <= RANK_TOLERANCE * before {
             return false;
         }
         self.log_det += 2.0 * libm::log(after);
-        vector /= after;
-        self.vectors.push(vector);
+        self.vectors.extend(vector.iter().map(|value| value / after));
         true
     }
 
-    fn project(&self, vector: &mut DVector<f64>) {
-        for direction in &self.vectors {
-            let along = direction.dot(vector);
-            vector.axpy(-along, direction, 1.0);
+    fn project(&self, vector: &mut [f64]) {
+        for direction in self.vectors.chunks_exact(self.rows.max(1)) {
+            let along = dot(direction, vector);
+            vector.iter_mut().zip(direction).for_each(|(value, direction)| *value -= along * direction);
         }
     }
+}
+
+/// Divides a column by the rows' standard deviations; the rows of soft nuisances below are 0.
+fn whiten(cell: &Cell, column: &[f64], factor: f64, into: &mut [f64]) {
+    let (own, below) = into.split_at_mut(column.len());
+    for ((into, value), sigma) in own.iter_mut().zip(column).zip(&cell.sigma) {
+        *into = factor * value / sigma;
+    }
+    below.fill(0.0);
+}
+
+/// Eight sums side by side, so that compilers use vectors.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_parts, b_parts) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_parts.remainder().iter().zip(b_parts.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_parts.zip(b_parts) {
+        for lane in 0..8 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    rest + sums.iter().sum::<f64>()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
 }
 
 /// Whitened rows of a cell after projection, with the soft nuisances' own rows below.
@@ -153,33 +190,34 @@ pub struct Projected {
 
 /// Projects. `softness` multiplies the prior standard deviation of the discrepancy.
 pub fn projected(cell: &Cell, softness: f64) -> Projected {
+    beside(cell, &cell.residual, &cell.columns, softness)
+}
+
+/// Projects this residual alone.
+pub fn bare(cell: &Cell, residual: &[f64], softness: f64) -> Projected {
+    beside(cell, residual, &DMatrix::zeros(residual.len(), 0), softness)
+}
+
+fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, softness: f64) -> Projected {
     let n = cell.residual.len();
-    let white = |matrix: &DMatrix<f64>, factor: f64| {
-        DMatrix::from_fn(n, matrix.ncols(), |row, column| factor * matrix[(row, column)] / cell.sigma[row])
-    };
-    let hard = white(&cell.hard, 1.0);
-    let soft = white(&soft_columns(cell, softness), 1.0);
-    let basis = Basis::new(&hard, &soft);
-    let rows = n + soft.ncols();
-    let mut rest = DVector::zeros(rows);
-    for row in 0..n {
-        rest[row] = cell.residual[row] / cell.sigma[row];
-    }
-    basis.project(&mut rest);
-    let white_columns = white(&cell.columns, 1.0);
-    let mut columns = DMatrix::zeros(rows, white_columns.ncols());
-    for place in 0..white_columns.ncols() {
-        let mut vector = DVector::zeros(rows);
-        vector.rows_mut(0, n).copy_from(&white_columns.column(place));
-        if vector.amax() > 0.0 {
-            basis.project(&mut vector);
+    let basis = Basis::new(cell, softness);
+    let mut rest = DVector::zeros(basis.rows);
+    whiten(cell, residual, 1.0, rest.as_mut_slice());
+    basis.project(rest.as_mut_slice());
+    let mut columns = DMatrix::zeros(basis.rows, raw.ncols());
+    for (column, into) in raw.column_iter().zip(columns.as_mut_slice().chunks_exact_mut(basis.rows.max(1))) {
+        if column.amax() > 0.0 {
+            whiten(cell, column.as_slice(), 1.0, into);
+            basis.project(into);
         }
-        columns.column_mut(place).copy_from(&vector);
     }
     let freedom = n as f64 - basis.hard_rank as f64;
     let log_sigma: f64 = cell.sigma.iter().map(|sigma| 2.0 * libm::log(*sigma)).sum();
-    let leverage = |row: usize| basis.vectors.iter().map(|vector| vector[row] * vector[row]).sum::<f64>();
-    let expected = (0..n).map(|row| (1.0 - leverage(row)).max(0.0)).collect();
+    let mut expected = vec![1.0; n];
+    for vector in basis.vectors.chunks_exact(basis.rows.max(1)) {
+        expected.iter_mut().zip(vector).for_each(|(expected, value)| *expected -= value * value);
+    }
+    expected.iter_mut().for_each(|expected| *expected = expected.max(0.0));
     Projected { rest, columns, freedom, log_det: basis.log_det + log_sigma, expected }
 }
 
@@ -208,7 +246,7 @@ impl Sized {
     pub fn of(cell: &Cell) -> Self {
         let free = cell.discrepancy.min(cell.soft.ncols());
         let columns = cell.soft.columns(free, cell.soft.ncols() - free).into_owned();
-        let Projected { rest, columns, log_det, .. } = projected(&Cell { columns, ..cell.clone() }, 0.0);
+        let Projected { rest, columns, log_det, .. } = beside(cell, &cell.residual, &columns, 0.0);
         let none = rest.norm_squared() + log_det;
         if columns.ncols() == 0 {
             return Self { none, along: Vec::new() };
@@ -230,15 +268,15 @@ impl Sized {
     }
 }
 
-/// Most likely nuisances (hard, then soft) of a cell.
-pub fn nuisances(cell: &Cell, softness: f64) -> DVector<f64> {
+/// Most likely nuisances (hard, then soft) of a cell that leaves this residual.
+pub fn nuisances(cell: &Cell, residual: &[f64], softness: f64) -> DVector<f64> {
     let soft = soft_columns(cell, softness);
     let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + soft.ncols());
     let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
         let value = if column < hard { cell.hard[(row, column)] } else { soft[(row, column - hard)] };
         value / cell.sigma[row]
     });
-    let residual = DVector::from_fn(cell.residual.len(), |row, _| cell.residual[row] / cell.sigma[row]);
+    let residual = DVector::from_fn(residual.len(), |row, _| residual[row] / cell.sigma[row]);
     let mut normal = white.tr_mul(&white);
     for place in hard..all {
         normal[(place, place)] += 1.0;
@@ -250,9 +288,13 @@ pub fn nuisances(cell: &Cell, softness: f64) -> DVector<f64> {
     solution
 }
 
+/// Soft columns that take part: where there is no discrepancy, its columns stay out.
+fn kept(cell: &Cell, softness: f64) -> usize {
+    if softness > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) }
+}
+
 fn soft_columns(cell: &Cell, softness: f64) -> DMatrix<f64> {
-    let kept = if softness > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) };
-    DMatrix::from_fn(cell.soft.nrows(), kept, |row, column| {
+    DMatrix::from_fn(cell.soft.nrows(), kept(cell, softness), |row, column| {
         cell.soft[(row, column)] * if column < cell.discrepancy { 1.0 } else { softness }
     })
 }

@@ -47,10 +47,7 @@ pub fn derivative(plant: &Plant, variables: &Variables, unknown: &str, known: &s
         "ddq1" => Some(by_acceleration(plant, variables, known, state)[0]),
         "ddq2" => Some(by_acceleration(plant, variables, known, state)[1]),
         "tau_applied" => Some(if known == "tau" { feedthrough(variables) } else { 0.0 }),
-        "z" if known == "q2" => {
-            let place = plant.place.as_ref().and_then(|(_, place)| place.as_ref());
-            Some(place.map_or(0.0, |place| place.slope(plant.state[1])))
-        }
+        "z" if known == "q2" => Some(plant.places.current().map_or(0.0, |place| place.slope(plant.state[1]))),
         "z" => Some(0.0),
         _ => None,
     }

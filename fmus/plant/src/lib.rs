@@ -19,6 +19,7 @@ mod derivative;
 mod dynamics;
 pub mod effects;
 mod integrator;
+mod places;
 mod variables;
 
 pub use integrator::TOLERANCE;
@@ -29,8 +30,7 @@ use dynamics::Dynamics;
 use effects::{Motion, finite, positive};
 use fmi2_export::{Dependencies, Description, Experiment, Log, Model, ModelError, Step, serde};
 use integrator::{End, LONGEST_STEP, State, Stretch};
-use mechanics::{Place, Theta};
-use std::sync::Arc;
+use places::Places;
 
 /// The plant's state.
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
@@ -43,7 +43,7 @@ pub struct Plant {
     next_step: f64,
     /// z(q2), rebuilt from theta where it is missing.
     #[serde(skip)]
-    place: Option<(Theta, Option<Arc<Place>>)>,
+    places: Places,
 }
 
 impl Plant {
@@ -112,7 +112,7 @@ impl Plant {
         log: &mut dyn Log,
     ) -> Result<(), ModelError> {
         let [q1, q2, dq1, dq2] = self.state;
-        let place = self.place(&variables.parameters.theta(), log).map_or(0.0, |place| place.z(q2));
+        let place = self.places.at(&variables.parameters.theta(), log).map_or(0.0, |place| place.z(q2));
         let energy = Dynamics::new(variables, [0.0; 2]).energy(&self.motion());
         variables.outputs = Outputs {
             link1_angle: q1,
@@ -133,21 +133,6 @@ impl Plant {
             "numbers overflow: {:?}, {:?} for {:?}",
             variables.outputs, variables.locals, variables.inputs
         )))
-    }
-
-    /// z(q2) for these parameters; `None`, and a warning once, where they have no z.
-    fn place(&mut self, theta: &Theta, log: &mut dyn Log) -> Option<&Place> {
-        let is_current = self.place.as_ref().is_some_and(|(built_for, _)| built_for == theta);
-        if !is_current {
-            let place = Place::new(theta);
-            if let Err(error) = &place {
-                log.log("logStatusWarning", &|| {
-                    format!("z stays 0, since theta gives no place on the manifold: {error}")
-                });
-            }
-            self.place = Some((*theta, place.ok().map(Arc::new)));
-        }
-        self.place.as_ref().and_then(|(_, place)| place.as_deref())
     }
 }
 
@@ -194,9 +179,7 @@ impl Model for Plant {
     }
 
     fn renewed(&self) -> Self {
-        // Where there is no table, the warning that says so must come again.
-        let place = self.place.as_ref().filter(|(_, place)| place.is_some()).cloned();
-        Self { place, ..Self::default() }
+        Self { places: self.places.renewed(), ..Self::default() }
     }
 
     fn initialize(
@@ -218,12 +201,12 @@ impl Model for Plant {
         finite("tau_0", parameters.start_torque)?;
         check(variables)?;
         let actuator = Memory::settled(parameters.start_torque, variables.effects.saturation.limit);
-        let place = self.place.take(); // a table for the same theta can be used again
+        let places = std::mem::take(&mut self.places); // a table for the same theta can be used again
         *self = Plant {
             state: start.map(|(_, value)| value),
             actuator,
             next_step: LONGEST_STEP,
-            place,
+            places,
             ..Plant::default()
         };
 

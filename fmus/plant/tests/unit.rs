@@ -278,6 +278,32 @@ fn every_theta_without_a_manifold_leaves_z_at_zero_and_says_so() {
 }
 
 #[test]
+fn every_theta_that_comes_back_has_the_z_it_had() {
+    let mut variables = Variables::default();
+    let mut log = Kept::default();
+    let mut plant = Plant::default();
+    let mut z = |theta_9: f64, log: &mut Kept| {
+        variables.parameters.theta_9 = theta_9;
+        let experiment = Experiment { start: 0.0, stop: None, tolerance: None };
+        plant = plant.renewed();
+        plant.initialize(&mut variables, &experiment, log).unwrap();
+        variables.outputs.place
+    };
+    // more than are kept, twice
+    let thetas: Vec<f64> = (0..20).map(|k| 4.0 + 0.01 * f64::from(k)).collect();
+    let first: Vec<f64> = thetas.iter().map(|theta_9| z(*theta_9, &mut log)).collect();
+    let again: Vec<f64> = thetas.iter().rev().map(|theta_9| z(*theta_9, &mut log)).rev().collect();
+    assert_eq!(first, again);
+    assert!(first.windows(2).all(|pair| pair[0] != pair[1]));
+    // one without a manifold says so whenever it comes
+    for said in 1..3 {
+        assert_eq!(z(1.0, &mut log), 0.0);
+        assert_eq!(log.0.len(), said);
+        z(4.0, &mut log);
+    }
+}
+
+#[test]
 fn golden_two_seconds_with_every_effect() {
     let mut rig = Rig::at(WILD, busy);
     drive(&mut rig, 0, 240);

@@ -208,13 +208,14 @@ pub(super) fn square(cell: &Cell) -> f64 {
 /// Start state and leads after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
 /// deviation. Leads are free while they are looked for.
 pub(super) fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
-    let mut cell = fit.cell.clone();
-    if !led {
-        cell.soft = DMatrix::zeros(cell.residual.len(), 0);
-    }
-    let shift = nuisances(&cell, if led { crate::selection::FREE } else { 0.0 });
+    let cell = &fit.cell;
+    // nothing is a discrepancy yet but the leads
+    let shift = nuisances(cell, &cell.residual, if led { crate::selection::FREE } else { 0.0 });
     let hard = cell.hard.ncols();
-    let moved = &cell.hard * shift.rows(0, hard) + &cell.soft * shift.rows(hard, shift.len() - hard);
+    let mut moved = &cell.hard * shift.rows(0, hard);
+    if led {
+        moved += &cell.soft * shift.rows(hard, shift.len() - hard);
+    }
     let size = moved.iter().zip(&cell.sigma).map(|(moved, sigma)| (moved / sigma).powi(2)).sum::<f64>();
     if size < 0.01 * cell.residual.len() as f64 {
         return None;

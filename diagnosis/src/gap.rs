@@ -57,9 +57,15 @@ fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
     let closed = (before > ABOVE * floor)
         .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
         .map(|closed| closed.min(1.0));
-    let held_out_runs =
-        if folds.count == runs.len() { runs.to_vec() } else { vec!["parts of the only run".into()] };
-    Gap { before, after, floor, closed, held_out_runs, signal: signal.into(), unit: unit.into() }
+    Gap {
+        before,
+        after,
+        floor,
+        closed,
+        held_out_runs: folds.names(runs),
+        signal: signal.into(),
+        unit: unit.into(),
+    }
 }
 
 /// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.

@@ -63,6 +63,17 @@ fn recovers_radial_distortion_from_pictures_alone() {
 }
 
 #[test]
+fn names_each_run_that_was_left_out_where_torque_and_picture_are_compared() {
+    // poses and lenses have blocks of their own, each over all runs
+    let folder = common::recorded("left-out", &[("camera.k1", "0.05")]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("the log was recorded");
+    }
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    assert_eq!(found.expect("the data is good").gap.held_out_runs, ["run-01", "run-02"]);
+}
+
+#[test]
 fn recovers_a_late_picture_from_encoders_without_a_torque() {
     let folder = common::recorded("undriven", &[("camera.T_delay", "0.02")]);
     for run in ["run-01", "run-02"] {

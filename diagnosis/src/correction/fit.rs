@@ -31,8 +31,8 @@ pub struct Fitted {
     pub gap: (f64, f64, f64),
     /// What is left of torques of a usual size, as gaps of effects are measured, N·m.
     pub usual: f64,
-    /// Whether whole runs were left out.
-    pub whole_runs: bool,
+    /// What was left out.
+    pub folds: Folds,
     /// For each block what is left at the joint on runs left out: run, from, to, N·m.
     pub left: Vec<(usize, f64, f64, f64)>,
 }
@@ -47,8 +47,6 @@ struct Rest<'a> {
 /// Fits terms to blocks whose columns are those of the entries.
 pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted {
     let probes: Vec<Probe> = (0..entries.len()).map(|candidate| Probe { candidate, by: 1.0 }).collect();
-    let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
-    runs.dedup();
     let blocks: Vec<Block> = blocks.into_iter().filter(followed).collect();
     let folds = Folds::new(&blocks);
     let evaluation = Evaluation::of(blocks, &vec![0.0; entries.len()], &probes, signals);
@@ -81,7 +79,7 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
         terms,
         gap: (before, now, floor),
         usual: rms(&torques).0,
-        whole_runs: runs.len() > 1,
+        folds: rest.folds.clone(),
         left: rest.over_time(&torques),
     }
 }

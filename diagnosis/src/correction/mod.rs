@@ -175,8 +175,7 @@ pub fn offer(
             phrase: entry.phrase.clone(),
         });
     }
-    let held_out_runs =
-        if fitted.whole_runs { runs.to_vec() } else { vec!["parts of the only run".to_owned()] };
+    let held_out_runs = fitted.folds.names(runs);
     let correction = Some(Correction {
         label: "a labelled correction, not an explanation".into(),
         unit: name.into(),

@@ -63,6 +63,20 @@ fn recovers_radial_distortion_from_pictures_alone() {
 }
 
 #[test]
+fn recovers_an_exposure_from_torque_and_picture() {
+    // frames are put where the fitted plant has them, and whatever has moved them must be fitted again there
+    let folder = common::recorded("exposed", &[("camera.E_t", "0.3")]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("the log was recorded");
+    }
+    let without = ["camera.T_delay", "plant.tau_delay", "plant.T_act"].map(String::from).to_vec();
+    let options = Options { without, ..common::options() };
+    let found = diagnose(folder.path(), &common::units(), &options, &mut |_| {}).expect("the data is good");
+    println!("{:?} {:?}", found.effects, found.gap);
+    named(&found, "camera.E_t", 0.3, 0.03);
+}
+
+#[test]
 fn names_each_run_that_was_left_out_where_torque_and_picture_are_compared() {
     // poses and lenses have blocks of their own, each over all runs
     let folder = common::recorded("left-out", &[("camera.k1", "0.05")]);

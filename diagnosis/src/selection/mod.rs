@@ -36,6 +36,11 @@ const VAIN: usize = 4;
 /// before away with it.
 const ASTRAY: f64 = 100.0;
 
+/// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
+/// again.
+const UNSETTLED: f64 = 1.0;
+const AGAIN: usize = 3;
+
 /// One look in the story.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -98,7 +103,9 @@ pub fn study(
             let cut: &dyn Cut = cut;
             all_probes(candidates, point, &|candidate| cut.sees(candidate), active)
         };
-        Evaluation::at(cut, point, &probes, false)
+        let first = Evaluation::at(cut, point, &probes, false)?;
+        // the look itself has put frames elsewhere
+        if cut.free_pose() { Evaluation::at(cut, point, &probes, false) } else { Ok(first) }
     };
     let mut active: Vec<usize> = known.to_vec();
     let mut bare = start.to_vec();
@@ -151,8 +158,9 @@ pub fn study(
         // windows that had to be led may follow the log by themselves now
         cut.afresh();
         step.dropped = settle(cut, candidates, &mut active, &mut point)?;
-        refused.extend(&step.dropped);
         last = look(cut, &point, &active)?;
+        step.dropped.extend(again(cut, candidates, &look, &mut active, &mut last)?);
+        refused.extend(&step.dropped);
         step.rest.1 = rest(&last);
         let compared = !cut.lattice() || cut.free_pose();
         if compared && !cut.outweighed() && last.deviance() > before.2 + ASTRAY {
@@ -178,6 +186,7 @@ pub fn study(
             Opinion::Swapped(other) => {
                 class = None;
                 last = look(cut, &other, &active)?;
+                again(cut, candidates, &look, &mut active, &mut last)?;
                 found = screen(&last, candidates, &active);
                 if let Some(step) = steps.last_mut() {
                     step.accepted = active.last().copied();
@@ -189,6 +198,33 @@ pub fn study(
     let (explained, outweighed) = (cut.explained(), cut.outweighed());
     let name = cut.name();
     Ok(Study { name, active, nominal, last, class, screen: found, steps, folds, seen, explained, outweighed })
+}
+
+/// A look at a point, with the columns of all candidates.
+type Look<'a> = dyn Fn(&mut dyn Cut, &[f64], &[usize]) -> Result<Evaluation, Error> + 'a;
+
+/// Fits again and looks again where a look has put frames elsewhere, so that values aren't at their best any more. Answers who was
+/// dropped.
+fn again(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    look: &Look<'_>,
+    active: &mut Vec<usize>,
+    last: &mut Evaluation,
+) -> Result<Vec<usize>, Error> {
+    let mut dropped = Vec::new();
+    for _ in 0..AGAIN {
+        let free: Vec<usize> =
+            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let settled = last.promise(&free).is_none_or(|promise| promise < UNSETTLED);
+        if settled || !cut.free_pose() {
+            break;
+        }
+        let mut point = last.point.clone();
+        dropped.extend(settle(cut, candidates, active, &mut point)?);
+        *last = look(cut, &point, active)?;
+    }
+    Ok(dropped)
 }
 
 /// Mean square of the whitened rest.

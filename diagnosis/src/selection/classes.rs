@@ -18,6 +18,8 @@ use nalgebra::{DMatrix, DVector};
 pub(super) const HOPELESS: f64 = 12.0;
 /// Columns of which less than this share is apart are alike enough for a fit to decide.
 const ALIKE: f64 = 0.03;
+/// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
+const ALIKE_BENT: f64 = 0.15;
 /// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
 /// lattice's errors. Fits are no better judges of two that differ by less.
 const COLUMN: f64 = 0.0025;
@@ -118,7 +120,9 @@ impl Seat<'_> {
     fn near(&self, index: usize, linear: Option<&Replaced>) -> Option<f64> {
         let (predicted, strength) =
             predicted_loss(self.last, &self.others, self.effect, index, self.candidates)?;
-        let apart = predicted / self.temper > HOPELESS && predicted > ALIKE * strength;
+        let bent = [self.effect, index].iter().any(|index| blurs(&self.candidates[*index]));
+        let alike = if bent { ALIKE_BENT } else { ALIKE };
+        let apart = predicted / self.temper > HOPELESS && predicted > alike * strength;
         let hopeless = linear.is_none_or(|linear| linear.loss / self.temper > 2.0 * HOPELESS);
         (!apart || !hopeless).then_some(strength)
     }
@@ -133,7 +137,7 @@ impl Seat<'_> {
         };
         let loss = allowed(replaced.loss);
         // a column over another step than the one it asks for says nothing of what bends
-        let blurs = self.candidates[index].bends && self.candidates[index].side == Side::Camera;
+        let blurs = blurs(&self.candidates[index]);
         if !bent || (loss <= CLASS * self.temper && !blurs) {
             return loss;
         }
@@ -166,6 +170,11 @@ impl Seat<'_> {
         let fit = if fit.deviance() > enough { fit } else { settled(cut, fit)? };
         Ok(Some((index, fit.point[index], fit.deviance() - self.own)))
     }
+}
+
+/// Whether a candidate's picture changes otherwise with each step.
+fn blurs(candidate: &Candidate) -> bool {
+    candidate.bends && candidate.side == Side::Camera
 }
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the

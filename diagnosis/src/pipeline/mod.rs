@@ -199,6 +199,11 @@ fn part(
     tell: &mut dyn FnMut(&str),
 ) -> Result<Part, Error> {
     let study = study(cut, list, point, known, tell)?;
+    classed(cut, list, study, torque)
+}
+
+/// What was found on a cut, with all that could stand in the place of each effect.
+fn classed(cut: &mut dyn Cut, list: &[Candidate], study: Study, torque: bool) -> Result<Part, Error> {
     let mut classes = Vec::new();
     for effect in &study.active {
         let known = study.class.as_ref().filter(|(accepted, _)| accepted == effect);

@@ -52,8 +52,12 @@ pub(super) fn plant_part(
         Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
         Some(part_before) => {
             rows.linearise(point, &[], false)?;
-            let fine = part(&mut rows, list, point, &start, true, tell)?;
-            if went_astray(&fine, &start, list) { part_before } else { Part { coarse: start, ..fine } }
+            let fine = study(&mut rows, list, point, &start, tell)?;
+            if went_astray(&fine, rows.signals(), &start, list) {
+                part_before
+            } else {
+                Part { coarse: start, ..classed(&mut rows, list, fine, true)? }
+            }
         }
         None => {
             let alone = part(&mut rows, list, point, &start, true, tell)?;
@@ -105,9 +109,9 @@ fn could_be_the_actuator(part: &Part, list: &[Candidate]) -> bool {
 
 /// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,
 /// torques that lead the plant take its place, and fits end anywhere.
-fn went_astray(fine: &Part, known: &[usize], list: &[Candidate]) -> bool {
-    let lost = known.iter().any(|index| !fine.study.active.contains(index));
-    lost && unknown(&fine.study, &fine.signals, list, fine.torque).is_some()
+fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candidate]) -> bool {
+    let lost = known.iter().any(|index| !fine.active.contains(index));
+    lost && unknown(fine, signals, list, true).is_some()
 }
 
 /// Whether a switch of the model lets the plant follow the log by itself. If so, leaves the windows at the nominal model.

@@ -185,12 +185,20 @@ pub fn study(
             Opinion::Stays(others) => class = Some((candidate, others)),
             Opinion::Swapped(other) => {
                 class = None;
+                let swapped = active.last().copied();
                 last = look(cut, &other, &active)?;
-                again(cut, candidates, &look, &mut active, &mut last)?;
+                let dropped = again(cut, candidates, &look, &mut active, &mut last)?;
                 found = screen(&last, candidates, &active);
+                refused.extend(&dropped);
+                // what was swapped for it could be accepted again and again
+                vain += usize::from(!dropped.is_empty());
                 if let Some(step) = steps.last_mut() {
-                    step.accepted = active.last().copied();
+                    step.accepted = swapped;
+                    step.dropped.extend(dropped);
                     step.rest.1 = rest(&last);
+                }
+                if vain > VAIN {
+                    break;
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! How far apart, in physical units, before and after, on runs left out; and where.
 
 use crate::diagnosis::{Gap, Trace, Where};
-use crate::residual::torque::{growth, moved, rms, torques};
+use crate::residual::torque::{growth, rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
-use crate::statistics::linear::bare;
+use crate::statistics::linear::{bare, moved};
 use nalgebra::DVector;
 
 /// A gap must stand this far above the floor to be worth closing.

@@ -4,7 +4,7 @@ use super::dictionary::Entry;
 use crate::residual::torque::{Torque, rms, torques};
 use crate::residual::{Block, Probe, Signal};
 use crate::selection::{Evaluation, FREE, Folds};
-use crate::statistics::linear::{bare, solve, submatrix, subvector};
+use crate::statistics::linear::{bare, moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
 /// Standard deviations, by the scatter between blocks, that a coefficient must be away from 0. Fewer than for a name:
@@ -195,14 +195,10 @@ impl Rest<'_> {
 
     /// Noise and size of what is lacking as they show once the terms are there: large rests weigh rows too alike.
     fn sharpen(&mut self, active: &[usize], signals: &[Signal]) {
-        let values = self.values(active);
+        let (places, values) = (self.evaluation.places(active), self.values(active));
         let mut blocks = self.evaluation.blocks.clone();
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
-            for (place, value) in self.evaluation.places(active).iter().zip(values.iter()) {
-                for row in 0..cell.residual.len() {
-                    cell.residual[row] -= value * cell.columns[(row, *place)];
-                }
-            }
+            cell.residual = moved(cell, &places, Some(&values));
             cell.columns = DMatrix::zeros(cell.residual.len(), 0);
         }
         let mut sharper = Evaluation::of(blocks, &[], &[], signals);

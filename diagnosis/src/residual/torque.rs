@@ -3,7 +3,7 @@
 //! a weak form: nothing is differentiated.
 
 use super::Block;
-use crate::statistics::linear::{Cell, inverse, nuisances};
+use crate::statistics::linear::{Cell, inverse, moved, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -28,16 +28,6 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
     };
     let each: Vec<Vec<Torque>> = blocks.par_iter().enumerate().map(of).collect();
     each.into_iter().flatten().collect()
-}
-
-/// Residual after `shift` more of some columns.
-pub fn moved(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Vec<f64> {
-    let mut residual = cell.residual.clone();
-    for (place, by) in places.iter().zip(shift.iter().flat_map(|shift| shift.iter())) {
-        let column = cell.columns.column(*place);
-        residual.iter_mut().zip(column.iter()).for_each(|(rest, column)| *rest -= by * column);
-    }
-    residual
 }
 
 fn parts(block: usize, cell: &Cell, residual: &[f64]) -> Vec<Torque> {

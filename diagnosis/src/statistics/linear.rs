@@ -38,6 +38,16 @@ pub struct Cell {
     pub lattice: Vec<usize>,
 }
 
+/// Residual after `shift` more of some columns.
+pub fn moved(cell: &Cell, places: &[usize], shift: Option<&DVector<f64>>) -> Vec<f64> {
+    let mut residual = cell.residual.clone();
+    for (place, by) in places.iter().zip(shift.iter().flat_map(|shift| shift.iter())) {
+        let column = cell.columns.column(*place);
+        residual.iter_mut().zip(column.iter()).for_each(|(rest, column)| *rest -= by * column);
+    }
+    residual
+}
+
 /// What is left of a block.
 #[derive(Debug, Clone)]
 pub struct Reduced {

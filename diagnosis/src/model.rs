@@ -19,8 +19,8 @@ pub struct Model {
     pub scenario: Scenario,
     /// The plant on the bench.
     pub plant: Arc<Bench>,
-    /// The camera on the bench.
-    pub camera: Arc<Bench>,
+    /// The camera on the bench, unless nobody looks.
+    pub camera: Option<Arc<Bench>>,
     numbers: BTreeMap<String, f64>,
     /// Residual units of the scenario, which are left out.
     left_out: Vec<String>,
@@ -84,12 +84,10 @@ impl Model {
             }
             benches.insert(unit.name.clone(), Arc::new(Bench::new(fmu, &values)?));
         }
-        let mut bench = |name: &str| {
-            benches
-                .remove(name)
-                .ok_or_else(|| Error::Nominal(format!("{} has no unit `{name}`", file.display())))
-        };
-        Ok(Self { plant: bench("plant")?, camera: bench("camera")?, scenario, numbers, left_out })
+        let plant = benches
+            .remove("plant")
+            .ok_or_else(|| Error::Nominal(format!("{} has no unit `plant`", file.display())))?;
+        Ok(Self { plant, camera: benches.remove("camera"), scenario, numbers, left_out })
     }
 
     /// What a user should know of the nominal model.

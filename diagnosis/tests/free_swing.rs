@@ -130,3 +130,20 @@ fn every_other_way_of_counting_angles_is_told() {
     let told = diagnosis.notices.iter().find(|notice| notice.message.contains("far better"));
     assert!(told.is_some_and(|notice| notice.message.contains("at the joint")), "{:?}", diagnosis.notices);
 }
+
+#[test]
+fn recovers_friction_with_a_scenario_that_has_no_camera() {
+    let folder = swings("unseen", &FRICTION, &|_, a, b| Some((a, b)));
+    let manifest = std::fs::read_to_string(folder.path().join("dataset.toml")).expect("it was written");
+    folder.put("dataset.toml", &manifest.replace("visual-servo", "full-state"));
+    // a motor that was logged, and never pushed
+    folder.put("run-01/controller.csv", "time,tau\n0,0\n3,0\n6,0\n");
+    let rows: String = (0..20).map(|row| format!("{},0,0,0,0,0,0\n", 0.3 * f64::from(row))).collect();
+    folder.put("run-02/camera.csv", &format!("time,u1,v1,u2,v2,u3,v3\n{rows}"));
+    let diagnosis = said(&folder);
+    both_are_found(&diagnosis);
+    assert!(!diagnosis.minimum_detectable.contains_key("plant.tau_bias"), "nothing drove it");
+    let told = |notice: &&diagnosis::Notice| notice.file == "run-02/camera.csv";
+    let notice = diagnosis.notices.iter().find(told).expect("pictures were put aside");
+    assert!(notice.message.contains("`full-state` has no unit `camera`"), "{notice}");
+}

@@ -55,9 +55,10 @@ pub struct Run {
 }
 
 impl Run {
-    /// Nothing drives the machine: no torque was logged, which is one row of none where that is what was meant.
+    /// Nothing drives the machine: no torque was logged, or none but zero.
     pub fn swings_freely(&self) -> bool {
-        let none = |log: &Table| log.len() == 1 && log.column("tau") == Some(&[0.0]);
+        let still = |torque: &[f64]| torque.iter().all(|torque| *torque == 0.0);
+        let none = |log: &Table| ["tau", "tau_1"].iter().filter_map(|name| log.column(name)).all(still);
         self.controller.as_ref().is_none_or(none)
     }
 
@@ -162,6 +163,27 @@ impl DataSet {
     pub fn set_back(&mut self, run: usize, late: f64) {
         let log = self.runs.get_mut(run).and_then(|run| run.plant.as_mut());
         log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    }
+
+    /// Puts all pictures aside, and with them the runs that hold nothing else.
+    ///
+    /// # Errors
+    /// Nothing is left.
+    pub fn without_pictures(&mut self, why: &str) -> Result<(), Error> {
+        for run in &mut self.runs {
+            if run.camera.take().is_some() {
+                let file = format!("{}/camera.csv", run.name);
+                self.notices.push(Notice { file, line: 0, message: format!("put aside: {why}") });
+            }
+        }
+        self.runs.retain(|run| run.plant.is_some());
+        self.pictures_apart = false;
+        let notices = self.notices.clone();
+        if self.runs.is_empty() {
+            Err(Error::NothingUsable { path: self.path.clone(), notices })
+        } else {
+            Ok(())
+        }
     }
 
     /// A known standard deviation from `[noise]`.

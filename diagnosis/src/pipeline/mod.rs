@@ -75,6 +75,12 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Error> {
     let mut data = DataSet::load(path)?;
     let model = Model::load(&data, units)?;
+    if model.camera.is_none() {
+        data.without_pictures(&format!(
+            "the scenario `{}` has no unit `camera`",
+            data.manifest.scenario.clone()
+        ))?;
+    }
     let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {

@@ -51,9 +51,10 @@ impl Studio {
     /// Sets it up: results at once, nothing lost.
     ///
     /// # Errors
-    /// The camera unit lacks a variable.
+    /// There is no camera unit, or it lacks a variable.
     pub fn new(model: &Model) -> Result<Self, Error> {
-        let bench = model.camera.clone();
+        let unseen = || Error::Nominal("it has no unit `camera`".into());
+        let bench = model.camera.clone().ok_or_else(unseen)?;
         let mut outputs = [0; 9];
         for (reference, name) in outputs.iter_mut().zip(COLUMNS) {
             *reference = bench.reference(name)?;

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 const ROLL: &str = "camera.roll";
 const MOUNT: &str = "camera.mount";
+/// Inertias of links, kg·m², from the smallest bench-top arm to one as tall as a person.
+const USUAL: (f64, f64) = (0.005, 0.5);
 
 /// The nominal model.
 pub struct Model {
@@ -111,6 +113,14 @@ impl Model {
             self.left_out.join(", ")
         );
         (!self.left_out.is_empty()).then(|| Notice { file: "dataset.toml".into(), line: 0, message })
+    }
+
+    /// How heavy the arm is against those that steps of torques are given for: 1 where the inertia of its lighter link is within
+    /// `USUAL`. The same machine with all inertias, torques and weights a thousandth moves in the same way.
+    pub fn heft(&self) -> f64 {
+        let inertias = ["plant.theta_1", "plant.theta_5"].iter().filter_map(|name| self.number(name));
+        let least = inertias.fold(f64::INFINITY, f64::min);
+        if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }
     }
 
     /// Nominal value of a variable, as a number.

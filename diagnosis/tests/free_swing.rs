@@ -25,14 +25,38 @@ const ARM: [(&str, &str); 9] = [
 /// Standard deviation of an angle, rad: a video's.
 const NOISE: f64 = 1e-3;
 
+/// A light and small one (links of 9 and 7 cm, 20 and 15 g), whose second link turns at 20 to 70 rad/s.
+const TOY: [(&str, &str); 9] = [
+    ("plant.theta_1", "1.794e-4"),
+    ("plant.theta_2", "0.0"),
+    ("plant.theta_5", "2.45e-5"),
+    ("plant.theta_7", "0.0"),
+    ("plant.theta_8", "4.7775e-5"),
+    ("plant.theta_9", "0.022318"),
+    ("plant.theta_10", "0.0051503"),
+    ("plant.q2_max", "1e9"),
+    ("plant.velocity_terms", "true"),
+];
+
 /// Two swings of 6 s of the arm with `set`, at 100 Hz, angles only; `log` makes a row of what was measured, or none.
 fn swings(name: &str, set: &[(&str, &str)], log: &dyn Fn(usize, f64, f64) -> Option<(f64, f64)>) -> Folder {
+    recorded(name, (&ARM, set), [["4.3", "3.4"], ["2.2", "4.5"]], 100, log)
+}
+
+/// Two swings of 6 s of an arm with more set, from two starts, at a rate in Hz.
+fn recorded(
+    name: &str,
+    (arm, set): (&[(&str, &str)], &[(&str, &str)]),
+    starts: [[&str; 2]; 2],
+    rate: usize,
+    log: &dyn Fn(usize, f64, f64) -> Option<(f64, f64)>,
+) -> Folder {
     let folder = Folder::new(name);
     let mut head = "format = 1\nscenario = \"visual-servo\"\n[set]\n".to_owned();
-    for (name, value) in ARM {
+    for (name, value) in arm {
         let _ = writeln!(head, "\"{name}\" = {value}");
     }
-    for (run, start) in [(1_u64, ["4.3", "3.4"]), (2, ["2.2", "4.5"])] {
+    for (run, start) in (1_u64..).zip(starts) {
         let _ = writeln!(head, "[[run]]\ndir = \"run-{run:02}\"");
         let mut scenario = Scenario::load(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
         // nobody looks and nobody steers
@@ -40,7 +64,7 @@ fn swings(name: &str, set: &[(&str, &str)], log: &dyn Fn(usize, f64, f64) -> Opt
         scenario.connections.clear();
         scenario.sources.clear();
         let starts = [("plant.q1_0", start[0]), ("plant.q2_0", start[1])];
-        for (name, value) in ARM.iter().chain(&starts).chain(set) {
+        for (name, value) in arm.iter().chain(&starts).chain(set) {
             scenario.set(name, value).expect("the names are right");
         }
         scenario.set_stop("6").expect("a time");
@@ -51,7 +75,7 @@ fn swings(name: &str, set: &[(&str, &str)], log: &dyn Fn(usize, f64, f64) -> Opt
         let (q1, q2) = (series("plant.q1"), series("plant.q2"));
         let mut random = Random::new(run);
         let mut text = "time,q1,q2\n".to_owned();
-        let every = (memory.times().len() - 1) / 600;
+        let every = (memory.times().len() - 1) / (6 * rate);
         for (row, time) in memory.times().iter().enumerate().step_by(every) {
             let (a, b) = (q1[row] + NOISE * random.normal(), q2[row] + NOISE * random.normal());
             if let Some((a, b)) = log(row / every, a, b) {
@@ -146,4 +170,23 @@ fn recovers_friction_with_a_scenario_that_has_no_camera() {
     let told = |notice: &&diagnosis::Notice| notice.file == "run-02/camera.csv";
     let notice = diagnosis.notices.iter().find(told).expect("pictures were put aside");
     assert!(notice.message.contains("`full-state` has no unit `camera`"), "{notice}");
+}
+
+#[test]
+fn recovers_friction_of_a_light_arm_that_tumbles() {
+    let friction = [("plant.b_roll", "4e-6"), ("plant.b_joint", "1e-6")];
+    let starts = [["5.5", "1.0"], ["0.6", "5.2"]];
+    let folder = recorded("toy", (&TOY, &friction), starts, 300, &|_, a, b| Some((a, b)));
+    let diagnosis = said(&folder);
+    let mut found = names(&diagnosis);
+    found.sort_unstable();
+    assert_eq!(found, ["plant.b_joint", "plant.b_roll"], "{:?}", diagnosis.story);
+    assert!(diagnosis.unknown.is_none(), "{:?}", diagnosis.unknown);
+    for (name, truth) in friction {
+        let effect = diagnosis.effects.iter().find(|effect| effect.name == name).expect("it was found");
+        let truth: f64 = truth.parse().expect("a number");
+        // three of its standard errors, and these a twelfth of the value at most
+        let error = (effect.ci95[1] - effect.ci95[0]) / (2.0 * 1.96);
+        assert!((effect.value - truth).abs() < 3.0 * error && error < truth / 12.0, "{effect:?}");
+    }
 }

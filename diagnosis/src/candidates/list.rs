@@ -12,6 +12,10 @@ const fn real(
     Entry { name, side, motion: Motion::Real { steps, range }, bends: false, phrase }
 }
 
+const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
+    Entry { name, side: Side::Plant, motion: Motion::Load { steps, range }, bends: false, phrase }
+}
+
 const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
     Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, bends: false, phrase }
 }
@@ -36,16 +40,16 @@ const THOUSANDTH: &[f64] = &[0.001];
 /// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
 #[rustfmt::skip]
 pub const LIST: &[Entry] = &[
-    real("plant.b_roll", Side::Plant, &[5e-4], (0.0, BIG), "viscous friction of the first link (rolling)"),
-    real("plant.b_joint", Side::Plant, &[2e-4], (0.0, BIG), "viscous friction at the joint"),
-    bent(real("plant.fc_roll", Side::Plant, &[5e-4], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
-    bent(real("plant.fc_joint", Side::Plant, &[5e-4], (0.0, BIG), "Coulomb friction at the joint")),
-    real("plant.I_rotor", Side::Plant, &[2e-5], (0.0, BIG), "rotor inertia at the joint"),
+    load("plant.b_roll", &[5e-4], (0.0, BIG), "viscous friction of the first link (rolling)"),
+    load("plant.b_joint", &[2e-4], (0.0, BIG), "viscous friction at the joint"),
+    bent(load("plant.fc_roll", &[5e-4], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
+    bent(load("plant.fc_joint", &[5e-4], (0.0, BIG), "Coulomb friction at the joint")),
+    load("plant.I_rotor", &[2e-5], (0.0, BIG), "rotor inertia at the joint"),
     Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
     Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
-    real("plant.tau_bias", Side::Plant, &[2.5e-4], (-BIG, BIG), "constant torque bias"),
+    load("plant.tau_bias", &[2.5e-4], (-BIG, BIG), "constant torque bias"),
     real("plant.k_tau", Side::Plant, THOUSANDTH, PART, "torque gain"),
     real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },

@@ -47,6 +47,13 @@ pub enum Motion {
         /// Smallest and largest value.
         range: (f64, f64),
     },
+    /// A torque or what goes with one: a real number whose steps are those for an arm of heft 1.
+    Load {
+        /// As in `Real`, times the arm's heft.
+        steps: &'static [f64],
+        /// As in `Real`.
+        range: (f64, f64),
+    },
     /// A real number whose steps and range are shares of its nominal value; not a candidate where that is 0.
     Share {
         /// As in `Real`, times the nominal value.
@@ -162,6 +169,9 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         }
         let (off, steps, range) = match entry.motion {
             Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
+            Motion::Load { steps, range } => {
+                (nominal, steps.iter().map(|step| step * model.heft()).collect(), range)
+            }
             Motion::Share { steps, range } => {
                 if nominal == 0.0 {
                     continue; // a rig without this part: there is nothing to be wrong about

@@ -3,7 +3,7 @@
 use super::dictionary::Entry;
 use crate::residual::torque::{Torque, rms, torques};
 use crate::residual::{Block, Probe, Signal};
-use crate::selection::{Evaluation, FREE, Folds};
+use crate::selection::{Evaluation, Folds};
 use crate::statistics::linear::{bare, moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
@@ -19,7 +19,7 @@ const MOST: usize = 5;
 /// Where the plant, led by torques of its own, is further than this from the log (rad), nothing can be said of what it
 /// lacks.
 const LOST: f64 = 0.02;
-/// Sizes of what may be lacking beside the terms, N·m: the likeliest is taken.
+/// Sizes of what may be lacking beside the terms, N·m at an arm of heft 1: the likeliest is taken.
 const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 
 /// Chosen terms with their size.
@@ -90,7 +90,7 @@ fn followed(block: &Block) -> bool {
         if !cell.floor.is_empty() {
             return true; // a cell of torques: nothing was driven
         }
-        let rest = bare(cell, &cell.residual, FREE).rest;
+        let rest = bare(cell, &cell.residual, cell.free()).rest;
         let angles: Vec<f64> = (0..cell.residual.len())
             .filter(|row| cell.signal[*row] < 2)
             .map(|row| (rest[row] * cell.sigma[row]).powi(2))
@@ -208,7 +208,9 @@ impl Rest<'_> {
         }
         let size = |softness: f64| Evaluation { softness, ..sharper.clone() };
         let likely = |softness: &f64| sharper.under(&size(*softness)).deviance();
-        let best = SIZES.iter().map(|size| (likely(size), *size)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let heft = sharper.heft();
+        let sizes = SIZES.map(|size| heft * size);
+        let best = sizes.iter().map(|size| (likely(size), *size)).min_by(|a, b| a.0.total_cmp(&b.0));
         self.evaluation = self.evaluation.under(&size(best.map_or(0.0, |(_, size)| size)));
     }
 

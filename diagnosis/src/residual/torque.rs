@@ -32,7 +32,7 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
 
 fn parts(block: usize, cell: &Cell, residual: &[f64]) -> Vec<Torque> {
     let (at, solved, floor) = if cell.floor.is_empty() {
-        let solved = nuisances(cell, residual, crate::selection::FREE);
+        let solved = nuisances(cell, residual, cell.free());
         (cell.hard.ncols() + cell.discrepancy, solved.as_slice().to_vec(), deviations(cell))
     } else {
         (0, residual.to_vec(), cell.floor.clone())

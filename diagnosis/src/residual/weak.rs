@@ -256,6 +256,7 @@ impl Cut for Weak {
                 hard: DMatrix::zeros(2, 0),
                 soft: DMatrix::zeros(2, 0),
                 discrepancy: 0,
+                heft: 1.0,
                 columns: matrix,
                 floor: stretch.floor().to_vec(),
                 lattice: Vec::new(),

@@ -9,9 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Prior size that leaves a discrepancy torque as good as free, in its own unit.
-pub const FREE: f64 = 1e3;
-/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit.
+/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of heft 1.
 const SIZES: usize = 15;
 const SMALLEST: f64 = 2e-4;
 
@@ -157,6 +155,11 @@ impl Evaluation {
         }
     }
 
+    /// What sizes of the discrepancy are counted in.
+    pub fn heft(&self) -> f64 {
+        heft(&self.blocks)
+    }
+
     /// -2 log likelihood, up to a constant, with noise and discrepancy at their most likely.
     pub fn deviance(&self) -> f64 {
         self.total.square + self.total.log_det
@@ -287,7 +290,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
         .map(|block| {
             let mut sums = vec![(0.0, 0.0); count];
             for cell in &block.cells {
-                let left = bare(cell, &cell.residual, FREE);
+                let left = bare(cell, &cell.residual, cell.free());
                 for (row, signal) in cell.signal.iter().enumerate() {
                     sums[*signal].0 += left.rest[row] * left.rest[row];
                     sums[*signal].1 += left.expected[row];
@@ -321,18 +324,25 @@ fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
     }
 }
 
+/// What sizes of the discrepancy are counted in.
+fn heft(blocks: &[Block]) -> f64 {
+    let mut cells = blocks.iter().flat_map(|block| &block.cells);
+    cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.heft)
+}
+
 /// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
 fn likely_size(blocks: &[Block]) -> f64 {
     let cells: Vec<&Cell> = blocks.iter().flat_map(|block| &block.cells).collect();
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
+    let smallest = SMALLEST * heft(blocks);
     let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
     let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
     // every fourth power of two first, then the neighbours of the best
     for power in (0..SIZES).step_by(2) {
-        let size = SMALLEST * f64::from(1_u32 << power);
+        let size = smallest * f64::from(1_u32 << power);
         let here = deviance(size);
         if here < best.0 {
             best = (here, size);

@@ -13,7 +13,7 @@ mod steady;
 mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};
-pub use evaluation::{Evaluation, FREE, Folds, all_probes};
+pub use evaluation::{Evaluation, Folds, all_probes};
 pub use evidence::{STAMPS, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};

@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Below this share of its own length, what is left of a column after projection is rounding.
 const RANK_TOLERANCE: f64 = 1e-9;
+/// Prior size that leaves a discrepancy as good as free, for a cell of `heft` 1.
+const FREE: f64 = 1e3;
 
 /// One set of rows that share nuisances.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ pub struct Cell {
     pub soft: DMatrix<f64>,
     /// Soft columns from here on stand for what the model lacks; their prior is multiplied by a common size.
     pub discrepancy: usize,
+    /// How large a discrepancy is against that of a machine of usual size: its sizes are counted in it.
+    pub heft: f64,
     /// Change of the simulated rows per unit of each candidate.
     pub columns: DMatrix<f64>,
     /// What noise alone gives each row, where that is less than `sigma`; else empty.
@@ -36,6 +40,13 @@ pub struct Cell {
     /// Where on the pixel lattice each row was rendered: rows of a signal at one place share a renderer's error there. Empty
     /// where nothing is rendered.
     pub lattice: Vec<usize>,
+}
+
+impl Cell {
+    /// Prior size that leaves the discrepancy as good as free, in its own unit.
+    pub fn free(&self) -> f64 {
+        FREE * self.heft
+    }
 }
 
 /// Residual after `shift` more of some columns.

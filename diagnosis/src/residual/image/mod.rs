@@ -313,6 +313,7 @@ impl Cut for ImageCut {
                 hard: if free { pose.clone() } else { none.clone() },
                 soft: if free { none } else { pose * uncertain },
                 discrepancy: if free { 0 } else { 2 },
+                heft: 1.0,
                 columns: matrix,
                 floor: Vec::new(),
                 lattice: rows.iter().map(|s| lattice(&frame.seen, *s)).collect(),

@@ -119,7 +119,7 @@ impl PlantCut {
             fit.cell.hard = hard;
         }
         if soft && !soft_here {
-            let by = self.span.gentle() * PUSH;
+            let by = self.span.gentle() * self.heft * PUSH;
             let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
             for place in 0..fit.leads.len() {
                 let mut more = pushes.clone();
@@ -210,7 +210,7 @@ pub(super) fn square(cell: &Cell) -> f64 {
 pub(super) fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
     let cell = &fit.cell;
     // nothing is a discrepancy yet but the leads
-    let shift = nuisances(cell, &cell.residual, if led { crate::selection::FREE } else { 0.0 });
+    let shift = nuisances(cell, &cell.residual, if led { cell.free() } else { 0.0 });
     let hard = cell.hard.ncols();
     let mut moved = &cell.hard * shift.rows(0, hard);
     if led {

@@ -5,7 +5,7 @@ use crate::residual::forced::{Forced, Pair};
 
 /// Length of a piece, s: friction changes its sign within one or two of them.
 const PIECE: f64 = 6e-3;
-/// Root mean square to which a torque is scaled for its column, N·m: as a leading torque's.
+/// Root mean square to which a torque is scaled for its column, N·m at an arm of heft 1: as a leading torque's.
 const SIZE: f64 = PUSH;
 
 /// Edges of the pieces of a window, s.
@@ -24,7 +24,7 @@ impl PlantCut {
         torque: &[Pair],
     ) -> Result<(Vec<[f64; 5]>, f64), Error> {
         let square: f64 = torque.iter().flatten().map(|x| x * x).sum::<f64>() / torque.len().max(1) as f64;
-        let by = if square > 0.0 { SIZE / square.sqrt() } else { 0.0 };
+        let by = if square > 0.0 { self.heft * SIZE / square.sqrt() } else { 0.0 };
         let mut pushes = window.pushes(&window.leads);
         for (piece, pair) in edges(window).windows(2).zip(torque) {
             for (joint, size) in [(false, by * pair[0]), (true, by * pair[1])] {

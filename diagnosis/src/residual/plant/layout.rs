@@ -75,6 +75,7 @@ impl Layout {
             hard: empty(),
             soft: empty(),
             discrepancy: 0,
+            heft: cut.heft,
             columns: empty(),
             floor: Vec::new(),
             lattice: Vec::new(),

@@ -44,7 +44,7 @@ const BINS: usize = 25;
 const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
-const PUSH: f64 = 2e-4;
+const PUSH: f64 = 2e-4; // at an arm of heft 1
 /// Columns of `plant.csv` in the order of the simulated outputs.
 pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
 /// So many of them are motion.
@@ -74,6 +74,8 @@ pub struct PlantCut {
     doubted: bool,
     /// Windows that the logs were cut into, before they were thinned.
     cut: usize,
+    /// How heavy the arm is.
+    heft: f64,
 }
 
 impl PlantCut {
@@ -95,7 +97,7 @@ impl PlantCut {
         candidates: Arc<Vec<Candidate>>,
         span: Span,
     ) -> Result<Option<Self>, Error> {
-        let ports = Ports::of(&model.plant)?;
+        let (ports, heft) = (Ports::of(&model.plant)?, model.heft());
         let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
@@ -114,7 +116,9 @@ impl PlantCut {
             .map(|place| {
                 let name = format!("plant.{}", COLUMNS[place]);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let sigma = known.unwrap_or(FIRST_GUESS[place]);
+                let sigma = known.unwrap_or_else(|| {
+                    if place < MOTION { FIRST_GUESS[place] } else { heft * FIRST_GUESS[place] }
+                });
                 Signal { name, unit: UNITS[place], known, sigma, honest: 0.0 }
             })
             .collect();
@@ -139,6 +143,7 @@ impl PlantCut {
             jitter: 0.0,
             doubted: data.clocks_apart,
             cut,
+            heft,
         }))
     }
 

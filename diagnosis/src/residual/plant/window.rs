@@ -6,6 +6,10 @@ use crate::statistics::linear::solve;
 /// So many rows tell a curvature from noise; the fewest that are looked at.
 const CURVED: usize = 8;
 const FEWEST: usize = 3;
+/// Where an arm tumbles, so many rows on either side, and no less than this, s: at 50 rad/s a parabola through 0.06 s is off by
+/// 10 rad/s, and a fit that begins there ends anywhere.
+const NEAR_ROWS: f64 = 6.0;
+const NEAR: f64 = 0.01;
 /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
 const GENTLE: f64 = 0.03;
 
@@ -66,6 +70,8 @@ pub(super) struct Window {
     /// Rows of `plant.csv` that are scored.
     pub(super) rows: Vec<usize>,
     pub(super) start: State,
+    /// What it is guessed from.
+    curve: Curve,
     /// Edges of the parts, s.
     pub(super) edges: Vec<f64>,
     /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
@@ -83,7 +89,7 @@ impl Window {
         if let Some(plant) = &run.plant
             && let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2"))
         {
-            self.start = guess(&plant.time, q1, q2, self.drive.start());
+            self.start = guess(&plant.time, q1, q2, self.drive.start(), self.curve);
         }
         self.leads.iter_mut().for_each(|lead| *lead = 0.0);
         self.kept = None;
@@ -130,7 +136,9 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
     let plenty = PLENTY * typical < SHORT_WINDOW;
-    let usual = if plenty && tumbles(&plant.time, &usable, q2) { SHORT_WINDOW } else { WINDOW };
+    let tumbling = plenty && tumbles(&plant.time, &usable, q2);
+    let usual = if tumbling { SHORT_WINDOW } else { WINDOW };
+    let curve = if tumbling { Curve::near(typical) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { PREROLL } else { 0.0 };
     let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
@@ -163,7 +171,8 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),
                 rows,
-                start: guess(&plant.time, q1, q2, start),
+                start: guess(&plant.time, q1, q2, start, curve),
+                curve,
                 edges,
                 leads: vec![0.0; 2 * PARTS],
                 kept: None,
@@ -195,10 +204,28 @@ pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
     kept
 }
 
-/// A state to begin with: parabolas through the rows around, or straight lines where these are few.
-pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
+/// The curve through a log that a state is read off.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Curve {
+    /// Rows on either side that it goes through, s.
+    around: f64,
+    /// Highest power of time.
+    power: usize,
+}
+
+impl Curve {
+    pub(super) const USUAL: Self = Self { around: AROUND, power: 2 };
+
+    fn near(typical: f64) -> Self {
+        Self { around: (NEAR_ROWS * typical).clamp(NEAR, AROUND), power: 3 }
+    }
+}
+
+/// A state to begin with: curves through the rows around, or straight lines where these are few.
+pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64, curve: Curve) -> State {
+    let Curve { around, power } = curve;
     let (mut from, mut to) =
-        (time.partition_point(|t| *t < at - AROUND), time.partition_point(|t| *t <= at + AROUND));
+        (time.partition_point(|t| *t < at - around), time.partition_point(|t| *t <= at + around));
     // the nearer side first: rows beyond a gap say little
     while to - from < FEWEST && to - from < time.len() {
         let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
@@ -208,14 +235,14 @@ pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64) -> State {
     let curve = |values: &[f64]| {
         let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();
         let Some(first) = rows.first() else { return (0.0, 0.0) };
-        let powers = if rows.len() < CURVED { 2 } else { 3 };
+        let powers = 1 + if rows.len() < CURVED { 1 } else { power };
         // in units of the rows' reach, so that the normal equations are well conditioned
         let design = DMatrix::from_fn(rows.len(), powers, |row, power| {
-            ((time[rows[row]] - at) / AROUND).powi(power as i32)
+            ((time[rows[row]] - at) / around).powi(power as i32)
         });
         let rest = DVector::from_fn(rows.len(), |row, _| values[rows[row]] - values[*first]);
         match solve(&design.tr_mul(&design), &design.tr_mul(&rest)) {
-            Some(found) => (values[*first] + found[0], found[1] / AROUND),
+            Some(found) => (values[*first] + found[0], found[1] / around),
             None => (values[*first], 0.0),
         }
     };

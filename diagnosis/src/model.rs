@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 const ROLL: &str = "camera.roll";
 const MOUNT: &str = "camera.mount";
-/// Inertias of links, kg·m², from the smallest bench-top arm to one as tall as a person.
-const USUAL: (f64, f64) = (0.005, 0.5);
+/// Inertias of links, kg·m², of the arms that steps were chosen with: from a bench-top arm's forearm to the paper's acrobot.
+const USUAL: (f64, f64) = (0.02, 0.12);
 
 /// The nominal model.
 pub struct Model {

@@ -8,6 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Standard deviations by which a step of a candidate must move all rows together to say anything of it.
 const EXCITED: f64 = 0.02;
+/// The same where torques are compared: nothing was integrated, so that far less than noise is still no rounding.
+const EXCITED_TORQUE: f64 = 1e-4;
 
 /// What a column of one candidate promises.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +56,9 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
     let mut gains = vec![0.0; columns];
     let mut displacements = vec![0.0; columns];
     let mut errors = vec![f64::INFINITY; columns];
+    let integrated =
+        evaluation.blocks.iter().flat_map(|block| &block.cells).all(|cell| cell.floor.is_empty());
+    let excited = if integrated { EXCITED } else { EXCITED_TORQUE };
     for (column, probe) in evaluation.probes.iter().enumerate() {
         if active.contains(&probe.candidate) {
             continue;
@@ -65,7 +70,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         // a column that active ones explain to rounding has nothing of its own, and one that a whole step of the
         // candidate hardly moves is the integrator's rounding: nothing excites it
         let moved = probe.by * probe.by * length;
-        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] || moved < EXCITED * EXCITED {
+        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] || moved < excited * excited {
             continue;
         }
         let score = total.score[column] - weights.dot(&score_a);

@@ -32,6 +32,8 @@ const BIG: f64 = 1e9;
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
 const PART: (f64, f64) = (0.25, 4.0);
+/// A rotor behind a gear outweighs its link at most some ten times, kg·m² at heft 1; and where it is infinite nothing moves.
+const ROTOR: (f64, f64) = (0.0, 1.0);
 const THOUSANDTH: &[f64] = &[0.001];
 
 /// Everything that CONTRACT ("What a diagnosis may name") lists.
@@ -44,7 +46,7 @@ pub const LIST: &[Entry] = &[
     load("plant.b_joint", &[2e-4], (0.0, BIG), "viscous friction at the joint"),
     bent(load("plant.fc_roll", &[5e-4], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
     bent(load("plant.fc_joint", &[5e-4], (0.0, BIG), "Coulomb friction at the joint")),
-    load("plant.I_rotor", &[2e-5], (0.0, BIG), "rotor inertia at the joint"),
+    load("plant.I_rotor", &[2e-5], ROTOR, "rotor inertia at the joint"),
     Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
     Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),

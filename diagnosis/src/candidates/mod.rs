@@ -51,7 +51,7 @@ pub enum Motion {
     Load {
         /// As in `Real`, times the arm's heft.
         steps: &'static [f64],
-        /// As in `Real`.
+        /// As in `Real`, times the arm's heft.
         range: (f64, f64),
     },
     /// A real number whose steps and range are shares of its nominal value; not a candidate where that is 0.
@@ -170,7 +170,8 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         let (off, steps, range) = match entry.motion {
             Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
             Motion::Load { steps, range } => {
-                (nominal, steps.iter().map(|step| step * model.heft()).collect(), range)
+                let ends = (range.0 * model.heft(), range.1 * model.heft());
+                (nominal, steps.iter().map(|step| step * model.heft()).collect(), ends)
             }
             Motion::Share { steps, range } => {
                 if nominal == 0.0 {

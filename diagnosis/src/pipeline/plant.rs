@@ -49,7 +49,8 @@ pub(super) fn plant_part(
         coarse = Some(part);
     }
     let mut part = match coarse {
-        Some(part) if !rows.follows(point, MOSTLY_LED)? => part,
+        // nor does it where torques fit best with what is no body
+        Some(part) if !rows.follows(point, MOSTLY_LED).unwrap_or(false) => part,
         Some(part_before) => {
             rows.linearise(point, &[], false)?;
             let fine = study(&mut rows, list, point, &start, tell)?;

@@ -12,7 +12,7 @@ const FAR_LESS: f64 = 0.7;
 /// How many of the effects that were named last are tried without, one at a time.
 const SINGLES: usize = 3;
 
-/// Torques that stamps of nine digits explain by their rounding are far below this, N·m.
+/// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of heft 1.
 const ROUNDING: f64 = 1e-6;
 
 /// Terms that only spell a listed effect in other words: an effect is never withdrawn for its own twin.
@@ -46,7 +46,7 @@ pub(super) fn correct(
     let point = &part.study.last.point;
     let found = cut(data, model, list, part, point).and_then(|cut| {
         let Some(mut cut) = cut else { return Ok(None) };
-        let scattering = cut.explained() > ROUNDING;
+        let scattering = cut.explained() > model.heft() * ROUNDING;
         // each begins from the data again
         let mut at = |point: &[f64]| {
             cut.afresh();

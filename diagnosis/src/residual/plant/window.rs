@@ -41,14 +41,15 @@ impl Span {
 /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
 const MOST: usize = 640;
 
-/// Most windows of this length that are compared. Where an arm tumbles, windows are short, and each costs as much.
+/// Most windows of this length that are compared. Where an arm tumbles they are short, each takes twice as long, and what it
+/// tells grows with the square of the rates.
 pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
     let length = |window: &Window| {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
     };
     let short = windows.first().and_then(length).is_some_and(|length| length < SHORT_WINDOW * span.0 as f64);
-    if short { MOST / 2 / span.0 } else { MOST / span.0 }
+    if short { MOST / 4 / span.0 } else { MOST / span.0 }
 }
 
 /// Evenly chosen windows, at most so many.

@@ -145,7 +145,9 @@ impl Clocks {
             let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
             let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
             // an exposure may well be shorter than it is said to be, but no result comes before its picture
-            if actuator.is_some() || list[shown].name == DELAY {
+            let before =
+                list[shown].name == DELAY && (actuator.is_some() || !exposed_for_less(list, parts, shown));
+            if actuator.is_some() || before {
                 late = if late == 0.0 { by } else { late };
                 gone.push(shown);
                 gone.extend(actuator);
@@ -227,6 +229,21 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
         let clear = clocks.apart > APART && clocks.fall > best + MORE;
         clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
     })
+}
+
+/// Whether a shorter exposure may stand in the place of a delay below zero. It does so then: no camera has such a delay.
+fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> bool {
+    let shorter = |other: &Alternative| {
+        let candidate = &list[other.candidate];
+        candidate.name == "camera.E_t" && other.loss < CLASS && other.x < candidate.off
+    };
+    let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
+    let mut found = false;
+    for (_, class) in classes.filter(|(effect, class)| *effect == delay && class.iter().any(shorter)) {
+        class.retain(|other| other.candidate != delay);
+        found = true;
+    }
+    found
 }
 
 /// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.

@@ -52,7 +52,7 @@ pub const LIST: &[Entry] = &[
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
     load("plant.tau_bias", &[2.5e-4], (-BIG, BIG), "constant torque bias"),
-    real("plant.k_tau", Side::Plant, THOUSANDTH, PART, "torque gain"),
+    share("plant.k_tau", THOUSANDTH, PART, "torque gain"),
     real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },
     share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link"),

@@ -143,6 +143,12 @@ impl Candidate {
         matches!(self.motion, Motion::Count { .. } | Motion::Switch)
     }
 
+    /// Stopped by a bound that is there against nonsense: something else is missing, for which this one stands in.
+    pub fn is_at_its_end(&self, x: f64) -> bool {
+        let bounded = self.side == Side::Plant && !self.is_discrete();
+        bounded && x != self.off && (x <= self.range.0 || x >= self.range.1)
+    }
+
     /// Step for a derivative at a coordinate, towards the inside of the range.
     pub fn derivative_step(&self, x: f64) -> f64 {
         let size = match self.motion {
@@ -207,4 +213,28 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
 /// The arm turns about a fixed pin instead of rolling.
 fn pinned(model: &Model) -> bool {
     ["plant.theta_2", "plant.theta_7"].iter().all(|name| model.number(name) == Some(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bound_of_a_plant_but_its_off_value_is_an_end() {
+        let motion = Motion::Real { steps: &[0.1], range: (0.0, 1.0) };
+        let lag = |side| Candidate {
+            name: "plant.T_act",
+            side,
+            phrase: "",
+            motion,
+            off: 0.0,
+            steps: vec![0.1],
+            range: (0.0, 1.0),
+            bends: false,
+        };
+        let ends = [0.0, 0.5, 1.0].map(|x| lag(Side::Plant).is_at_its_end(x));
+        assert_eq!(ends, [false, false, true]);
+        // an exposure of the whole interval is one
+        assert!(!lag(Side::Camera).is_at_its_end(1.0));
+    }
 }

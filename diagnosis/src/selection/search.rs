@@ -153,10 +153,14 @@ impl<'a> Search<'a> {
         step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
         self.last = look(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.again()?);
-        self.refused.extend(&step.dropped);
         step.rest.1 = rest(&self.last);
         let compared = !self.cut.lattice() || self.cut.free_pose();
-        if compared && !self.cut.outweighed() && self.last.deviance() > before.2 + ASTRAY {
+        let astray = compared && !self.cut.outweighed() && self.last.deviance() > before.2 + ASTRAY;
+        // what went with one that didn't stay itself comes back
+        let in_vain = step.dropped.contains(&candidate) && step.dropped.len() > 1;
+        if !astray && !in_vain {
+            self.refused.extend(&step.dropped);
+        } else {
             (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);
             self.refused.push(candidate);
             self.active = before.0;

@@ -82,7 +82,7 @@ pub(super) fn settle(
     Ok(all)
 }
 
-/// Drops what is superfluous, the weakest first, and fits the rest again. Answers who was dropped, and for each
+/// Drops what is superfluous or at the end of its range, the weakest first, and fits the rest again. Answers who was dropped, and for each
 /// candidate by how much it may still move to count as settled.
 fn prune(
     cut: &mut dyn Cut,
@@ -103,8 +103,10 @@ fn prune(
         for (place, index) in free.iter().enumerate() {
             tiny[*index] = MOVED * error(place);
         }
-        let size =
-            |place: usize, index: usize| (fit.point[index] - candidates[index].off).abs() / error(place);
+        let size = |place: usize, index: usize| {
+            let (candidate, x) = (&candidates[index], fit.point[index]);
+            if candidate.is_at_its_end(x) { 0.0 } else { (x - candidate.off).abs() / error(place) }
+        };
         let keep = |index: usize| if candidates[index].side == Side::Camera { PICTURED } else { KEEP };
         let weakest = (free.iter().enumerate())
             .map(|(place, index)| (size(place, *index) / keep(*index), *index))

@@ -27,6 +27,7 @@ pub(super) fn plant_part(
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
+        notices.extend(data.runs.iter().filter_map(not_compared));
         let mut motions = vec![Logged::default(); data.runs.len()];
         return Ok(as_logged(data, &mut motions).map(|sigma| (motions, sigma)));
     };
@@ -85,6 +86,17 @@ pub(super) fn plant_part(
     let mut motions = rows.motion(point, MOTION_STEP)?;
     let others = as_logged(data, &mut motions).unwrap_or(0.0);
     Ok(Some((motions, others.max(MOTION_SHARE * sigma))))
+}
+
+/// Why a log of motion and torque wasn't compared, where none was.
+fn not_compared(run: &Run) -> Option<Notice> {
+    (run.plant.is_some() && run.controller.is_some()).then(|| Notice {
+        file: format!("{}/plant.csv", run.name),
+        line: 0,
+        message:
+            "no stretch of a second holds six rows of q1 or q2 in which the torque is known: not compared"
+                .into(),
+    })
 }
 
 /// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.

@@ -14,6 +14,8 @@ const GRID: f64 = 0.008;
 /// A state is read off a local cubic over rows this far to either side, s, and at least so many rows in all.
 const AROUND: f64 = 0.03;
 const AROUND_ROWS: usize = 7;
+/// So many times a stretch's usual length may these rows take: at 20 rows a second they do once.
+const SEEN: f64 = 1.1;
 /// Rows further apart than this many times the usual, and this share of a stretch, tear it.
 const TORN: f64 = 1.5;
 const TORN_SHARE: f64 = 0.06;
@@ -89,7 +91,7 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
             angles: [q1, q2].map(|q| rows.iter().map(|row| q[*row]).collect()),
             late: unevenness(&plant.time),
         };
-        if log.time.len() > ROWS as usize {
+        if log.time.len() > ROWS as usize && log.tells_states() {
             let first = all.len();
             cut(&mut Grid::new(index, &log, controller, &mut nodes), &sigma, &mut all);
             let undriven = run.undriven();
@@ -113,6 +115,20 @@ struct Log {
     late: f64,
 }
 
+impl Log {
+    /// Median time between rows, s.
+    fn typical(&self) -> f64 {
+        let mut gaps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps[gaps.len() / 2]
+    }
+
+    /// Whether rows are so near to one another that a cubic through some of them is a state, and not another motion.
+    fn tells_states(&self) -> bool {
+        (AROUND_ROWS - 1) as f64 * self.typical() < SEEN * LENGTH
+    }
+}
+
 /// The nodes of one run, at even distances from its first row; half a stretch is a whole number of them.
 struct Grid<'a> {
     run: usize,
@@ -130,9 +146,7 @@ struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     fn new(run: usize, log: &'a Log, controller: &'a Table, all: &'a mut Vec<Node>) -> Self {
-        let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        gaps.sort_by(f64::total_cmp);
-        let typical = gaps[gaps.len() / 2];
+        let typical = log.typical();
         let length = LENGTH.max(ROWS * typical);
         let count = 2 * (0.5 * length / GRID).ceil() as usize;
         let step = length / count as f64;

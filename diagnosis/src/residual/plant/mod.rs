@@ -37,7 +37,7 @@ const SHORT_WINDOW: f64 = 0.25;
 const PLENTY: f64 = 36.0;
 /// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
 const ROWS: f64 = 12.0;
-const LONGEST: f64 = 1.0;
+const LONGEST: f64 = 0.6;
 /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
 const BINS: usize = 25;
 /// Parts of a window that each get a torque the model may lack.

@@ -128,7 +128,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
-    let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() && q2[*row].is_finite()).collect();
+    let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() || q2[*row].is_finite()).collect();
     if usable.len() < ROWS as usize {
         return;
     }
@@ -139,7 +139,10 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     let plenty = PLENTY * typical < SHORT_WINDOW;
     let tumbling = plenty && tumbles(&plant.time, &usable, q2);
     let usual = if tumbling { SHORT_WINDOW } else { WINDOW };
-    let curve = if tumbling { Curve::near(typical) } else { Curve::USUAL };
+    // of one angle, where they are logged in turn
+    let each =
+        typical * usable.len() as f64 / usable.iter().filter(|row| q2[**row].is_finite()).count() as f64;
+    let curve = if tumbling { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { PREROLL } else { 0.0 };
     let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
@@ -147,7 +150,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
     let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
-    let usable = thinned(&plant.time, usable.into_iter().filter(driven).collect());
+    let usable = thinned(&plant.time, [q1, q2], usable.into_iter().filter(driven));
     let undriven = run.undriven();
     let mut from = 0;
     while from < usable.len() {
@@ -189,20 +192,22 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
 /// grow much faster than at the upright.
 fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
     let speed = |pair: &[usize]| ((q2[pair[1]] - q2[pair[0]]) / (time[pair[1]] - time[pair[0]])).abs();
-    let mut speeds: Vec<f64> = usable.windows(2).map(speed).collect();
+    let rows: Vec<usize> = usable.iter().copied().filter(|row| q2[*row].is_finite()).collect();
+    let mut speeds: Vec<f64> = rows.windows(2).map(speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOW > std::f64::consts::TAU)
 }
 
-/// Rows at least `DENSE` apart.
-pub(super) fn thinned(time: &[f64], rows: Vec<usize>) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
-    for row in rows {
-        if kept.last().is_none_or(|last| time[row] - time[*last] > DENSE) {
-            kept.push(row);
-        }
-    }
-    kept
+/// Rows at least `DENSE` apart, of each angle that a row holds: two encoders may be logged in turn.
+fn thinned(time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut last = [f64::NEG_INFINITY; 2];
+    rows.filter(|row| {
+        let held = [0, 1].map(|angle| angles[angle][*row].is_finite());
+        let new = (0..2).any(|angle| held[angle] && time[*row] - last[angle] > DENSE);
+        (0..2).filter(|angle| new && held[*angle]).for_each(|angle| last[angle] = time[*row]);
+        new
+    })
+    .collect()
 }
 
 /// The curve through a log that a state is read off.
@@ -222,19 +227,32 @@ impl Curve {
     }
 }
 
+/// Rows with a value within a time, or the nearest few.
+fn nearby(time: &[f64], values: &[f64], at: f64, around: f64) -> Vec<usize> {
+    let (mut from, mut to) =
+        (time.partition_point(|t| *t < at - around), time.partition_point(|t| *t <= at + around));
+    let known = |row: usize| usize::from(values[row].is_finite());
+    let mut count: usize = (from..to).map(known).sum();
+    // the nearer side first: rows beyond a gap say little
+    while count < FEWEST && to - from < time.len() {
+        let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
+        let after = if to < time.len() { time[to] - at } else { f64::INFINITY };
+        if before < after {
+            from -= 1;
+            count += known(from);
+        } else {
+            count += known(to);
+            to += 1;
+        }
+    }
+    (from..to).filter(|row| values[*row].is_finite()).collect()
+}
+
 /// A state to begin with: curves through the rows around, or straight lines where these are few.
 pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64, curve: Curve) -> State {
     let Curve { around, power } = curve;
-    let (mut from, mut to) =
-        (time.partition_point(|t| *t < at - around), time.partition_point(|t| *t <= at + around));
-    // the nearer side first: rows beyond a gap say little
-    while to - from < FEWEST && to - from < time.len() {
-        let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
-        let after = if to < time.len() { time[to] - at } else { f64::INFINITY };
-        if before < after { from -= 1 } else { to += 1 }
-    }
     let curve = |values: &[f64]| {
-        let rows: Vec<usize> = (from..to).filter(|row| values[*row].is_finite()).collect();
+        let rows = nearby(time, values, at, around);
         let Some(first) = rows.first() else { return (0.0, 0.0) };
         let powers = 1 + if rows.len() < CURVED { 1 } else { power };
         // in units of the rows' reach, so that the normal equations are well conditioned

@@ -34,6 +34,8 @@ use window::{Kept, Span, Window, cut_run, most, thin};
 /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
 const WINDOW: f64 = 0.5;
 const SHORT_WINDOW: f64 = 0.25;
+/// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
+const QUICK: f64 = 12.0;
 const PLENTY: f64 = 36.0;
 /// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
 const ROWS: f64 = 12.0;
@@ -99,9 +101,10 @@ impl PlantCut {
     ) -> Result<Option<Self>, Error> {
         let (ports, heft) = (Ports::of(&model.plant)?, model.heft());
         let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+        let pace = model.growth().map_or(1.0, |growth| (QUICK / growth).min(1.0));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, span, &mut windows);
+            cut_run(index, run, contact, pace, span, &mut windows);
         }
         let cut = windows.len();
         // where there are pictures each window has frames to tell of

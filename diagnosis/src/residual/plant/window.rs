@@ -124,7 +124,9 @@ impl Window {
 }
 
 /// Cuts one run into windows.
-pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &mut Vec<Window>) {
+///
+/// `pace` is the length of a window against those of an arm that isn't quick.
+pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Span, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
@@ -138,13 +140,13 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, span: Span, into: &
     let typical = gaps[gaps.len() / 2];
     let plenty = PLENTY * typical < SHORT_WINDOW;
     let tumbling = plenty && tumbles(&plant.time, &usable, q2);
-    let usual = if tumbling { SHORT_WINDOW } else { WINDOW };
+    let usual = if tumbling { SHORT_WINDOW.min(pace * WINDOW) } else { pace * WINDOW };
     // of one angle, where they are logged in turn
     let each =
         typical * usable.len() as f64 / usable.iter().filter(|row| q2[**row].is_finite()).count() as f64;
-    let curve = if tumbling { Curve::near(each) } else { Curve::USUAL };
+    let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
-    let before = if steered(run) { PREROLL } else { 0.0 };
+    let before = if steered(run) { pace * PREROLL } else { 0.0 };
     let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();

@@ -152,7 +152,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Sp
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
     let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
-    let usable = thinned(&plant.time, [q1, q2], usable.into_iter().filter(driven));
+    let usable = thinned(each, [q1, q2], usable.into_iter().filter(driven));
     let undriven = run.undriven();
     let mut from = 0;
     while from < usable.len() {
@@ -200,13 +200,16 @@ fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
     speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOW > std::f64::consts::TAU)
 }
 
-/// Rows at least `DENSE` apart, of each angle that a row holds: two encoders may be logged in turn.
-fn thinned(time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
-    let mut last = [f64::NEG_INFINITY; 2];
+/// Every so many of the rows that hold an angle, `each` s apart, so that `DENSE` lies between: two encoders may be logged in turn.
+/// Counted, not timed: rows chosen by stamps that scatter would be those that are stamped late.
+fn thinned(each: f64, angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
+    let every = (DENSE / each - 1e-9).ceil().max(1.0) as usize;
+    let mut since = [every; 2];
     rows.filter(|row| {
         let held = [0, 1].map(|angle| angles[angle][*row].is_finite());
-        let new = (0..2).any(|angle| held[angle] && time[*row] - last[angle] > DENSE);
-        (0..2).filter(|angle| new && held[*angle]).for_each(|angle| last[angle] = time[*row]);
+        (0..2).filter(|angle| held[*angle]).for_each(|angle| since[angle] += 1);
+        let new = (0..2).any(|angle| held[angle] && since[angle] > every);
+        (0..2).filter(|angle| new && held[*angle]).for_each(|angle| since[angle] = 1);
         new
     })
     .collect()

@@ -1,4 +1,5 @@
-//! Logs stamped by clocks that have nothing to do with each other are set to one time, or put aside.
+//! Logs stamped by clocks that have nothing to do with each other are set to one time, or put aside; stamps that scatter are put to
+//! the ticks of their clock, unless rows were taken so unevenly.
 
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
@@ -6,6 +7,8 @@ mod common;
 use common::{Folder, manifest, notice, plant};
 use diagnosis::Error;
 use diagnosis::dataset::DataSet;
+use diagnosis::statistics::random::Random;
+use diagnosis::{Diagnosis, diagnose};
 use std::fmt::Write as _;
 
 /// A log of the angles, and what a camera sees of them, stamped later by `late`.
@@ -84,4 +87,51 @@ fn every_stranger_among_the_torques_is_put_aside() {
     let set = DataSet::load(folder.path()).expect("the angles are there");
     assert_eq!(notice(&set.notices, "stamped by another clock").file, "run-01/controller.csv");
     assert!(set.runs[0].controller.is_none());
+}
+
+/// Every seventh row of the encoders (200 a second), or one beside it; `stamp` gives it a time for its own.
+fn unevenly(name: &str, beside: &mut dyn FnMut() -> isize, stamp: &mut dyn FnMut(f64) -> f64) -> Diagnosis {
+    let folder = common::logged_along(name, LIVELY, &[("plant.b_joint", "0.02")], true);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("camera.csv")).expect("it was recorded");
+        let path = folder.path().join(run).join("plant.csv");
+        let text = std::fs::read_to_string(&path).expect("it was recorded");
+        let rows: Vec<&str> = text.lines().collect();
+        let mut kept = format!("{}\n", rows[0]);
+        for place in (8..rows.len() - 1).step_by(7) {
+            let row = rows[(place as isize + beside()) as usize];
+            let (time, rest) = row.split_once(',').expect("it has cells");
+            let _ = writeln!(kept, "{},{rest}", stamp(time.parse().expect("a time")));
+        }
+        std::fs::write(&path, kept).expect("it can be written");
+    }
+    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
+}
+
+/// Steps and ramps: fast enough for 2 ms to matter.
+const LIVELY: &str =
+    "[[0, 0], [1, 0], [1.5, 0.4], [3, 0.4], [3.5, -0.2], [5, -0.2], [5.5, 0.4], [7, 0.4], [8, 0], [30, 0]]";
+
+fn is_evened(found: &Diagnosis) -> bool {
+    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
+    assert_eq!(names, ["plant.b_joint"], "{:#?} {:?}", found.story, found.notices);
+    // three of the standard errors seen, 1 %
+    assert!((found.effects[0].value - 0.02).abs() < 6e-4, "{:?}", found.effects);
+    let evened = found.notices.iter().filter(|notice| notice.message.contains("about an even clock"));
+    let files: Vec<&str> = evened.map(|notice| notice.file.as_str()).collect();
+    assert!(files.is_empty() || files == ["run-01/plant.csv", "run-02/plant.csv"], "{files:?}");
+    !files.is_empty()
+}
+
+#[test]
+fn every_stamp_that_scatters_is_put_to_a_tick() {
+    let mut random = Random::new(7);
+    assert!(is_evened(&unevenly("scatter", &mut || 0, &mut |time| time + 2e-3 * random.normal())));
+}
+
+#[test]
+fn every_row_that_was_taken_unevenly_keeps_its_time() {
+    let mut random = Random::new(8);
+    let mut beside = || (3.0 * random.uniform()).floor() as isize - 1;
+    assert!(!is_evened(&unevenly("uneven", &mut beside, &mut |time| time)));
 }

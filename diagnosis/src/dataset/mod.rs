@@ -5,6 +5,7 @@
 
 mod angles;
 mod check;
+mod even;
 mod manifest;
 mod stamps;
 mod table;

@@ -7,6 +7,7 @@ mod clock;
 mod conclude;
 mod conventions;
 mod correct;
+mod even;
 mod plant;
 
 use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
@@ -107,6 +108,10 @@ pub fn diagnose(
         trust_no_clock(&mut list);
     }
     let mut list = Arc::new(list);
+    if let Some(even) = even::evened(&data, &model, &list) {
+        tell("plant: stamps put to the ticks of their clocks");
+        data = even;
+    }
     let mut notices = data.notices.clone();
     notices.extend(model.notices(&data));
     let mut compared = compare(&data, &model, &list, options, tell)?;

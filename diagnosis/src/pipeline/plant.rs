@@ -51,7 +51,11 @@ pub(super) fn plant_part(
     }
     let mut part = match coarse {
         // nor does it where torques fit best with what is no body
-        Some(part) if !rows.follows(point, MOSTLY_LED).unwrap_or(false) => part,
+        Some(part) if !rows.follows(point, MOSTLY_LED).unwrap_or(false) => match part.study.active.is_empty()
+        {
+            true => led_to_follow(&mut rows, list, point, tell)?.unwrap_or(part),
+            false => part,
+        },
         Some(part_before) => {
             rows.linearise(point, &[], false)?;
             let fine = study(&mut rows, list, point, &start, tell)?;
@@ -97,6 +101,23 @@ fn not_compared(run: &Run) -> Option<Notice> {
             "no stretch of a second holds six rows of q1 or q2 in which the torque is known: not compared"
                 .into(),
     })
+}
+
+/// What windows in which the plant is led find where torques found nothing: few rows, of which an acceleration is hardly read. It
+/// counts if with it the plant follows the log by itself.
+fn led_to_follow(
+    rows: &mut PlantCut,
+    list: &Arc<Vec<Candidate>>,
+    point: &[f64],
+    tell: &mut dyn FnMut(&str),
+) -> Result<Option<Part>, Error> {
+    rows.afresh();
+    let part = part(rows, list, point, &[], true, tell)?;
+    let found = !part.study.active.is_empty();
+    let follows = found && rows.follows(&part.study.last.point, MOSTLY_LED).unwrap_or(false);
+    rows.afresh();
+    rows.linearise(if follows { &part.study.last.point } else { point }, &[], false)?;
+    Ok(follows.then_some(part))
 }
 
 /// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.

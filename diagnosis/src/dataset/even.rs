@@ -1,0 +1,96 @@
+//! Logs of an even clock whose stamps scatter: the ticks that rows were taken at.
+
+use super::{DataSet, Run, Table};
+use crate::error::Notice;
+
+/// Fewest rows that show a clock.
+const ROWS: usize = 50;
+/// Scatter about the ticks that is worth a look, as a share of the interval, and beyond which there are no ticks.
+const SCATTER: (f64, f64) = (0.02, 0.4);
+/// Correlation of the scatter from row to row beyond which the clock itself wanders, or rows were lost.
+const WANDERS: f64 = 0.3;
+
+/// Even times through stamps that scatter about them, and by how much they do, s.
+fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
+    if time.len() < ROWS {
+        return None;
+    }
+    let n = time.len() as f64;
+    let (middle, mean) = (0.5 * (n - 1.0), time.iter().sum::<f64>() / n);
+    let place = |row: usize| row as f64 - middle;
+    let across: f64 = time.iter().enumerate().map(|(row, time)| place(row) * (time - mean)).sum();
+    let interval = across / (0..time.len()).map(|row| place(row) * place(row)).sum::<f64>();
+    let ticks: Vec<f64> = (0..time.len()).map(|row| mean + interval * place(row)).collect();
+    let off: Vec<f64> = time.iter().zip(&ticks).map(|(time, tick)| time - tick).collect();
+    let square: f64 = off.iter().map(|off| off * off).sum();
+    let along: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let scatter = (square / n).sqrt();
+    let scatters = scatter > SCATTER.0 * interval && scatter < SCATTER.1 * interval;
+    (scatters && along.abs() < WANDERS * square).then_some((ticks, scatter))
+}
+
+impl DataSet {
+    /// The same data with the rows of plant and controller at even times, where stamps scatter about such; `None` where none do.
+    pub fn evened(&self) -> Option<Self> {
+        let mut even = self.clone();
+        let mut told = Vec::new();
+        for run in &mut even.runs {
+            let Run { name, controller, plant, .. } = run;
+            let logs = [("controller.csv", controller.as_mut()), ("plant.csv", plant.as_mut())];
+            for (file, log) in logs.into_iter().filter_map(|(file, log)| Some((file, log?))) {
+                told.extend(put(log).map(|scatter| Notice {
+                    file: format!("{name}/{file}"),
+                    line: 0,
+                    message: format!(
+                        "stamps scatter by {:.2} ms about an even clock, and the motion fits its ticks better: rows are taken \
+                         at these",
+                        1e3 * scatter
+                    ),
+                }));
+            }
+        }
+        let some = !told.is_empty();
+        even.notices.extend(told);
+        some.then_some(even)
+    }
+}
+
+/// Puts a log's rows at the ticks, and tells by how much they were off.
+fn put(log: &mut Table) -> Option<f64> {
+    let (ticks, scatter) = ticks(&log.time)?;
+    log.time = ticks;
+    Some(scatter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    fn stamped(off: &mut dyn FnMut(usize) -> f64) -> Vec<f64> {
+        (0..400).map(|row| 10.0 + 0.005 * row as f64 + off(row)).collect()
+    }
+
+    #[test]
+    fn recovers_the_ticks_that_stamps_scatter_about() {
+        let mut random = Random::new(3);
+        let (found, scatter) = ticks(&stamped(&mut |_| 5e-4 * random.normal())).expect("they scatter");
+        // an end of a line through 400 points is known to 2 σ / √400
+        let worst = found.iter().enumerate().map(|(row, tick)| (tick - 10.0 - 0.005 * row as f64).abs());
+        assert!(worst.fold(0.0, f64::max) < 1.5e-4 && (scatter - 5e-4).abs() < 5e-5, "{scatter}");
+    }
+
+    #[test]
+    fn every_clock_that_wanders_or_loses_rows_is_left() {
+        let mut random = Random::new(4);
+        let mut walk = 0.0;
+        let wandering = stamped(&mut |_| {
+            walk += 2e-4 * random.normal();
+            walk
+        });
+        assert!(ticks(&wandering).is_none());
+        assert!(ticks(&stamped(&mut |row| if row < 200 { 0.0 } else { 0.005 })).is_none());
+        // nor is there anything to do for one that is even
+        assert!(ticks(&stamped(&mut |_| 0.0)).is_none());
+    }
+}

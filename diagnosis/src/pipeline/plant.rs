@@ -7,9 +7,12 @@ use crate::residual::logged;
 use crate::residual::plant::PlantCut;
 use crate::residual::weak::Weak;
 use crate::rest::unknown;
+use crate::selection::Hit;
 
 /// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
 const MOSTLY_LED: f64 = 0.5;
+/// So many of what torques resemble are tried where they show nothing certain.
+const HINTS: usize = 3;
 /// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
 const MOTION_STEP: f64 = 1.0 / 120.0;
 /// How well it is known where the model had to be led along the log, rad.
@@ -53,7 +56,7 @@ pub(super) fn plant_part(
         // nor does it where torques fit best with what is no body
         Some(part) if !rows.follows(point, MOSTLY_LED).unwrap_or(false) => match part.study.active.is_empty()
         {
-            true => led_to_follow(&mut rows, list, point, tell)?.unwrap_or(part),
+            true => hinted(&mut rows, list, &part.study.screen.hits, point, tell)?.unwrap_or(part),
             false => part,
         },
         Some(part_before) => {
@@ -103,21 +106,33 @@ fn not_compared(run: &Run) -> Option<Notice> {
     })
 }
 
-/// What windows in which the plant is led find where torques found nothing: few rows, of which an acceleration is hardly read. It
+/// Where torques show nothing certain, as few rows hardly tell an acceleration, the likeliest of what they resemble is tried: it
 /// counts if with it the plant follows the log by itself.
-fn led_to_follow(
+fn hinted(
     rows: &mut PlantCut,
     list: &Arc<Vec<Candidate>>,
+    hits: &[Hit],
     point: &[f64],
     tell: &mut dyn FnMut(&str),
 ) -> Result<Option<Part>, Error> {
+    let real = |hit: &&Hit| !list[hit.candidate].side.is_of_log() && !list[hit.candidate].is_discrete();
+    for hit in hits.iter().filter(real).take(HINTS) {
+        let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
+        there[hit.candidate] =
+            (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
+        if !rows.follows(&there, MOSTLY_LED).unwrap_or(false) {
+            continue;
+        }
+        rows.linearise(&there, &[], false)?;
+        let fine = study(rows, list, &there, &[hit.candidate], tell)?;
+        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED)? {
+            rows.linearise(&fine.last.point, &[], false)?;
+            return classed(rows, list, fine, true).map(Some);
+        }
+    }
     rows.afresh();
-    let part = part(rows, list, point, &[], true, tell)?;
-    let found = !part.study.active.is_empty();
-    let follows = found && rows.follows(&part.study.last.point, MOSTLY_LED).unwrap_or(false);
-    rows.afresh();
-    rows.linearise(if follows { &part.study.last.point } else { point }, &[], false)?;
-    Ok(follows.then_some(part))
+    rows.linearise(point, &[], false)?;
+    Ok(None)
 }
 
 /// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.

@@ -5,9 +5,8 @@ mod common;
 
 use diagnosis::diagnose;
 
-/// Steps and ramps, so that friction shows in seconds.
-const LIVELY: &str =
-    "[[0, 0], [1, 0], [2, 0.4], [4, 0.4], [5, 0], [6, 0], [7, -0.4], [9, -0.4], [10, 0], [30, 0]]";
+/// Ramps as fast as the arm follows, so that friction shows in seconds.
+const LIVELY: &str = "[[0, 0], [1, 0], [2.5, 0.3], [4, 0.3], [6, -0.2], [7.5, -0.2], [9, 0.3], [30, 0.3]]";
 
 /// The friction found where `keeps` says which angles each row of the encoders (30 a second) holds.
 fn friction(name: &str, keeps: &dyn Fn(usize) -> [bool; 2]) -> (String, f64, [f64; 2]) {

@@ -89,28 +89,31 @@ fn every_stranger_among_the_torques_is_put_aside() {
     assert!(set.runs[0].controller.is_none());
 }
 
-/// Every seventh row of the encoders (200 a second), or one beside it; `stamp` gives it a time for its own.
-fn unevenly(name: &str, beside: &mut dyn FnMut() -> isize, stamp: &mut dyn FnMut(f64) -> f64) -> Diagnosis {
+/// Rows of the encoders (200 a second), taken a share of a row's interval later and stamped by `stamp`.
+fn unevenly(name: &str, late: &mut dyn FnMut() -> f64, stamp: &mut dyn FnMut(f64) -> f64) -> Diagnosis {
     let folder = common::logged_along(name, LIVELY, &[("plant.b_joint", "0.02")], true);
+    folder.put("dataset.toml", &manifest(2));
     for run in ["run-01", "run-02"] {
         std::fs::remove_file(folder.path().join(run).join("camera.csv")).expect("it was recorded");
         let path = folder.path().join(run).join("plant.csv");
         let text = std::fs::read_to_string(&path).expect("it was recorded");
-        let rows: Vec<&str> = text.lines().collect();
-        let mut kept = format!("{}\n", rows[0]);
-        for place in (8..rows.len() - 1).step_by(7) {
-            let row = rows[(place as isize + beside()) as usize];
-            let (time, rest) = row.split_once(',').expect("it has cells");
-            let _ = writeln!(kept, "{},{rest}", stamp(time.parse().expect("a time")));
+        let cells = |line: &str| -> Vec<f64> {
+            line.split(',').take(3).map(|cell| cell.parse().expect("a number")).collect()
+        };
+        let rows: Vec<Vec<f64>> = text.lines().skip(1).map(cells).collect();
+        let mut kept = "time,q1,q2\n".to_owned();
+        for pair in rows.windows(2) {
+            let share = late();
+            let at = |place: usize| pair[0][place] + share * (pair[1][place] - pair[0][place]);
+            let _ = writeln!(kept, "{},{},{}", stamp(at(0)), at(1), at(2));
         }
         std::fs::write(&path, kept).expect("it can be written");
     }
     diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
 }
 
-/// Steps and ramps: fast enough for 2 ms to matter.
-const LIVELY: &str =
-    "[[0, 0], [1, 0], [1.5, 0.4], [3, 0.4], [3.5, -0.2], [5, -0.2], [5.5, 0.4], [7, 0.4], [8, 0], [30, 0]]";
+/// Ramps as fast as the arm follows: half a millisecond matters.
+const LIVELY: &str = "[[0, 0], [1, 0], [2.5, 0.3], [4, 0.3], [6, -0.2], [7.5, -0.2], [9, 0.3], [30, 0.3]]";
 
 fn is_evened(found: &Diagnosis) -> bool {
     let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
@@ -126,12 +129,13 @@ fn is_evened(found: &Diagnosis) -> bool {
 #[test]
 fn every_stamp_that_scatters_is_put_to_a_tick() {
     let mut random = Random::new(7);
-    assert!(is_evened(&unevenly("scatter", &mut || 0, &mut |time| time + 2e-3 * random.normal())));
+    let mut stamp = |time| time + 5e-4 * random.normal();
+    assert!(is_evened(&unevenly("scatter", &mut || 0.0, &mut stamp)));
 }
 
 #[test]
 fn every_row_that_was_taken_unevenly_keeps_its_time() {
     let mut random = Random::new(8);
-    let mut beside = || (3.0 * random.uniform()).floor() as isize - 1;
-    assert!(!is_evened(&unevenly("uneven", &mut beside, &mut |time| time)));
+    // up to 2 ms late, which is what the stamps say
+    assert!(!is_evened(&unevenly("uneven", &mut || 0.4 * random.uniform(), &mut |time| time)));
 }

@@ -10,6 +10,8 @@ use diagnosis::{Diagnosis, diagnose};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;
 
+type Values<'a> = &'a [(&'a str, &'a str)];
+
 /// A small arm (links of some 30 cm).
 const ARM: [(&str, &str); 9] = [
     ("plant.theta_1", "0.108"),
@@ -46,7 +48,7 @@ fn swings(name: &str, set: &[(&str, &str)], log: &dyn Fn(usize, f64, f64) -> Opt
 /// Two swings of 6 s of an arm with more set, from two starts, at a rate in Hz.
 fn recorded(
     name: &str,
-    (arm, set): (&[(&str, &str)], &[(&str, &str)]),
+    (arm, set): (Values<'_>, Values<'_>),
     starts: [[&str; 2]; 2],
     rate: usize,
     log: &dyn Fn(usize, f64, f64) -> Option<(f64, f64)>,

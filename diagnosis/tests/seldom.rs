@@ -8,9 +8,17 @@ use diagnosis::diagnose;
 /// Ramps as fast as the arm follows, so that friction shows in seconds.
 const LIVELY: &str = "[[0, 0], [1, 0], [2.5, 0.3], [4, 0.3], [6, -0.2], [7.5, -0.2], [9, 0.3], [30, 0.3]]";
 
+/// Too steep: the arm falls after 2.2 s.
+const FALLEN: &str =
+    "[[0, 0], [1, 0], [1.5, 0.4], [3, 0.4], [3.5, -0.2], [5, -0.2], [5.5, 0.4], [7, 0.4], [8, 0], [30, 0]]";
+
 /// The friction found where `keeps` says which angles each row of the encoders (30 a second) holds.
-fn friction(name: &str, keeps: &dyn Fn(usize) -> [bool; 2]) -> (String, f64, [f64; 2]) {
-    let folder = common::recorded_along(name, LIVELY, &[("plant.b_joint", "0.02")]);
+fn friction(
+    name: &str,
+    (points, set): (&str, (&str, &str)),
+    keeps: &dyn Fn(usize) -> [bool; 2],
+) -> (String, f64, [f64; 2]) {
+    let folder = common::recorded_along(name, points, &[set]);
     for run in ["run-01", "run-02"] {
         std::fs::remove_file(folder.path().join(run).join("camera.csv")).expect("it was recorded");
         let path = folder.path().join(run).join("plant.csv");
@@ -34,7 +42,7 @@ fn friction(name: &str, keeps: &dyn Fn(usize) -> [bool; 2]) -> (String, f64, [f6
 }
 
 fn is_found(name: &str, keeps: &dyn Fn(usize) -> [bool; 2]) {
-    let (effect, value, [low, high]) = friction(name, keeps);
+    let (effect, value, [low, high]) = friction(name, (LIVELY, ("plant.b_joint", "0.02")), keeps);
     assert_eq!(effect, "plant.b_joint");
     // three standard errors, and these no more than a tenth of the value
     let error = (high - low) / (2.0 * 1.96);
@@ -54,4 +62,15 @@ fn recovers_friction_from_ten_rows_a_second() {
 #[test]
 fn recovers_friction_where_one_angle_is_logged_less_often() {
     is_found("rates", &|row| [true, row % 3 == 0]);
+}
+
+#[test]
+fn recovers_friction_from_two_falls() {
+    // 60 rows each, of which the nominal model leaves most windows
+    for (set, value) in [(("plant.b_joint", "0.02"), 0.02), (("plant.fc_joint", "0.05"), 0.05)] {
+        let (effect, found, [low, high]) = friction("falls", (FALLEN, set), &|_| [true; 2]);
+        assert_eq!(effect, set.0);
+        // a fiftieth: some three standard errors
+        assert!((found / value - 1.0).abs() < 0.02 && low < high, "{found} of {low} to {high}");
+    }
 }

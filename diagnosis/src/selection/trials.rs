@@ -135,10 +135,25 @@ impl Trials<'_> {
             let Ok(trial) = refit(cut, self.candidates, &point, &with(self.active, hit.candidate)) else {
                 continue;
             };
+            let worse = !cut.lattice() && !cut.steady() && trial.deviance() > self.last.deviance();
+            let again = if worse { self.begun_anew(cut, hit.candidate, &point) } else { None };
+            let trial = again.unwrap_or(trial);
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
         }
+    }
+
+    /// A fit that begins from the data. Windows that were led along the log by a model without the candidate may not find back by the
+    /// columns that they had there, and a fit then flees from where the candidate belongs.
+    fn begun_anew(&self, cut: &mut dyn Cut, candidate: usize, point: &[f64]) -> Option<Evaluation> {
+        cut.remember();
+        cut.afresh();
+        let there = Evaluation::at(cut, point, &[], false).ok();
+        let better = there.is_some_and(|there| there.deviance() < self.last.deviance());
+        let fit = better.then(|| refit(cut, self.candidates, point, &with(self.active, candidate)).ok());
+        cut.recall();
+        fit.flatten()
     }
 
     /// Puts a fault of the log behind an effect that it looks like.

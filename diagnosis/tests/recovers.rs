@@ -99,6 +99,21 @@ fn recovers_an_exposure_that_is_shorter_than_it_is_said_to_be() {
 }
 
 #[test]
+fn recovers_a_machine_without_the_friction_that_is_nominal() {
+    let folder = common::recorded("frictionless", &[]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("camera.csv")).expect("it was recorded");
+    }
+    let path = folder.path().join("dataset.toml");
+    let manifest = std::fs::read_to_string(&path).expect("it was written");
+    std::fs::write(&path, manifest.replace("[set]", "[set]\n\"plant.b_joint\" = 0.02"))
+        .expect("it can be written");
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    // a bound that is a value like any other; 3 of its standard errors
+    named(&found.expect("the data is good"), "plant.b_joint", 0.0, 1e-3);
+}
+
+#[test]
 fn names_each_run_that_was_left_out_where_torque_and_picture_are_compared() {
     // poses and lenses have blocks of their own, each over all runs
     let folder = without_encoders("left-out", &[("camera.k1", "0.05")]);

@@ -143,10 +143,11 @@ impl Candidate {
         matches!(self.motion, Motion::Count { .. } | Motion::Switch)
     }
 
-    /// Stopped by a bound that is there against nonsense: something else is missing, for which this one stands in.
+    /// Stopped by a bound that is there against nonsense: something else is missing, for which this one stands in. None at all is
+    /// no nonsense, where a nominal machine has friction that the real one lacks.
     pub fn is_at_its_end(&self, x: f64) -> bool {
         let bounded = self.side == Side::Plant && !self.is_discrete();
-        bounded && x != self.off && (x <= self.range.0 || x >= self.range.1)
+        bounded && x != self.off && x != 0.0 && (x <= self.range.0 || x >= self.range.1)
     }
 
     /// Step for a derivative at a coordinate, towards the inside of the range.
@@ -220,21 +221,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_bound_of_a_plant_but_its_off_value_is_an_end() {
+    fn every_bound_of_a_plant_but_none_at_all_is_an_end() {
         let motion = Motion::Real { steps: &[0.1], range: (0.0, 1.0) };
-        let lag = |side| Candidate {
+        let lag = |side, off| Candidate {
             name: "plant.T_act",
             side,
             phrase: "",
             motion,
-            off: 0.0,
+            off,
             steps: vec![0.1],
             range: (0.0, 1.0),
             bends: false,
         };
-        let ends = [0.0, 0.5, 1.0].map(|x| lag(Side::Plant).is_at_its_end(x));
-        assert_eq!(ends, [false, false, true]);
+        for off in [0.0, 0.2] {
+            let ends = [0.0, 0.5, 1.0].map(|x| lag(Side::Plant, off).is_at_its_end(x));
+            assert_eq!(ends, [false, false, true]);
+        }
         // an exposure of the whole interval is one
-        assert!(!lag(Side::Camera).is_at_its_end(1.0));
+        assert!(!lag(Side::Camera, 0.0).is_at_its_end(1.0));
     }
 }

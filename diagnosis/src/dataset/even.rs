@@ -17,18 +17,22 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     if time.len() < ROWS {
         return None;
     }
+    // counted from the first: a sum of epochs is only known to 50 µs a row
+    let first = time[0];
+    let since: Vec<f64> = time.iter().map(|time| time - first).collect();
     let n = time.len() as f64;
-    let (middle, mean) = (0.5 * (n - 1.0), time.iter().sum::<f64>() / n);
+    let (middle, mean) = (0.5 * (n - 1.0), since.iter().sum::<f64>() / n);
     let place = |row: usize| row as f64 - middle;
-    let across: f64 = time.iter().enumerate().map(|(row, time)| place(row) * (time - mean)).sum();
+    let across: f64 = since.iter().enumerate().map(|(row, time)| place(row) * (time - mean)).sum();
     let interval = across / (0..time.len()).map(|row| place(row) * place(row)).sum::<f64>();
     let ticks: Vec<f64> = (0..time.len()).map(|row| mean + interval * place(row)).collect();
-    let off: Vec<f64> = time.iter().zip(&ticks).map(|(time, tick)| time - tick).collect();
+    let off: Vec<f64> = since.iter().zip(&ticks).map(|(time, tick)| time - tick).collect();
     let square: f64 = off.iter().map(|off| off * off).sum();
     let along: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let scatter = (square / n).sqrt();
     let scatters = scatter > SCATTER.0 * interval && scatter < SCATTER.1 * interval;
     let known = scatter < KNOWN * n.sqrt();
+    let ticks = ticks.into_iter().map(|tick| first + tick).collect();
     (scatters && known && along.abs() < WANDERS * square).then_some((ticks, scatter))
 }
 
@@ -81,6 +85,17 @@ mod tests {
         // an end of a line through 400 points is known to 2 σ / √400
         let worst = found.iter().enumerate().map(|(row, tick)| (tick - 10.0 - 0.005 * row as f64).abs());
         assert!(worst.fold(0.0, f64::max) < 1e-4 && (scatter - 4e-4).abs() < 4e-5, "{scatter}");
+    }
+
+    #[test]
+    fn recovers_as_many_ticks_of_an_epoch() {
+        let mut random = Random::new(5);
+        let time: Vec<f64> = (0..100_000).map(|row| 0.001 * row as f64 + 1e-4 * random.normal()).collect();
+        let late: Vec<f64> = time.iter().map(|time| time + 1.7e9).collect();
+        let (here, there) = (ticks(&time).expect("they scatter").0, ticks(&late).expect("the same"));
+        let worst = here.iter().zip(&there.0).map(|(here, there)| (there - here - 1.7e9).abs());
+        // doubles there are 2.4e-7 s apart
+        assert!(worst.fold(0.0, f64::max) < 1e-6);
     }
 
     #[test]

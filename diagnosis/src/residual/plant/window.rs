@@ -10,6 +10,8 @@ const FEWEST: usize = 3;
 /// 10 rad/s, and a fit that begins there ends anywhere.
 const NEAR_ROWS: f64 = 6.0;
 const NEAR: f64 = 0.01;
+/// Rows this many times as far apart as those that are kept of a dense log all count: a log may be dense in parts.
+const APART: f64 = 1.5;
 /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
 const GENTLE: f64 = 0.03;
 
@@ -41,7 +43,7 @@ impl Span {
 /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
 const MOST: usize = 640;
 
-/// Most windows of this length that are compared. Where an arm tumbles they are short, each takes twice as long, and what it
+/// Most windows of this length that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and what it
 /// tells grows with the square of the rates.
 pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
     let length = |window: &Window| {
@@ -152,7 +154,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Sp
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
     let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
-    let usable = thinned(each, [q1, q2], usable.into_iter().filter(driven));
+    let usable = thinned(each, &plant.time, [q1, q2], usable.into_iter().filter(driven));
     let undriven = run.undriven();
     let mut from = 0;
     while from < usable.len() {
@@ -201,15 +203,17 @@ fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
 }
 
 /// Every so many of the rows that hold an angle, `each` s apart, so that `DENSE` lies between: two encoders may be logged in turn.
-/// Counted, not timed: rows chosen by stamps that scatter would be those that are stamped late.
-fn thinned(each: f64, angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
-    let every = (DENSE / each - 1e-9).ceil().max(1.0) as usize;
-    let mut since = [every; 2];
+/// Counted, not timed, where rows are as near as usual: those chosen by stamps that scatter would be the ones that are stamped late.
+fn thinned(each: f64, time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
+    let every = (DENSE / each - 1e-9).ceil().max(1.0);
+    // rows and the time since the last that was kept
+    let mut since = [(every, f64::NEG_INFINITY); 2];
     rows.filter(|row| {
         let held = [0, 1].map(|angle| angles[angle][*row].is_finite());
-        (0..2).filter(|angle| held[*angle]).for_each(|angle| since[angle] += 1);
-        let new = (0..2).any(|angle| held[angle] && since[angle] > every);
-        (0..2).filter(|angle| new && held[*angle]).for_each(|angle| since[angle] = 1);
+        (0..2).filter(|angle| held[*angle]).for_each(|angle| since[angle].0 += 1.0);
+        let far = |(count, last): (f64, f64)| count > every || time[*row] - last > APART * every * each;
+        let new = (0..2).any(|angle| held[angle] && far(since[angle]));
+        (0..2).filter(|angle| new && held[*angle]).for_each(|angle| since[angle] = (1.0, time[*row]));
         new
     })
     .collect()
@@ -272,4 +276,33 @@ pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64, curve: Curve)
     };
     let ((a, da), (b, db)) = (curve(q1), curve(q2));
     [a, b, da, db]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_of_a_log_that_is_dense_in_parts_only_counts_where_it_is_not() {
+        // 200 rows at 1 kHz, then 50 at 100 Hz
+        let time: Vec<f64> = (0..250)
+            .map(|row: u32| 1e-3 * f64::from(row.min(200)) + 0.01 * f64::from(row.saturating_sub(200)))
+            .collect();
+        let angle = vec![0.0; time.len()];
+        let kept = thinned(1e-3, &time, [&angle, &angle], 0..time.len());
+        assert_eq!(kept.iter().filter(|row| **row < 200).count(), 40);
+        assert!((201..250).all(|row| kept.contains(&row)), "{kept:?}");
+    }
+
+    #[test]
+    fn every_angle_that_is_logged_in_turn_is_kept() {
+        let time: Vec<f64> = (0..400).map(|row| 1.25e-3 * f64::from(row)).collect();
+        let held = |first: usize| -> Vec<f64> {
+            (0..400).map(|row| if row % 2 == first { 0.0 } else { f64::NAN }).collect()
+        };
+        let kept = thinned(2.5e-3, &time, [&held(0), &held(1)], 0..400);
+        let of = |first: usize| kept.iter().filter(|row| **row % 2 == first).count();
+        // each at 400 Hz, of which every second
+        assert_eq!((of(0), of(1)), (100, 100));
+    }
 }

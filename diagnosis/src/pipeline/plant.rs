@@ -120,12 +120,12 @@ fn hinted(
         let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
         there[hit.candidate] =
             (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
-        if !rows.follows(&there, MOSTLY_LED).unwrap_or(false) {
+        // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
+        if !rows.follows(&there, MOSTLY_LED).unwrap_or(false) || rows.linearise(&there, &[], false).is_err() {
             continue;
         }
-        rows.linearise(&there, &[], false)?;
-        let fine = study(rows, list, &there, &[hit.candidate], tell)?;
-        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED)? {
+        let Ok(fine) = study(rows, list, &there, &[hit.candidate], tell) else { continue };
+        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED).unwrap_or(false) {
             rows.linearise(&fine.last.point, &[], false)?;
             return classed(rows, list, fine, true).map(Some);
         }

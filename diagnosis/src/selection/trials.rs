@@ -147,6 +147,8 @@ impl Trials<'_> {
     /// A fit that begins from the data. Windows that were led along the log by a model without the candidate may not find back by the
     /// columns that they had there, and a fit then flees from where the candidate belongs.
     fn begun_anew(&self, cut: &mut dyn Cut, candidate: usize, point: &[f64]) -> Option<Evaluation> {
+        // what the fit that fled did to nuisances is not worth remembering
+        cut.back();
         cut.remember();
         cut.afresh();
         let there = Evaluation::at(cut, point, &[], false).ok();

@@ -157,8 +157,8 @@ impl<'a> Search<'a> {
         let compared = !self.cut.lattice() || self.cut.free_pose();
         let astray = compared && !self.cut.outweighed() && self.last.deviance() > before.2 + ASTRAY;
         // what went with one that didn't stay itself comes back
-        let in_vain = step.dropped.contains(&candidate) && step.dropped.len() > 1;
-        if !astray && !in_vain {
+        let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
+        if !astray && !for_nothing {
             self.refused.extend(&step.dropped);
         } else {
             (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);

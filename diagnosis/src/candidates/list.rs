@@ -28,7 +28,11 @@ const fn bent(entry: Entry) -> Entry {
 pub const CLOCK: &str = "plant log's clock";
 /// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
 pub const ZEROS: [&str; 2] = ["plant log's zero of q1", "plant log's zero of q2"];
-const BIG: f64 = 1e9;
+/// Where friction, N·m(·s/rad) at heft 1, holds an arm fast whatever drives it. What flees there is no friction, and a unit takes
+/// a thousand times as long over what is stiffer still.
+const FAST: (f64, f64) = (0.0, 200.0);
+/// Whatever pushes harder throws the arm out of every log.
+const PUSHED: (f64, f64) = (-200.0, 200.0);
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
 const PART: (f64, f64) = (0.25, 4.0);
@@ -42,16 +46,16 @@ const THOUSANDTH: &[f64] = &[0.001];
 /// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
 #[rustfmt::skip]
 pub const LIST: &[Entry] = &[
-    load("plant.b_roll", &[5e-4], (0.0, BIG), "viscous friction of the first link (rolling)"),
-    load("plant.b_joint", &[2e-4], (0.0, BIG), "viscous friction at the joint"),
-    bent(load("plant.fc_roll", &[5e-4], (0.0, BIG), "Coulomb friction of the first link (rolling)")),
-    bent(load("plant.fc_joint", &[5e-4], (0.0, BIG), "Coulomb friction at the joint")),
+    load("plant.b_roll", &[5e-4], FAST, "viscous friction of the first link (rolling)"),
+    load("plant.b_joint", &[2e-4], FAST, "viscous friction at the joint"),
+    bent(load("plant.fc_roll", &[5e-4], FAST, "Coulomb friction of the first link (rolling)")),
+    bent(load("plant.fc_joint", &[5e-4], FAST, "Coulomb friction at the joint")),
     load("plant.I_rotor", &[2e-5], ROTOR, "rotor inertia at the joint"),
     Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
     Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
-    load("plant.tau_bias", &[2.5e-4], (-BIG, BIG), "constant torque bias"),
+    load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"),
     share("plant.k_tau", THOUSANDTH, PART, "torque gain"),
     real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },

@@ -138,6 +138,16 @@ impl Model {
         (det > 0.0 && largest > 0.0).then(|| libm::sqrt(largest))
     }
 
+    /// Frames a second, or fields where the camera is interlaced.
+    pub fn frame_rate(&self) -> f64 {
+        self.number("camera.omega_cam").unwrap_or(30.0) * if self.interlaced() { 2.0 } else { 1.0 }
+    }
+
+    /// The camera's frames are fields of half the rows.
+    pub fn interlaced(&self) -> bool {
+        self.number("camera.interlaced").is_some_and(|value| value > 0.5)
+    }
+
     /// Nominal value of a variable, as a number.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers.get(name).copied()

@@ -70,7 +70,7 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     let Some((shift, error, _)) = unsure else { return Vec::new() };
     // an offset that shows, but not clearly enough to be taken, may be there
     let error = error.max(shift.abs());
-    let twice = 2.0 * model.number("camera.omega_cam").unwrap_or(30.0);
+    let twice = 2.0 * model.frame_rate();
     let of = |name, each: f64| place(name).map(|index| (index, each * error));
     [of(DELAY, 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
 }

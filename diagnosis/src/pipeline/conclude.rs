@@ -301,8 +301,7 @@ fn counted(
     smallest: &mut BTreeMap<String, f64>,
 ) {
     let Some(candidate) = list.iter().find(|candidate| candidate.name == "camera.drop_rate") else { return };
-    let interval = 1.0 / model.number("camera.omega_cam").unwrap_or(30.0);
-    let Some(losses) = losses(data, interval) else { return };
+    let Some(losses) = losses(data, 1.0 / model.frame_rate()) else { return };
     let (share, ci95) = losses.share();
     // one frame that isn't there is proof against "none is ever lost"; two are asked for
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);

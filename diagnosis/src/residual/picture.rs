@@ -30,6 +30,15 @@ pub struct Shot {
     pub before: State,
     /// State at the end of the exposure.
     pub end: State,
+    /// Of an interlaced camera: the field of the odd rows.
+    pub odd: bool,
+}
+
+impl Shot {
+    /// The same shot with its states moved.
+    pub fn moved(&self, state: impl Fn(&State) -> State) -> Self {
+        Self { before: state(&self.before), end: state(&self.end), odd: self.odd }
+    }
 }
 
 /// The camera on its bench.
@@ -40,6 +49,7 @@ pub struct Studio {
     outputs: [u32; 9],
     valid: u32,
     rate: f64,
+    interlaced: bool,
     half_width: f64,
     fixed: Vec<Setting>,
     noiseless: Setting,
@@ -66,8 +76,7 @@ impl Studio {
             bench.reference("dq2")?,
         ];
         let fixed = vec![bench.setting("T_delay", 0.0)?, bench.setting("drop_rate", 0.0)?];
-        let interlaced = model.number("camera.interlaced").unwrap_or(0.0) > 0.5;
-        let rate = model.number("camera.omega_cam").unwrap_or(30.0) * if interlaced { 2.0 } else { 1.0 };
+        let (rate, interlaced) = (model.frame_rate(), model.interlaced());
         let valid = bench.reference("valid")?;
         let half_width = 0.5 * model.number("camera.width").unwrap_or(512.0);
         let noisy = model.number("camera.sigma").unwrap_or(0.0) > 0.0;
@@ -75,12 +84,17 @@ impl Studio {
             .map(|k| bench.setting("seed", f64::from(7919 * (k + 1))))
             .collect::<Result<_, _>>()?;
         let noiseless = bench.setting("sigma", 0.0)?;
-        Ok(Self { bench, inputs, outputs, valid, rate, half_width, fixed, noiseless, seeds })
+        Ok(Self { bench, inputs, outputs, valid, rate, interlaced, half_width, fixed, noiseless, seeds })
     }
 
     /// Frame interval, s.
     pub fn interval(&self) -> f64 {
         1.0 / self.rate
+    }
+
+    /// Frames are fields of half the rows.
+    pub fn interlaced(&self) -> bool {
+        self.interlaced
     }
 
     /// Half the width of a frame, px: what one unit of u0 and v0 moves the picture by.
@@ -152,9 +166,16 @@ impl Studio {
         self.bench.run(&all, 0.0, |instance| {
             let failed = |error: orchestrator::Error| Error::Model(error.to_string());
             let mut seen = Vec::with_capacity(shots.len());
-            for (place, shot) in shots.iter().enumerate() {
-                let time = |share: f64| (place as f64 + share) / self.rate;
-                let (from, jumped, to) = (time(0.0), time(JUMP), time(1.0));
+            let mut number = 0;
+            for shot in shots {
+                let time = |number: i32, share: f64| (f64::from(number) + share) / self.rate;
+                // the frame at the end of this interval has the next number, and odd numbers odd rows
+                if self.interlaced && shot.odd != (number % 2 == 0) {
+                    step(instance, time(number, 0.0), time(number + 1, 0.0) - time(number, 0.0))?;
+                    number += 1;
+                }
+                let (from, jumped, to) = (time(number, 0.0), time(number, JUMP), time(number, 1.0));
+                number += 1;
                 instance.set_real(&self.inputs, &shot.before).map_err(failed)?;
                 step(instance, from, jumped - from)?;
                 instance.set_real(&self.inputs, &shot.end).map_err(failed)?;

@@ -46,7 +46,7 @@ impl ImageCut {
                     turned[angle] += by;
                     turned
                 };
-                shots.iter().map(|shot| Shot { before: turn(&shot.before), end: turn(&shot.end) }).collect()
+                shots.iter().map(|shot| shot.moved(turn)).collect()
             };
             let (up, down) =
                 (self.studio.take(settings, &moved(TURN))?, self.studio.take(settings, &moved(-TURN))?);
@@ -89,9 +89,8 @@ impl ImageCut {
         let mut random = Random::new(DITHER_SEED + round);
         self.sampled()
             .map(|place| {
-                let frame = &self.frames[place];
                 let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
-                Shot { before: moved(&frame.shot.before, &by), end: moved(&frame.shot.end, &by) }
+                self.frames[place].shot.moved(|state| moved(state, &by))
             })
             .collect()
     }

@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 mod columns;
+mod fields;
 mod level;
 mod noise;
 mod poses;
@@ -113,6 +114,7 @@ impl ImageCut {
         pose: Pose,
         most: usize,
     ) -> Result<Option<Self>, Error> {
+        let studio = Studio::new(model)?;
         let mut frames = Vec::new();
         for (run, log) in data.runs.iter().enumerate() {
             let Some(camera) = &log.camera else { continue };
@@ -120,15 +122,18 @@ impl ImageCut {
                 let seen: Seen =
                     std::array::from_fn(|s| camera.column(COLUMNS[s]).map_or(f64::NAN, |c| c[row]));
                 if seen[..6].iter().all(|value| value.is_finite()) {
-                    let shot = Shot { before: [0.0; 4], end: [0.0; 4] };
+                    let shot = Shot { before: [0.0; 4], end: [0.0; 4], odd: false };
                     frames.push(Frame { run, time: camera.time[row], seen, shot, known: false });
                 }
             }
         }
         if !matches!(pose, Pose::Logged(..)) {
-            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0));
+            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), 1.0 / model.frame_rate());
         }
-        let every = frames.len().div_ceil(most.max(1)).max(1);
+        let mut every = frames.len().div_ceil(most.max(1)).max(1);
+        if studio.interlaced() {
+            every |= 1; // fields of both kinds
+        }
         let frames: Vec<Frame> = frames
             .into_iter()
             .enumerate()
@@ -149,9 +154,7 @@ impl ImageCut {
         let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
         let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
         let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
-        let studio = Studio::new(model)?;
         Ok(Some(Self {
-            studio,
             candidates,
             frames,
             pose,
@@ -166,6 +169,7 @@ impl ImageCut {
             followed: None,
             looked: None,
             remembered: None,
+            studio,
         }))
     }
 
@@ -217,7 +221,7 @@ impl ImageCut {
                 if let Some(end) = end {
                     let before =
                         motion.at(frame.time - delay - interval).unwrap_or_else(|| back(&end, interval));
-                    frame.shot = Shot { before, end };
+                    frame.shot = Shot { before, end, ..frame.shot };
                 }
             }
         }
@@ -267,6 +271,9 @@ impl Cut for ImageCut {
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
         self.place(point);
+        if !quick && self.studio.interlaced() {
+            self.order(point)?;
+        }
         self.follow(point)?;
         if !quick {
             self.mark();

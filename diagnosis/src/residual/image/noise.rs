@@ -101,7 +101,13 @@ impl ImageCut {
         };
         let clear = apart.mean.abs() > CLEAR * apart.error;
         if !clear {
-            return Ok(Some(Noise { nominal, value: nominal, error: detectable / CLEAR, detectable, clear }));
+            return Ok(Some(Noise {
+                nominal,
+                value: nominal,
+                error: detectable / CLEAR,
+                detectable,
+                clear: false,
+            }));
         }
         let (mut low, mut high) = if apart.mean > 0.0 { (from, from * MOST) } else { (from / MOST, from) };
         for _ in 0..STEPS {
@@ -156,7 +162,7 @@ impl ImageCut {
         let moved = |shot: &Shot| {
             let by: [f64; 2] = std::array::from_fn(|_| sigma * random.normal());
             let moved = |state: &State| [state[0] + by[0], state[1] + by[1], state[2], state[3]];
-            Shot { before: moved(&shot.before), end: moved(&shot.end) }
+            shot.moved(moved)
         };
         self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
     }

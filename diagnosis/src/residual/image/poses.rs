@@ -15,8 +15,8 @@ pub(super) fn back(state: &State, by: f64) -> State {
 }
 
 /// Poses as a person reads them off a picture whose mount is turned by so much (rad): the directions from circle to
-/// circle; rates from neighbours.
-pub(super) fn free_poses(frames: &mut [Frame], mount: f64) {
+/// circle; rates from neighbours. An exposure can begin one interval (s) before its end.
+pub(super) fn free_poses(frames: &mut [Frame], mount: f64, interval: f64) {
     let (sin, cos) = (libm::sin(mount), libm::cos(mount));
     let read = |frame: &Frame| {
         let s = &frame.seen;
@@ -36,7 +36,7 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64) {
             if span > 0.0 { (poses[after][angle] - poses[before][angle]) / span } else { 0.0 }
         };
         let end = [poses[place][0], poses[place][1], rate(0), rate(1)];
-        frames[place].shot = Shot { before: back(&end, 1.0 / 30.0), end };
+        frames[place].shot = Shot { before: back(&end, interval), end, ..frames[place].shot };
         frames[place].known = true;
     }
 }

@@ -1,0 +1,49 @@
+//! Which fields of an interlaced camera have the odd rows.
+//!
+//! Fields alternate, so that within a run time stamps tell them apart; which come first, no log says. Centroids sit elsewhere on
+//! the lattice in a field of even rows than in one of odd ones, by tenths of a pixel along v, and from one field to the next
+//! that changes its sign: nothing smooth does, whatever effect is in it. But only where the model has the picture on the right
+//! place of the lattice: the question is put at every look.
+
+use super::*;
+
+/// Signals along v.
+const ROWS: [usize; 3] = [1, 3, 5];
+
+impl ImageCut {
+    /// Finds out, run by run: of both orders the one that leaves less from field to field.
+    pub(super) fn order(&mut self, point: &[f64]) -> Result<(), Error> {
+        let settings = self.settings(point, None)?;
+        let mut first = BTreeMap::new();
+        for frame in &mut self.frames {
+            let first = *first.entry(frame.run).or_insert(frame.time);
+            frame.shot.odd = ((frame.time - first) / self.studio.interval()).round() as i64 % 2 != 0;
+        }
+        let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
+        let turned: Vec<Shot> = shots.iter().map(|shot| Shot { odd: !shot.odd, ..*shot }).collect();
+        let (one, other) = (
+            self.jumps(&self.studio.take(&settings, &shots)?),
+            self.jumps(&self.studio.take(&settings, &turned)?),
+        );
+        for frame in &mut self.frames {
+            let less = |jumps: &BTreeMap<usize, f64>| jumps.get(&frame.run).copied().unwrap_or(0.0);
+            frame.shot.odd ^= less(&other) < less(&one);
+        }
+        Ok(())
+    }
+
+    /// For each run the sum of squares by which what is left along v changes from one field to the next of the other kind.
+    fn jumps(&self, made: &[Option<Seen>]) -> BTreeMap<usize, f64> {
+        let mut sums = BTreeMap::new();
+        for place in 1..made.len() {
+            let (Some(one), Some(two)) = (made[place - 1], made[place]) else { continue };
+            let [before, frame] = [&self.frames[place - 1], &self.frames[place]];
+            if before.run != frame.run || before.shot.odd == frame.shot.odd {
+                continue;
+            }
+            let jump = |s: usize| (frame.seen[s] - two[s]) - (before.seen[s] - one[s]);
+            *sums.entry(frame.run).or_insert(0.0) += ROWS.map(|s| jump(s) * jump(s)).iter().sum::<f64>();
+        }
+        sums
+    }
+}

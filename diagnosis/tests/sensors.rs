@@ -1,0 +1,35 @@
+//! Sensors other than the usual one: interlaced, and without noise.
+
+#[allow(dead_code)] // each test file uses a part of it
+mod common;
+
+use diagnosis::{Diagnosis, Verdict, diagnose};
+
+/// What is found in runs with `set`, recorded by a sensor that has `nominal`; with encoders, or pictures and torque alone.
+fn found(name: &str, nominal: &[(&str, &str)], hidden: (&str, &str), encoders: bool) -> Diagnosis {
+    let mut set = nominal.to_vec();
+    set.push(hidden);
+    let folder = common::recorded(name, &set);
+    let lines: String = nominal.iter().map(|(name, value)| format!("\"{name}\" = {value}\n")).collect();
+    let manifest = common::manifest(2).replace("\"camera.sigma\" = 4.0\n", &lines);
+    folder.put("dataset.toml", &manifest);
+    for run in ["run-01", "run-02"].iter().filter(|_| !encoders) {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("the log was recorded");
+    }
+    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
+}
+
+#[test]
+fn recovers_radial_distortion_from_fields_of_half_the_rows() {
+    let sensor = [("camera.sigma", "4.0"), ("camera.interlaced", "true")];
+    for encoders in [true, false] {
+        let found = found("fields", &sensor, ("camera.k1", "0.05"), encoders);
+        assert_eq!(found.verdict, Verdict::Named, "{:?} {:?}", found.effects, found.unknown);
+        let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
+        assert_eq!(names, ["camera.k1"]);
+        // some three standard errors
+        assert!((found.effects[0].value - 0.05).abs() < 1e-4, "{:?}", found.effects);
+        // with the rows of the other field 0.16 px are left, with its own 0.03
+        assert!(found.gap.after < 0.06, "{:?}", found.gap);
+    }
+}

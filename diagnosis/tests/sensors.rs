@@ -33,3 +33,11 @@ fn recovers_radial_distortion_from_fields_of_half_the_rows() {
         assert!(found.gap.after < 0.06, "{:?}", found.gap);
     }
 }
+
+#[test]
+fn recovers_an_exposure_and_no_noise_where_a_sensor_has_none() {
+    let found = found("noiseless", &[("camera.sigma", "0.0")], ("camera.E_t", "0.3"), false);
+    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
+    assert_eq!(names, ["camera.E_t"]);
+    assert!((found.effects[0].value - 0.3).abs() < 0.02, "{:?}", found.effects);
+}

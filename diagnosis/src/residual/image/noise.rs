@@ -99,8 +99,10 @@ impl ImageCut {
             (true, true) => nominal * (libm::exp(CLEAR * apart.error / slope) - 1.0),
             _ => from,
         };
+        // a sensor without noise can't have less: poses are known better than they need be
+        let less = nominal == 0.0 && apart.mean < 0.0;
         let clear = apart.mean.abs() > CLEAR * apart.error;
-        if !clear {
+        if less || !clear {
             return Ok(Some(Noise {
                 nominal,
                 value: nominal,

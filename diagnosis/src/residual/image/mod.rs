@@ -114,7 +114,6 @@ impl ImageCut {
         pose: Pose,
         most: usize,
     ) -> Result<Option<Self>, Error> {
-        let studio = Studio::new(model)?;
         let mut frames = Vec::new();
         for (run, log) in data.runs.iter().enumerate() {
             let Some(camera) = &log.camera else { continue };
@@ -131,7 +130,7 @@ impl ImageCut {
             free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), 1.0 / model.frame_rate());
         }
         let mut every = frames.len().div_ceil(most.max(1)).max(1);
-        if studio.interlaced() {
+        if model.interlaced() {
             every |= 1; // fields of both kinds
         }
         let frames: Vec<Frame> = frames
@@ -154,6 +153,7 @@ impl ImageCut {
         let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
         let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
         let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
+        let studio = Studio::new(model)?;
         Ok(Some(Self {
             candidates,
             frames,

@@ -138,6 +138,11 @@ impl Candidate {
         }
     }
 
+    /// Coulomb friction: with it the arm rests until it is pushed hard enough.
+    pub fn sticks(&self) -> bool {
+        self.bends && matches!(self.motion, Motion::Load { .. })
+    }
+
     /// It takes a few separate values only.
     pub fn is_discrete(&self) -> bool {
         matches!(self.motion, Motion::Count { .. } | Motion::Switch)

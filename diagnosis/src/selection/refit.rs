@@ -4,7 +4,7 @@ use super::evaluation::Evaluation;
 use crate::candidates::Candidate;
 use crate::error::Error;
 use crate::residual::{Cut, Probe};
-use crate::statistics::linear::{solve, submatrix, subvector};
+use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
 /// Most linearisations of a fit.
 const ROUNDS: usize = 8;
@@ -18,6 +18,10 @@ const REFUSED: f64 = 1.0;
 /// of each step there, and a ceiling without encoders was found by such steps only.
 const SHORTER: f64 = 1.0;
 const SHORTER_SEEN: f64 = 0.3;
+
+/// Mean square of a window that ran away, and the share of such ones up to which a fit can do without.
+const RUNAWAY: f64 = 30.0;
+const FEW: f64 = 0.3;
 
 /// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
 const REACH: f64 = 5.0;
@@ -48,7 +52,13 @@ pub(super) fn refit_towards(
 ) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
     cut.back();
-    let mut best = judge(cut, candidates, start, &free)?;
+    let mut best = judge(cut, candidates, start, &free, true)?;
+    let sticks = free.iter().any(|index| candidates[*index].sticks());
+    // columns and start states of another friction hold for no window in which the arm sticks
+    let quick = cut.lattice() || !sticks || !some_ran_away(&best);
+    if !quick {
+        best = judge(cut, candidates, start, &free, false)?;
+    }
     let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
     let mut damping: f64 = 0.0;
     for _ in 0..ROUNDS {
@@ -59,8 +69,8 @@ pub(super) fn refit_towards(
         }
         // columns are wanted only of a step that is taken
         let lower = |bare: Evaluation| bare.deviance() < best.deviance();
-        let taken = !cut.steady() || judge(cut, candidates, &next, &[]).is_ok_and(lower);
-        let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
+        let taken = !cut.steady() || judge(cut, candidates, &next, &[], quick).is_ok_and(lower);
+        let trial = if taken { judge(cut, candidates, &next, &free, quick).ok() } else { None };
         match trial {
             Some(trial) if trial.deviance() < best.deviance() => {
                 best = trial;
@@ -110,12 +120,13 @@ fn judge(
     candidates: &[Candidate],
     point: &[f64],
     free: &[usize],
+    quick: bool,
 ) -> Result<Evaluation, Error> {
     let probes: Vec<Probe> = free
         .iter()
         .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
         .collect();
-    Evaluation::at(cut, point, &probes, true)
+    Evaluation::at(cut, point, &probes, quick)
 }
 
 /// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
@@ -126,17 +137,18 @@ fn propose(
     free: &[usize],
     damping: f64,
 ) -> Option<(Vec<f64>, f64)> {
+    let total = followed(best, candidates, free);
     let mut moving: Vec<usize> = (0..free.len()).collect();
     let mut next = best.point.clone();
     for _ in 0..=free.len() {
         if moving.is_empty() {
             return None;
         }
-        let mut gram = submatrix(&best.total.gram, &moving);
+        let mut gram = submatrix(&total.gram, &moving);
         for i in 0..moving.len() {
             gram[(i, i)] *= 1.0 + damping;
         }
-        let score = subvector(&best.total.score, &moving);
+        let score = subvector(&total.score, &moving);
         let shift = solve(&gram, &score)?;
         let mut stopped = Vec::new();
         next.clone_from(&best.point);
@@ -156,6 +168,27 @@ fn propose(
         moving.retain(|place| !stopped.contains(place));
     }
     None
+}
+
+fn ran_away(block: &Reduced) -> bool {
+    block.square > RUNAWAY * block.freedom.max(1.0)
+}
+
+/// Some windows ran away, but few.
+fn some_ran_away(best: &Evaluation) -> bool {
+    let count = best.reduced.iter().filter(|block| ran_away(block)).count();
+    count > 0 && count as f64 <= FEW * best.reduced.len() as f64
+}
+
+/// Sums over the blocks; where the arm sticks, without the few that ran away: a start state may be lost there that is found again with
+/// another friction, and no tangent says so.
+fn followed(best: &Evaluation, candidates: &[Candidate], free: &[usize]) -> Reduced {
+    if !some_ran_away(best) || !free.iter().any(|index| candidates[*index].sticks()) {
+        return best.total.clone();
+    }
+    let mut sum = Reduced::zero(best.probes.len());
+    best.reduced.iter().filter(|block| !ran_away(block)).for_each(|block| sum.add(block));
+    sum
 }
 
 /// No more than a factor of three at once for what is already on and works by its size.

@@ -15,6 +15,7 @@ use std::sync::Arc;
 mod fitting;
 mod following;
 mod forced;
+mod handed;
 pub mod jitter;
 mod layout;
 mod log;
@@ -168,7 +169,10 @@ impl PlantCut {
         quick: bool,
     ) -> Result<Vec<Block>, Error> {
         let look = |place: &usize| self.window(&self.windows[*place], point, probes, quick);
-        let done: Vec<_> = places.par_iter().map(look).collect();
+        let mut done: Vec<_> = places.par_iter().map(look).collect();
+        if !quick {
+            self.handed(places, point, probes, &mut done)?;
+        }
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
             let Look { start, leads, block, free } = result?;

@@ -84,9 +84,28 @@ pub(super) struct Window {
     /// The fit without leads of the last full look: by it the window was led, or not.
     pub(super) free: Option<super::fitting::Fit>,
     remembered: Option<Nuisances>,
+    /// It was lost, and is begun anew: its fit tries harder.
+    pub(super) again: bool,
 }
 
 impl Window {
+    /// The same window, begun anew at a state.
+    pub(super) fn begun_at(&self, start: State) -> Self {
+        Self {
+            run: self.run,
+            drive: self.drive.clone(),
+            rows: self.rows.clone(),
+            start,
+            curve: self.curve,
+            edges: self.edges.clone(),
+            leads: vec![0.0; self.leads.len()],
+            kept: None,
+            free: None,
+            remembered: None,
+            again: true,
+        }
+    }
+
     /// Back to where it was before anything was fitted.
     pub(super) fn begin(&mut self, run: &Run) {
         if let Some(plant) = &run.plant
@@ -186,6 +205,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Sp
                 kept: None,
                 free: None,
                 remembered: None,
+                again: false,
             });
         }
         from = to.max(from + 1);

@@ -227,6 +227,10 @@ impl Evaluation {
         let places = self.places(active);
         let gram = submatrix(&self.total.gram, &places);
         let bread = crate::statistics::linear::inverse(&gram)?;
+        // no scatter is left of as many blocks as values
+        if self.reduced.len() <= places.len() {
+            return Some(bread);
+        }
         let shift = &bread * subvector(&self.total.score, &places);
         let mut meat = DMatrix::zeros(places.len(), places.len());
         for reduced in &self.reduced {

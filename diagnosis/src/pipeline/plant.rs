@@ -13,6 +13,8 @@ use crate::selection::Hit;
 const MOSTLY_LED: f64 = 0.5;
 /// So many of what torques resemble are tried where they show nothing certain.
 const HINTS: usize = 3;
+/// Windows, of which none may follow the log before a value is fitted: short falls.
+const FEW: usize = 8;
 /// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
 const MOTION_STEP: f64 = 1.0 / 120.0;
 /// How well it is known where the model had to be led along the log, rad.
@@ -120,8 +122,10 @@ fn hinted(
         let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
         there[hit.candidate] =
             (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
+        let few = rows.windows().0 <= FEW;
+        let follows = few || rows.follows(&there, MOSTLY_LED).unwrap_or(false);
         // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
-        if !rows.follows(&there, MOSTLY_LED).unwrap_or(false) || rows.linearise(&there, &[], false).is_err() {
+        if !follows || rows.linearise(&there, &[], false).is_err() {
             continue;
         }
         let Ok(fine) = study(rows, list, &there, &[hit.candidate], tell) else { continue };

@@ -41,6 +41,8 @@ const FEW_BARE: usize = 20;
 
 /// Links that touch may give way by this, or be logged a little off, rad.
 const TOUCHING: f64 = 0.2;
+/// Links this near to their stop may touch it, rad.
+const NEAR: f64 = 0.02;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
@@ -82,6 +84,12 @@ impl Run {
             return (f64::NEG_INFINITY, f64::INFINITY);
         };
         (log.time[0], log.time[log.len() - 1] + HELD * typical)
+    }
+
+    /// The first row of `plant.csv` at which the links touch: from there on the arm lies in its stop.
+    pub fn touches(&self, contact: f64) -> Option<usize> {
+        let q2 = self.plant.as_ref()?.column("q2")?;
+        q2.iter().position(|angle| angle.abs() >= contact - NEAR)
     }
 
     /// Times between which the torque isn't known, s: where its rows were ignored, or a few hold no number. Where many don't,

@@ -82,7 +82,8 @@ pub fn diagnose(
             data.manifest.scenario.clone()
         ))?;
     }
-    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts));
+    let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {
         // the picture has a mount of its own, and knows the angles

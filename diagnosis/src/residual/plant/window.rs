@@ -150,7 +150,7 @@ impl Window {
 pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Span, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
-    let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
+    let fallen = run.touches(contact).unwrap_or(plant.len());
     let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() || q2[*row].is_finite()).collect();
     if usable.len() < ROWS as usize {
         return;

@@ -19,7 +19,8 @@ const REFUSED: f64 = 1.0;
 const SHORTER: f64 = 1.0;
 const SHORTER_SEEN: f64 = 0.3;
 
-/// Mean square of a window that ran away, and the share of such ones up to which a fit can do without.
+/// Squares over what noise gives from which a window is one in which the machine ran away, and the share of such ones up to which a
+/// fit can do without.
 const RUNAWAY: f64 = 30.0;
 const FEW: f64 = 0.3;
 
@@ -170,7 +171,8 @@ fn propose(
     None
 }
 
-fn ran_away(block: &Reduced) -> bool {
+/// The machine ran away in this window, and no tangent says anything of it.
+pub(super) fn ran_away(block: &Reduced) -> bool {
     block.square > RUNAWAY * block.freedom.max(1.0)
 }
 

@@ -2,7 +2,7 @@
 
 use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
-use super::refit::refit;
+use super::refit::{ran_away, refit};
 use super::screen::{Hit, Screen};
 use crate::candidates::{Candidate, Cuts, Motion, Side};
 use crate::error::Error;
@@ -32,8 +32,6 @@ const LEAST_SHARE: f64 = 0.03;
 const LARGE: f64 = 0.1;
 /// Fall of the deviance that a switch must bring.
 const SWITCHED: f64 = 200.0;
-/// Squares over what noise gives from which a window is one in which the machine ran away.
-const RUNAWAY: f64 = 30.0;
 /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
 const FOLLOWS: f64 = 0.2;
 
@@ -233,7 +231,7 @@ pub(super) fn switched(
         return Ok(None);
     }
     // a machine that ran away from its ceiling: no tangent says anything of such a window
-    let wild = last.reduced.iter().any(|block| block.square > RUNAWAY * block.freedom.max(1.0));
+    let wild = last.reduced.iter().any(ran_away);
     for (index, candidate) in candidates.iter().enumerate() {
         let worth = match candidate.motion {
             Motion::Switch => true,

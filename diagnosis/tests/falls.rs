@@ -7,7 +7,7 @@ use diagnosis::{Diagnosis, Verdict, diagnose};
 
 /// What is found where one effect makes runs fall: it alone, within three standard errors that are below `known`.
 fn named(name: &str, value: f64, known: f64) -> Diagnosis {
-    let folder = common::recorded("falls", &[(name, &value.to_string())]);
+    let folder = common::recorded(&format!("falls-{name}"), &[(name, &value.to_string())]);
     let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
     let found = found.expect("the data is good");
     assert_eq!(found.verdict, Verdict::Named, "{:?} {:?}", found.effects, found.unknown);

@@ -133,7 +133,8 @@ impl Candidate {
                     0.0
                 }
             }
-            Motion::Count { .. } | Motion::Switch => x.round(),
+            // no zero with a sign
+            Motion::Count { .. } | Motion::Switch => x.round() + 0.0,
             _ => x,
         }
     }
@@ -232,6 +233,22 @@ mod tests {
         // an arm of heft 1 has inertias of some 0.1 kg·m²: the unit then resolves decays of 0.5 ms
         let stiff = |entry: &&Entry| matches!(entry.motion, Motion::Load { range, .. } if range.1 > 200.0);
         assert_eq!(LIST.iter().filter(stiff).map(|entry| entry.name).collect::<Vec<_>>(), [""; 0]);
+    }
+
+    #[test]
+    fn no_switch_is_less_than_off() {
+        let switch = Candidate {
+            name: "plant.velocity_terms",
+            side: Side::Plant,
+            phrase: "",
+            motion: Motion::Switch,
+            off: 1.0,
+            steps: vec![-1.0],
+            range: (0.0, 1.0),
+            bends: true,
+        };
+        // an end of an interval
+        assert_eq!(switch.value(-1e-9).to_string(), "0");
     }
 
     #[test]

@@ -43,8 +43,8 @@ impl Span {
 /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
 const MOST: usize = 640;
 
-/// Most windows of this length that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and what it
-/// tells grows with the square of the rates.
+/// Most windows of this length that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and
+/// what it tells grows with the square of the rates.
 pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
     let length = |window: &Window| {
         let time = &runs[window.run].plant.as_ref()?.time;

@@ -1,11 +1,13 @@
 //! How far apart, in physical units, before and after, on runs left out; and where.
 
 use crate::diagnosis::{Gap, Trace, Where};
+use crate::residual::picture::{ANGLES, CENTROIDS, COLUMNS};
 use crate::residual::torque::{growth, rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
 use crate::statistics::linear::{bare, moved};
 use nalgebra::DVector;
+use std::ops::Range;
 
 /// A gap must stand this far above the floor to be worth closing.
 const ABOVE: f64 = 1.05;
@@ -49,10 +51,16 @@ fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
         let (after, _) = rms(&torques(&last.blocks, &places, &shifts, &folds.of));
         (before, after, floor, "plant: torque that the model lacks, both links", "N·m")
     } else {
-        let floor = centroid_rms(&last.blocks, &[], &[], &folds.of);
-        let before = centroid_rms(&nominal.blocks, &[], &[], &folds.of);
-        let after = centroid_rms(&last.blocks, &places, &shifts, &folds.of);
-        (before, after, floor, "camera: centroids", "px")
+        let circles = measures(&last.blocks, &CENTROIDS);
+        let of = if circles { CENTROIDS } else { ANGLES };
+        let rms = |blocks: &[Block], places: &[usize], shifts: &[DVector<f64>]| {
+            picture_rms(blocks, places, shifts, &folds.of, &of)
+        };
+        let (floor, before) = (rms(&last.blocks, &[], &[]), rms(&nominal.blocks, &[], &[]));
+        let after = rms(&last.blocks, &places, &shifts);
+        let (signal, unit) =
+            if circles { ("camera: centroids", "px") } else { ("camera: estimated angles", "rad") };
+        (before, after, floor, signal, unit)
     };
     let closed = (before > ABOVE * floor)
         .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
@@ -85,12 +93,24 @@ pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
     growth(&before, &after) > CLEARLY
 }
 
-fn centroid_rms(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], folds: &[usize]) -> f64 {
+/// Whether some of these signals are measured.
+fn measures(blocks: &[Block], signals: &Range<usize>) -> bool {
+    let cells = blocks.iter().flat_map(|block| &block.cells);
+    cells.flat_map(|cell| &cell.signal).any(|signal| signals.contains(signal))
+}
+
+fn picture_rms(
+    blocks: &[Block],
+    places: &[usize],
+    shifts: &[DVector<f64>],
+    folds: &[usize],
+    signals: &Range<usize>,
+) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (block, fold) in blocks.iter().zip(folds) {
         for cell in &block.cells {
             let rest = bare(cell, &moved(cell, places, shifts.get(*fold)), 0.0).rest;
-            for row in (0..cell.residual.len()).filter(|row| cell.signal[*row] < 6) {
+            for row in (0..cell.residual.len()).filter(|row| signals.contains(&cell.signal[*row])) {
                 sum += (rest[row] * cell.sigma[row]).powi(2);
                 count += 1.0;
             }
@@ -168,8 +188,13 @@ fn region(worst: &mut [(f64, [f64; 4])]) -> String {
     )
 }
 
-/// Rests over time for the report: torque at the joint, or the picture's worst centroid.
+/// Which signal of a picture is shown, if it was measured: the tip goes furthest.
+const SHOWN: [usize; 8] = [4, 5, 2, 3, 10, 9, 0, 1];
+
+/// Rests over time for the report: torque at the joint, or the tip in the picture.
 pub fn trace(study: &Study, torque: bool) -> Trace {
+    let measured = |signal: &usize| measures(&study.last.blocks, &(*signal..*signal + 1));
+    let shown = SHOWN.into_iter().find(measured).unwrap_or(SHOWN[0]);
     let of = |evaluation: &Evaluation| -> Vec<(f64, f64)> {
         let mut base = 0.0;
         let mut run = usize::MAX;
@@ -190,7 +215,7 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
                 points.push((middle, own.iter().sum::<f64>() / own.len().max(1) as f64));
             } else {
                 for cell in &block.cells {
-                    if let Some(row) = cell.signal.iter().position(|s| *s == 4) {
+                    if let Some(row) = cell.signal.iter().position(|s| *s == shown) {
                         points.push((base - begin + cell.time[row], cell.residual[row]));
                     }
                 }
@@ -199,13 +224,16 @@ pub fn trace(study: &Study, torque: bool) -> Trace {
         points
     };
     Trace {
-        title: if torque {
-            "Torque that the model lacks at the joint"
-        } else {
-            "Centroid of the tip, u3: measured - rendered"
+        title: match torque {
+            true => "Torque that the model lacks at the joint".into(),
+            false => format!("In the picture, {}: measured - rendered", COLUMNS[shown]),
+        },
+        unit: match torque {
+            true => "N·m",
+            false if ANGLES.contains(&shown) => "rad",
+            false => "px",
         }
         .into(),
-        unit: if torque { "N·m" } else { "px" }.into(),
         before: of(&study.nominal),
         after: of(&study.last),
     }

@@ -3,6 +3,7 @@
 use crate::candidates::{CLOCK, Candidate, Side};
 use crate::diagnosis::Unknown;
 use crate::gap::led;
+use crate::residual::picture::{ANGLES, AREAS, COLUMNS};
 use crate::residual::torque::{rms, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, STAMPS, Study, lacking, steadiness};
@@ -102,13 +103,14 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         .blocks
         .iter()
         .flat_map(|block| &block.cells)
-        .any(|cell| !cell.lattice.is_empty() && cell.soft.ncols() > 0);
+        .any(|cell| cell.signal.first().is_some_and(|s| *s < COLUMNS.len()) && cell.soft.ncols() > 0);
     // a circle that stays at one place on the lattice shows there what honest renderers differ by, row after row
     let honest = |s: usize, rows: f64| rows * (signals[s].honest / study.last.sigmas[s]).powi(2);
     let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
     let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + honest(s, rows));
     let worst = |rest: &Rest| {
-        let all = rest.means.iter().enumerate().take(6).map(|(s, mean)| (s, over(s, *mean)));
+        let all = rest.means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
+        let all = all.map(|(s, mean)| (s, over(s, *mean)));
         all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, size)| *size >= 1.0)
     };
     let (worst, _) = worst(&rest).filter(|_| {
@@ -280,7 +282,11 @@ pub(crate) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, Strin
             let [q1, q2, dq1, dq2] = block.state;
             let (u, v) =
                 (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
-            let speed = if signal < 4 { dq1 } else { dq1 + dq2 };
+            let speed = match signal {
+                _ if signal < 4 || signal == ANGLES.start => dq1,
+                _ if signal == ANGLES.start + 1 => dq2,
+                _ => dq1 + dq2,
+            };
             let time = cell.time[row];
             rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time]));
         }

@@ -89,19 +89,8 @@ pub fn unwrapped(values: &mut [f64]) -> Option<(usize, usize)> {
 /// turns over many times.
 pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> Option<(usize, String)> {
     for (name, falling) in ["q1", "q2"].into_iter().zip(falling) {
-        let values = plant.column(name)?;
-        let far = values.iter().position(|value| value.abs() > LARGEST_ANGLE);
-        let speed = speed(&plant.time, values);
-        if let Some(row) = far.filter(|_| speed > DEGREE_RATIO * falling) {
-            let brief = |x: f64| if x.abs() < 1e6 { format!("{x:.1}") } else { format!("{x:.1e}") };
-            let message = format!(
-                "{name} = {} rad is {} turns, and it moves by up to {} rad/s, where gravity gives about \
-                 {falling:.0}; angles are in radians (are these degrees?); file put aside",
-                brief(values[row]),
-                brief(values[row].abs() / TAU),
-                brief(speed)
-            );
-            return Some((plant.line[row], message));
+        if let Some((row, message)) = degrees(plant, name, falling) {
+            return Some((plant.line[row], format!("{message}; file put aside")));
         }
     }
     let camera = camera?;
@@ -114,16 +103,36 @@ pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> O
                 angle.is_finite().then_some(angle)
             })
             .collect();
-        let logged = plant.column(name)?;
-        let ratio = spread(logged) / spread(&seen);
-        if spread(&seen) > LEAST_MOTION && ratio > DEGREE_RATIO {
+        if let Some(times) = as_far(plant.column(name)?, &seen) {
             let message = format!(
-                "{name} moves {ratio:.0} times as far as the picture shows (are these degrees?); file put aside"
+                "{name} moves {times:.0} times as far as the picture shows (are these degrees?); file put aside"
             );
             return Some((plant.line[0], message));
         }
     }
     None
+}
+
+/// The row of an angle that goes further, and faster, than any arm turns, and what it is then.
+pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)> {
+    let values = log.column(name)?;
+    let row = values.iter().position(|value| value.abs() > LARGEST_ANGLE)?;
+    let speed = speed(&log.time, values);
+    let brief = |x: f64| if x.abs() < 1e6 { format!("{x:.1}") } else { format!("{x:.1e}") };
+    let message = format!(
+        "{name} = {} rad is {} turns, and it moves by up to {} rad/s, where gravity gives about {falling:.0}; angles are in \
+         radians (are these degrees?)",
+        brief(values[row]),
+        brief(values[row].abs() / TAU),
+        brief(speed)
+    );
+    (speed > DEGREE_RATIO * falling).then_some((row, message))
+}
+
+/// How many times as far as another an angle moves, if that is more than any error of either.
+pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
+    let times = spread(angle) / spread(other);
+    (spread(other) > LEAST_MOTION && times > DEGREE_RATIO).then_some(times)
 }
 
 fn spread(values: &[f64]) -> f64 {

@@ -1,6 +1,7 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
 use super::angles::{far_apart, glitches, in_degrees, typical_gap, unwrapped};
+use super::pictures::{pictures, tells_poses};
 use super::stamps::{self, Moved};
 use super::{Run, TORN, Table};
 use crate::error::Notice;
@@ -47,14 +48,6 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
     }
     absurd(run, gravity, notices);
     let moved = stamps::joined(run, notices);
-    if let Some(camera) = &run.camera {
-        let centroids = ["u1", "v1", "u2", "v2", "u3", "v3"];
-        if let Some(missing) = centroids.iter().find(|name| camera.column(name).is_none()) {
-            let message = format!("column `{missing}` is missing; the camera's log is put aside");
-            notices.push(Notice { file: file("camera.csv"), line: 1, message });
-            run.camera = None;
-        }
-    }
     if let Some(controller) = &mut run.controller
         && controller.column("tau").is_none()
         && controller.column("tau_1").is_some()
@@ -106,7 +99,9 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
             let apart = typical_gap(plant).filter(|apart| *apart > TORN);
             let message = without_torque(run, commanded);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
-            if let Some(apart) = apart.filter(|_| run.controller.is_none() && run.camera.is_some()) {
+            if let Some(apart) =
+                apart.filter(|_| run.controller.is_none() && run.camera.as_ref().is_some_and(tells_poses))
+            {
                 let message = format!(
                     "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({TORN} s or less \
                      are needed); file put aside, poses are read off the picture"
@@ -127,6 +122,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
             }
         }
     }
+    pictures(run, falling, notices);
     moved
 }
 

@@ -7,6 +7,7 @@ mod angles;
 mod check;
 mod even;
 mod manifest;
+mod pictures;
 mod stamps;
 mod table;
 

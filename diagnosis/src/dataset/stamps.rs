@@ -97,7 +97,7 @@ fn span(log: &Table) -> (f64, f64) {
 /// nothing agrees.
 fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let seen = directions(camera);
-    let logged = angles(plant);
+    let logged = both(plant, ["q1", "q2"]);
     if seen.is_empty() || logged.is_empty() {
         return Some(0.0);
     }
@@ -134,12 +134,12 @@ fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
         libm::atan2(cell(ub, row) - cell(ua, row), cell(vb, row) - cell(va, row))
     };
     let links = [["u1", "v1", "u2", "v2"], ["u2", "v2", "u3", "v3"]];
-    rows(camera, links.map(|names| (0..camera.len()).map(|row| link(row, names)).collect()))
+    let seen = rows(camera, links.map(|names| (0..camera.len()).map(|row| link(row, names)).collect()));
+    if seen.is_empty() { both(camera, ["q1_est", "q2_est"]) } else { seen }
 }
 
-fn angles(plant: &Table) -> Vec<(f64, [f64; 2])> {
-    let column = |name: &str| plant.column(name).map_or_else(|| vec![f64::NAN; plant.len()], <[f64]>::to_vec);
-    rows(plant, ["q1", "q2"].map(column))
+fn both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
+    rows(log, names.map(|name| log.column(name).map_or_else(|| vec![f64::NAN; log.len()], <[f64]>::to_vec)))
 }
 
 fn rows(log: &Table, mut pair: [Vec<f64>; 2]) -> Vec<(f64, [f64; 2])> {

@@ -5,7 +5,7 @@
 //! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
-use super::image::{ImageCut, Pose, pose_shift};
+use super::image::{ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Probe, Signal};
 use crate::candidates::{Candidate, Side};
@@ -22,6 +22,9 @@ fn candidates_step(candidates: &[Candidate]) -> f64 {
 
 /// Three standard deviations of an angle read off a picture, rad.
 const NEAR: f64 = 3e-3;
+
+/// Lattice of such an angle, rad: a twentieth of a pixel over the length of a link.
+const PLACE: f64 = 3e-4;
 
 /// Picture and torque.
 pub struct Chain {
@@ -63,6 +66,9 @@ impl Chain {
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
+        for signal in signals[image.signals().len()..].iter_mut().take(if image.read { 2 } else { 0 }) {
+            signal.honest = READ_ANGLE;
+        }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let mut chain = Self { image, plant, candidates, signals };
         let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
@@ -92,6 +98,17 @@ impl Chain {
             }
         }
         Ok(())
+    }
+
+    /// Where on the lattice each row of a window was read, as far as its angle tells.
+    fn lattice(&self, run: usize, cell: &Cell) -> Vec<usize> {
+        let frames: Vec<_> = self.image.frames.iter().filter(|frame| frame.run == run).collect();
+        let place = |(signal, time): (&usize, &f64)| {
+            let next = frames.partition_point(|frame| frame.time < *time).min(frames.len() - 1);
+            let angle = frames[next].shot.end[signal % 2];
+            (angle.rem_euclid(std::f64::consts::TAU) / PLACE) as usize
+        };
+        cell.signal.iter().zip(&cell.time).map(place).collect()
     }
 
     /// Poses of all frames from the picture, and how each probe would move them.
@@ -133,6 +150,11 @@ impl Cut for Chain {
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
         let mut blocks = self.image.linearise(point, probes, quick)?;
         let poses = self.poses(&blocks, probes);
+        // a frame of two angles is its pose, and says nothing beyond
+        for block in &mut blocks {
+            block.cells.retain(|cell| cell.residual.len() > cell.hard.ncols());
+        }
+        blocks.retain(|block| !block.cells.is_empty());
         let read = if quick { Vec::new() } else { poses.angles.clone() };
         let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
@@ -151,6 +173,7 @@ impl Cut for Chain {
                     .cells
                     .into_iter()
                     .map(|cell| Cell {
+                        lattice: if self.image.read { self.lattice(block.run, &cell) } else { Vec::new() },
                         signal: cell.signal.iter().map(|signal| signal + offset).collect(),
                         ..cell
                     })
@@ -167,6 +190,10 @@ impl Cut for Chain {
 
     fn free_pose(&self) -> bool {
         true
+    }
+
+    fn reads_angles(&self) -> bool {
+        self.image.read
     }
 
     fn back(&mut self) {

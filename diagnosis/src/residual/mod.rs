@@ -99,6 +99,10 @@ pub trait Cut: Send + Sync {
     fn free_pose(&self) -> bool {
         false
     }
+    /// Whether poses are angles that were logged without their circles.
+    fn reads_angles(&self) -> bool {
+        false
+    }
     /// Whether a look leaves nothing behind, so that looking again gives the same.
     fn steady(&self) -> bool {
         false

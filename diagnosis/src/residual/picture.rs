@@ -9,12 +9,20 @@ use crate::error::Error;
 use crate::model::Model;
 use orchestrator::Value;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
-/// u1, v1, u2, v2, u3, v3 in px, area1, area2, area3 in px.
-pub type Seen = [f64; 9];
+/// Centroids u1, v1, u2, v2, u3, v3 in px, area1, area2, area3 in px, angles q1 and q2 read off them in rad.
+pub type Seen = [f64; 11];
 /// Columns of `camera.csv` in that order.
-pub const COLUMNS: [&str; 9] = ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3"];
+pub const COLUMNS: [&str; 11] =
+    ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "q1_est", "q2_est"];
+/// Places of the centroids in it.
+pub const CENTROIDS: Range<usize> = 0..6;
+/// And of the areas.
+pub const AREAS: Range<usize> = 6..9;
+/// And of the angles.
+pub const ANGLES: Range<usize> = 9..11;
 /// Share of a frame's interval that the tiny step takes.
 const JUMP: f64 = 1e-3;
 /// Frames that one instance makes in a row.
@@ -46,7 +54,7 @@ impl Shot {
 pub struct Studio {
     bench: Arc<Bench>,
     inputs: [u32; 4],
-    outputs: [u32; 9],
+    outputs: [u32; COLUMNS.len()],
     valid: u32,
     rate: f64,
     interlaced: bool,
@@ -65,7 +73,7 @@ impl Studio {
     pub fn new(model: &Model) -> Result<Self, Error> {
         let unseen = || Error::Nominal("it has no unit `camera`".into());
         let bench = model.camera.clone().ok_or_else(unseen)?;
-        let mut outputs = [0; 9];
+        let mut outputs = [0; COLUMNS.len()];
         for (reference, name) in outputs.iter_mut().zip(COLUMNS) {
             *reference = bench.reference(name)?;
         }
@@ -113,7 +121,7 @@ impl Studio {
     /// # Errors
     /// The unit failed.
     pub fn average(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
-        let mut sum: Vec<Option<Seen>> = vec![Some([0.0; 9]); shots.len()];
+        let mut sum: Vec<Option<Seen>> = vec![Some([0.0; COLUMNS.len()]); shots.len()];
         for seed in &self.seeds {
             let mut all = settings.to_vec();
             all.push(seed.clone());
@@ -180,7 +188,7 @@ impl Studio {
                 step(instance, from, jumped - from)?;
                 instance.set_real(&self.inputs, &shot.end).map_err(failed)?;
                 step(instance, jumped, to - jumped)?;
-                let mut found = [0.0; 9];
+                let mut found = [0.0; COLUMNS.len()];
                 let mut valid = [0];
                 instance.get_real(&self.outputs, &mut found).map_err(failed)?;
                 instance.get_boolean(&[self.valid], &mut valid).map_err(failed)?;

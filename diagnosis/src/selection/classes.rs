@@ -178,7 +178,8 @@ fn blurs(candidate: &Candidate) -> bool {
 }
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
-/// picture, fits differ by what the pixel lattice does. A delay shifts times only, and a plant leaves pictures alone.
+/// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
+/// times only, and a plant leaves pictures alone.
 fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
@@ -186,6 +187,7 @@ fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usi
     };
     let smooth = |index: usize| !candidates[index].is_discrete();
     cut.lattice()
+        && !cut.reads_angles()
         && (pictured(effect) || pictured(index) || !cut.free_pose())
         && smooth(effect)
         && smooth(index)

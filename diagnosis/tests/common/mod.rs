@@ -97,7 +97,7 @@ pub fn logged_along(name: &str, points: &str, set: &[(&str, &str)], torque: bool
 
 fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder, torque: bool) {
     let series = |name: &str| memory.series(name).expect("all outputs are recorded").to_vec();
-    let names = ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid"];
+    let names = ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "q1_est", "q2_est"];
     let seen: Vec<Vec<f64>> = names.iter().map(|name| series(&format!("camera.{name}"))).collect();
     let (frame, tau, q1, q2) =
         (series("camera.frame"), series("controller.tau"), series("plant.q1"), series("plant.q2"));

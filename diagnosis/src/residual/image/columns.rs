@@ -109,7 +109,8 @@ impl ImageCut {
             self.kept.insert(key, column.clone());
             return Ok(column);
         }
-        let late = |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; 9]) };
+        let late =
+            |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; COLUMNS.len()]) };
         let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
@@ -167,7 +168,8 @@ impl ImageCut {
                 for (circle, way) in ways.into_iter().enumerate() {
                     let x = powers(way, from, from + far);
                     normal += x * x.transpose();
-                    right += x * (there[6 + circle] - here[6 + circle]);
+                    let area = AREAS.start + circle;
+                    right += x * (there[area] - here[area]);
                 }
             }
         }
@@ -175,7 +177,7 @@ impl ImageCut {
         let column = |place: usize| {
             let (mut column, ways) = (self.late(place)?, self.ways(place)?);
             for (circle, way) in ways.into_iter().enumerate() {
-                column[6 + circle] += weights.dot(&powers(way, from, from + probe.by)) / probe.by;
+                column[AREAS.start + circle] += weights.dot(&powers(way, from, from + probe.by)) / probe.by;
             }
             Some(column)
         };

@@ -47,7 +47,8 @@ impl ImageCut {
                 continue;
             }
             let jump = |s: usize| (frame.seen[s] - two[s]) - (before.seen[s] - one[s]);
-            *sums.entry(frame.run).or_insert(0.0) += ROWS.map(|s| jump(s) * jump(s)).iter().sum::<f64>();
+            *sums.entry(frame.run).or_insert(0.0) +=
+                ROWS.map(jump).iter().filter(|jump| jump.is_finite()).map(|jump| jump * jump).sum::<f64>();
         }
         sums
     }

@@ -9,8 +9,9 @@ const LEVEL: f64 = 0.12;
 /// Takes off the areas what they differ by alike, as far as honest renderers may: that is no sign of anything.
 pub(super) fn level(blocks: &mut [Block]) {
     let mut cells: Vec<&mut Cell> = blocks.iter_mut().flat_map(|block| &mut block.cells).collect();
-    let areas =
-        |cell: &Cell| -> Vec<usize> { (0..cell.signal.len()).filter(|row| cell.signal[*row] >= 6).collect() };
+    let areas = |cell: &Cell| -> Vec<usize> {
+        (0..cell.signal.len()).filter(|row| AREAS.contains(&cell.signal[*row])).collect()
+    };
     let Some(probes) = cells.first().map(|cell| cell.columns.ncols()) else { return };
     let (mut count, mut rest, mut columns) = (0.0, 0.0, RowDVector::zeros(probes));
     for cell in &cells {

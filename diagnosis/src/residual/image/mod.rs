@@ -6,7 +6,7 @@
 //!
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
-use super::picture::{COLUMNS, Seen, Shot, Studio};
+use super::picture::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot, Studio};
 use super::plant::settings;
 use super::trajectory::Motion;
 use super::{Block, Cut, Probe, Signal};
@@ -22,11 +22,13 @@ use std::sync::Arc;
 
 mod columns;
 mod fields;
+mod frames;
 mod level;
 mod noise;
 mod poses;
 mod surface;
 
+use frames::frames;
 use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
@@ -34,12 +36,16 @@ use poses::{back, free_poses};
 
 /// Length of a block, s.
 const BLOCK: f64 = 0.5;
-/// Standard deviations to begin with, px.
-const FIRST_GUESS: [f64; 9] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0];
+/// Standard deviations to begin with, px and rad.
+const FIRST_GUESS: [f64; COLUMNS.len()] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0, 5e-4, 5e-4];
 /// By how much centroids and areas of two honest renderers differ at one place on the lattice, px: they cut the rim's pixels
 /// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/diagnosis.md.
 const HONEST: f64 = 0.006;
 const HONEST_AREA: f64 = 0.06;
+/// The same of an angle, rad: a link is 160 px long.
+const HONEST_ANGLE: f64 = 5e-5;
+/// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
+pub const READ_ANGLE: f64 = 2.5e-4;
 /// So many places a pixel and direction: the difference changes from one to the next.
 const LATTICE: usize = 20;
 
@@ -96,6 +102,8 @@ pub struct ImageCut {
     still: (Vec<Setting>, Vec<Made>),
     /// Settings of the camera that poses read off the picture have followed, and its E_t.
     followed: Option<Followed>,
+    /// No circle was logged, only angles that were read off them.
+    pub read: bool,
     /// Poses, and what they had followed, at the last look that was not quick.
     looked: Option<Poses>,
     /// The same, when it was asked for.
@@ -103,7 +111,7 @@ pub struct ImageCut {
 }
 
 impl ImageCut {
-    /// All frames with three centroids, at most `most` of them, evenly thinned; `None` if there are none.
+    /// All frames that say something, at most `most` of them, evenly thinned; `None` if there are none.
     ///
     /// # Errors
     /// The camera unit lacks a variable.
@@ -114,20 +122,15 @@ impl ImageCut {
         pose: Pose,
         most: usize,
     ) -> Result<Option<Self>, Error> {
-        let mut frames = Vec::new();
-        for (run, log) in data.runs.iter().enumerate() {
-            let Some(camera) = &log.camera else { continue };
-            for row in 0..camera.len() {
-                let seen: Seen =
-                    std::array::from_fn(|s| camera.column(COLUMNS[s]).map_or(f64::NAN, |c| c[row]));
-                if seen[..6].iter().all(|value| value.is_finite()) {
-                    let shot = Shot { before: [0.0; 4], end: [0.0; 4], odd: false };
-                    frames.push(Frame { run, time: camera.time[row], seen, shot, known: false });
-                }
-            }
+        let motion = matches!(pose, Pose::Logged(..));
+        let mut frames = frames(data, motion);
+        if frames.is_empty() {
+            return Ok(None);
         }
-        if !matches!(pose, Pose::Logged(..)) {
-            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), 1.0 / model.frame_rate());
+        let read = frames.iter().all(|frame| frame.seen[CENTROIDS].iter().all(|at| at.is_nan()));
+        let studio = Studio::new(model)?;
+        if !motion {
+            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), &studio)?;
         }
         let mut every = frames.len().div_ceil(most.max(1)).max(1);
         if model.interlaced() {
@@ -139,21 +142,21 @@ impl ImageCut {
             .filter(|(place, _)| place % every == 0)
             .map(|(_, frame)| frame)
             .collect();
-        if frames.is_empty() {
-            return Ok(None);
-        }
-        let signals = (0..9)
+        let signals = (0..COLUMNS.len())
             .map(|s| {
                 let name = format!("camera.{}", COLUMNS[s]);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let honest = if s < 6 { HONEST } else { HONEST_AREA };
-                Signal { name, unit: "px", known, sigma: known.unwrap_or(FIRST_GUESS[s]), honest }
+                let (unit, honest) = match s {
+                    _ if CENTROIDS.contains(&s) => ("px", HONEST),
+                    _ if AREAS.contains(&s) => ("px", HONEST_AREA),
+                    _ => ("rad", if read { READ_ANGLE } else { HONEST_ANGLE }),
+                };
+                Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), honest }
             })
             .collect();
         let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
         let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
         let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
-        let studio = Studio::new(model)?;
         Ok(Some(Self {
             candidates,
             frames,
@@ -167,6 +170,7 @@ impl ImageCut {
             made: None,
             still: Default::default(),
             followed: None,
+            read,
             looked: None,
             remembered: None,
             studio,
@@ -244,13 +248,6 @@ impl ImageCut {
     }
 }
 
-/// Which cell of a pixel the circle of a signal sits in.
-fn lattice(seen: &Seen, signal: usize) -> usize {
-    let circle = if signal < 6 { signal / 2 } else { signal - 6 };
-    let cell = |at: f64| ((at - at.floor()) * LATTICE as f64) as usize;
-    cell(seen[2 * circle]) * LATTICE + cell(seen[2 * circle + 1])
-}
-
 impl Cut for ImageCut {
     fn name(&self) -> &'static str {
         match self.pose {
@@ -297,7 +294,7 @@ impl Cut for ImageCut {
             if !free && !frame.known {
                 continue;
             }
-            let rows: Vec<usize> = (0..9).filter(|s| frame.seen[*s].is_finite()).collect();
+            let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
             let pose =
                 DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
             let none = DMatrix::zeros(rows.len(), 0);
@@ -314,7 +311,7 @@ impl Cut for ImageCut {
                 }
             }
             let cell = Cell {
-                residual: rows.iter().map(|s| frame.seen[*s] - here[*s]).collect(),
+                residual: rows.iter().map(|s| frames::rest(*s, &frame.seen, here)).collect(),
                 sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
                 time: vec![frame.time; rows.len()],
                 hard: if free { pose.clone() } else { none.clone() },
@@ -323,7 +320,7 @@ impl Cut for ImageCut {
                 heft: 1.0,
                 columns: matrix,
                 floor: Vec::new(),
-                lattice: rows.iter().map(|s| lattice(&frame.seen, *s)).collect(),
+                lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
                 signal: rows,
             };
             match blocks.last_mut() {

@@ -7,6 +7,10 @@ use nalgebra::{DVector, Matrix2, Vector2};
 /// Frames to either side over which a change of poses is averaged where a plant smooths them afterwards: a lens or mount that
 /// moves shifts poses smoothly.
 const BESIDE: usize = 7;
+/// Rounds in which a circle 1 that wasn't measured is put where the angle says, each a sixth as far off as the one before, and the
+/// angle by which it is rolled to see how far it goes, rad.
+const ROLLS: usize = 8;
+const ROLLED: f64 = 0.1;
 /// A change of poses below this moves no pixel that matters, rad.
 const STILL: f64 = 1e-4;
 
@@ -15,13 +19,29 @@ pub(super) fn back(state: &State, by: f64) -> State {
 }
 
 /// Poses as a person reads them off a picture whose mount is turned by so much (rad): the directions from circle to
-/// circle; rates from neighbours. An exposure can begin one interval (s) before its end.
-pub(super) fn free_poses(frames: &mut [Frame], mount: f64, interval: f64) {
-    let (sin, cos) = (libm::sin(mount), libm::cos(mount));
+/// circle; rates from neighbours. An exposure can begin one interval before its end.
+///
+/// # Errors
+/// The camera unit failed.
+pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> Result<(), Error> {
+    let (sin, cos, interval) = (libm::sin(mount), libm::cos(mount), studio.interval());
+    let link = |du: f64, dv: f64| libm::atan2(du * cos + dv * sin, dv * cos - du * sin);
+    let drum = if frames.iter().all(|frame| frame.seen[1].is_finite()) { None } else { rolling(studio)? };
     let read = |frame: &Frame| {
         let s = &frame.seen;
-        let link = |du: f64, dv: f64| libm::atan2(du * cos + dv * sin, dv * cos - du * sin);
-        [link(s[2] - s[0], s[3] - s[1]), link(s[4] - s[2], s[5] - s[3])]
+        if s[ANGLES].iter().all(|angle| angle.is_finite()) {
+            return [s[ANGLES.start], s[ANGLES.start + 1]];
+        }
+        let upper = link(s[4] - s[2], s[5] - s[3]);
+        let from = |at: [f64; 2]| link(s[2] - at[0], s[3] - at[1]);
+        match drum {
+            _ if s[..2].iter().all(|at| at.is_finite()) => [from([s[0], s[1]]), upper],
+            Some([at, per]) => {
+                let again = |q1: f64, _| from([at[0] + q1 * per[0], at[1] + q1 * per[1]]);
+                [(0..ROLLS).fold(0.0, again), upper]
+            }
+            None => [f64::NAN, upper],
+        }
     };
     let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
     for place in 0..frames.len() {
@@ -39,6 +59,15 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64, interval: f64) {
         frames[place].shot = Shot { before: back(&end, interval), end, ..frames[place].shot };
         frames[place].known = true;
     }
+    Ok(())
+}
+
+/// Where circle 1 is at the upright, px, and how far it rolls, px/rad, as the unit has it.
+fn rolling(studio: &Studio) -> Result<Option<[[f64; 2]; 2]>, Error> {
+    let shot = |q1: f64| Shot { before: [q1, 0.0, 0.0, 0.0], end: [q1, 0.0, 0.0, 0.0], odd: false };
+    let made = studio.take(&[], &[shot(0.0), shot(ROLLED)])?;
+    let [Some(here), Some(there)] = made[..] else { return Ok(None) };
+    Ok(Some([[here[0], here[1]], [(there[0] - here[0]) / ROLLED, (there[1] - here[1]) / ROLLED]]))
 }
 
 impl ImageCut {
@@ -102,14 +131,14 @@ impl ImageCut {
     }
 }
 
-/// The pose that a frame's rest asks for: weighted least squares over the centroids. Answers the shift and the
+/// The pose that a frame's rest asks for: weighted least squares over the centroids or angles. Answers the shift and the
 /// matrix that turns changes of the picture into changes of the pose.
 pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
     let pose = &cell.hard;
     let mut normal: Matrix2<f64> = Matrix2::zeros();
     let mut weighted = DMatrix::zeros(2, cell.residual.len());
     for row in 0..cell.residual.len() {
-        if cell.signal[row] >= 6 {
+        if AREAS.contains(&cell.signal[row]) {
             continue;
         }
         let weight = 1.0 / (cell.sigma[row] * cell.sigma[row]);

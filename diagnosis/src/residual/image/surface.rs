@@ -4,7 +4,7 @@
 //! lattice's error, some per cent. Two effects that look alike would be told apart by that noise alone. A polynomial
 //! through all frames leaves it out.
 
-use crate::residual::picture::Seen;
+use crate::residual::picture::{ANGLES, COLUMNS, Seen};
 use crate::residual::trajectory::State;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
@@ -15,6 +15,10 @@ const DEGREE: usize = 4;
 const EACH: usize = 4;
 /// Ridge against terms that the poses don't tell apart, relative to a unit column: harmless at the poses themselves.
 const RIDGE: f64 = 1e-7;
+
+/// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales a picture
+/// turns no link; but steps that are large against the lattice leave a little of its error.
+const CHANCE: f64 = 4.0;
 
 /// On what a column depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,11 +58,13 @@ impl Surface {
         }
         let mut normal = design.tr_mul(&design);
         (0..count).for_each(|place| normal[(place, place)] += RIDGE * n);
-        let right = |s: usize| {
+        let fitted = |s: usize| {
             let values = DVector::from_iterator(samples.len(), samples.iter().map(|(_, seen)| seen[s]));
-            design.tr_mul(&values)
+            let weights = solve(&normal, &design.tr_mul(&values))?;
+            let by_chance = ANGLES.contains(&s) && by_chance(&(&design * &weights), &values, count);
+            Some(if by_chance { DVector::zeros(count) } else { weights })
         };
-        surface.weights = (0..9).map(|s| solve(&normal, &right(s))).collect();
+        surface.weights = (0..COLUMNS.len()).map(fitted).collect();
         surface
     }
 
@@ -90,4 +96,11 @@ impl Surface {
         let rates = products(x[2], x[3], 2);
         poses.iter().flat_map(|pose| rates.iter().map(move |rate| pose * rate)).collect()
     }
+}
+
+/// Whether the scatter of samples alone gives such a surface (F test, with its threshold far above).
+fn by_chance(surface: &DVector<f64>, values: &DVector<f64>, terms: usize) -> bool {
+    let freedom = (values.len() - terms).max(1) as f64;
+    let scatter = (values - surface).norm_squared() / freedom;
+    surface.norm_squared() < CHANCE * scatter * terms as f64
 }

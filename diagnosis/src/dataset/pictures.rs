@@ -1,0 +1,95 @@
+//! What a log of pictures is good for: any of the camera's outputs beside a measured motion; without one, what tells a pose.
+
+use super::angles::{as_far, degrees};
+use super::{Run, Table};
+use crate::error::Notice;
+
+const CENTROIDS: [&str; 6] = ["u1", "v1", "u2", "v2", "u3", "v3"];
+const AREAS: [&str; 3] = ["area1", "area2", "area3"];
+/// Circles 2 and 3 tell a pose: where circle 1 is then, the angles say.
+const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
+/// So do angles that the rig's own vision read.
+const ANGLES: [&str; 2] = ["q1_est", "q2_est"];
+
+/// Tells what a log lacks, and puts aside what says nothing beside the run's other logs.
+pub(super) fn pictures(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
+    let file = format!("{}/camera.csv", run.name);
+    let Some(camera) = &mut run.camera else { return };
+    if !holds(camera, &JOINT_AND_TIP) && holds(camera, &ANGLES) {
+        for (place, name) in ANGLES.into_iter().enumerate() {
+            let Some((line, message)) = angle_in_degrees(camera, run.plant.as_ref(), place, falling[place])
+            else {
+                continue;
+            };
+            notices.push(Notice { file: file.clone(), line, message });
+            camera.remove(name);
+        }
+    }
+    let (line, message) = (1, lacking(camera, run.plant.is_some(), run.controller.is_some()));
+    let Some((usable, message)) = message else { return };
+    notices.push(Notice { file, line, message });
+    if !usable {
+        run.camera = None;
+    }
+}
+
+/// Whether a pose can be read off a log's pictures.
+pub(super) fn tells_poses(camera: &Table) -> bool {
+    holds(camera, &JOINT_AND_TIP) || holds(camera, &ANGLES)
+}
+
+/// Whether the log is usable beside others, and what it lacks, if anything.
+fn lacking(camera: &Table, motion: bool, torque: bool) -> Option<(bool, String)> {
+    let missing: Vec<&str> = CENTROIDS.into_iter().filter(|name| !holds(camera, &[name])).collect();
+    if missing.is_empty() {
+        return None;
+    }
+    let aside = |why: &str| Some((false, format!("{}; the camera's log is put aside", lack(&missing, why))));
+    let circles = holds(camera, &JOINT_AND_TIP);
+    if !motion && !tells_poses(camera) {
+        return aside("without encoders, circles 2 and 3 or q1_est and q2_est must tell the pose");
+    }
+    if !motion && !torque && !circles {
+        return aside("q1_est and q2_est alone have nothing that they could be compared with");
+    }
+    if !circles && holds(camera, &ANGLES) {
+        return Some((true, lack(&missing, "q1_est and q2_est are compared")));
+    }
+    if [&CENTROIDS[..], &AREAS, &ANGLES].concat().iter().all(|name| !holds(camera, &[name])) {
+        return aside("no centroid, area or angle is measured");
+    }
+    Some((true, lack(&missing, "compared without")))
+}
+
+fn lack(missing: &[&str], why: &str) -> String {
+    let names: Vec<String> = missing.iter().map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        1 => format!("column {} is missing: {why}", names[0]),
+        _ => format!("columns {} are missing: {why}", names.join(", ")),
+    }
+}
+
+/// Whether all columns are there, with numbers.
+fn holds(table: &Table, names: &[&str]) -> bool {
+    let measured =
+        |name: &&str| table.column(name).is_some_and(|values| values.iter().any(|x| x.is_finite()));
+    names.iter().all(measured)
+}
+
+/// Angles that the vision gave in degrees show by their speed, or beside encoders.
+fn angle_in_degrees(
+    camera: &Table,
+    plant: Option<&Table>,
+    place: usize,
+    falling: f64,
+) -> Option<(usize, String)> {
+    let (name, logged) = (ANGLES[place], ["q1", "q2"][place]);
+    let aside = |message: String| format!("{message}; column put aside");
+    if let Some((row, message)) = degrees(camera, name, falling) {
+        return Some((camera.line[row], aside(message)));
+    }
+    let times = as_far(camera.column(name)?, plant?.column(logged)?)?;
+    let message =
+        format!("{name} moves {times:.0} times as far as {logged} in plant.csv (are these degrees?)");
+    Some((camera.line[0], aside(message)))
+}

@@ -1,0 +1,128 @@
+//! Logs of pictures that hold a part of what a camera gives: some circles, or nothing but the angles that its vision read.
+
+#[allow(dead_code)] // each test file uses a part of it
+mod common;
+
+use common::Folder;
+use diagnosis::dataset::DataSet;
+use diagnosis::{Diagnosis, Verdict, diagnose};
+
+const RUNS: [&str; 2] = ["run-01", "run-02"];
+
+/// Leaves so many columns of the camera's logs, and of the others none of `without`.
+fn part_of(folder: Folder, columns: &[&str], without: &[&str]) -> Folder {
+    for run in RUNS {
+        let text = std::fs::read_to_string(folder.path().join(run).join("camera.csv")).expect("recorded");
+        let head: Vec<&str> = text.lines().next().expect("a head").split(',').collect();
+        let places: Vec<usize> =
+            (0..head.len()).filter(|place| *place == 0 || columns.contains(&head[*place])).collect();
+        let row = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            places.iter().map(|place| cells[*place]).collect::<Vec<_>>().join(",") + "\n"
+        };
+        folder.put(&format!("{run}/camera.csv"), &text.lines().map(row).collect::<String>());
+        for file in without {
+            std::fs::remove_file(folder.path().join(run).join(file)).expect("recorded");
+        }
+    }
+    folder
+}
+
+fn found(folder: &Folder) -> Diagnosis {
+    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
+}
+
+fn names(found: &Diagnosis) -> Vec<&str> {
+    found.effects.iter().map(|effect| effect.name.as_str()).collect()
+}
+
+#[test]
+fn recovers_radial_distortion_from_the_tip_alone_beside_encoders() {
+    let whole = common::recorded("tip", &[("camera.k1", "0.05")]);
+    let found = found(&part_of(whole, &["u3", "v3"], &[]));
+    assert_eq!((found.verdict, names(&found)), (Verdict::Named, vec!["camera.k1"]));
+    // some three standard errors
+    assert!((found.effects[0].value - 0.05).abs() < 1e-4, "{:?}", found.effects);
+    common::notice(&found.notices, "columns `u1`, `v1`, `u2`, `v2` are missing: compared without");
+}
+
+#[test]
+fn recovers_radial_distortion_from_two_circles_and_a_torque() {
+    let whole = common::recorded("two-circles", &[("camera.k1", "0.05")]);
+    let found = found(&part_of(whole, &["u2", "v2", "u3", "v3"], &["plant.csv"]));
+    assert_eq!((found.verdict, names(&found)), (Verdict::Named, vec!["camera.k1"]));
+    // some three standard errors
+    assert!((found.effects[0].value - 0.05).abs() < 1e-4, "{:?}", found.effects);
+}
+
+#[test]
+fn recovers_a_delay_from_angles_that_a_vision_read_beside_encoders() {
+    let whole = common::recorded("angles", &[("camera.T_delay", "0.02")]);
+    let found = found(&part_of(whole, &["q1_est", "q2_est"], &[]));
+    assert_eq!((found.verdict, names(&found)), (Verdict::Named, vec!["camera.T_delay"]));
+    // some three standard errors
+    assert!((found.effects[0].value - 0.02).abs() < 3e-4, "{:?}", found.effects);
+    // what is left is in rad: 0.03 px over links of 160 px
+    assert!(found.gap.after < 3e-4 && found.gap.unit == "rad", "{:?}", found.gap);
+    common::notice(&found.notices, "are missing: q1_est and q2_est are compared");
+}
+
+#[test]
+fn recovers_friction_and_a_turned_camera_from_angles_that_a_vision_read_and_a_torque() {
+    // (effect, what is hidden, three standard errors)
+    for (effect, value, near) in [("plant.b_joint", 0.02, 8e-4), ("camera.roll", 0.02, 4e-4)] {
+        let whole = common::recorded("angles-alone", &[(effect, &value.to_string())]);
+        let found = found(&part_of(whole, &["q1_est", "q2_est"], &["plant.csv"]));
+        assert_eq!((found.verdict, names(&found)), (Verdict::Named, vec![effect]));
+        assert!((found.effects[0].value - value).abs() < near, "{:?}", found.effects);
+    }
+}
+
+#[test]
+fn every_log_of_pictures_that_says_nothing_beside_the_others_is_put_aside() {
+    let whole = || common::recorded("says-nothing", &[]);
+    // (columns, logs that aren't there, words of the notice)
+    let cases: [(&[&str], &[&str], &str); 3] = [
+        (&["u3", "v3"], &["plant.csv"], "without encoders, circles 2 and 3 or q1_est and q2_est must tell"),
+        (&["q1_est", "q2_est"], &["plant.csv", "controller.csv"], "nothing that they could be compared with"),
+        (&["valid"], &[], "no centroid, area or angle is measured"),
+    ];
+    for (columns, without, words) in cases {
+        let folder = part_of(whole(), columns, without);
+        let notices = match DataSet::load(folder.path()) {
+            Ok(data) => {
+                assert!(data.runs.iter().all(|run| run.camera.is_none()), "{words}");
+                data.notices
+            }
+            Err(diagnosis::Error::NothingUsable { notices, .. }) => notices,
+            Err(error) => panic!("{error}"),
+        };
+        let notice = common::notice(&notices, words);
+        assert_eq!((notice.file.as_str(), notice.line), ("run-01/camera.csv", 1));
+    }
+}
+
+#[test]
+fn every_angle_that_a_vision_gave_in_degrees_is_put_aside() {
+    let folder = part_of(common::recorded("vision-degrees", &[]), &["q1_est", "q2_est"], &[]);
+    for run in RUNS {
+        let text = std::fs::read_to_string(folder.path().join(run).join("camera.csv")).expect("recorded");
+        let row = |line: &str| {
+            let numbers = line.split(',').map(|cell| cell.parse::<f64>().expect("a number"));
+            let cells = numbers.enumerate().map(|(place, x)| if place > 0 { x.to_degrees() } else { x });
+            cells.map(|x| x.to_string()).collect::<Vec<_>>().join(",") + "\n"
+        };
+        let rows: String = text.lines().skip(1).map(row).collect();
+        folder.put(&format!("{run}/camera.csv"), &format!("time,q1_est,q2_est\n{rows}"));
+    }
+    let data = DataSet::load(folder.path()).expect("encoders are left");
+    assert!(data.runs.iter().all(|run| run.camera.is_none()));
+    for angle in ["q1_est", "q2_est"] {
+        let notice = common::notice(&data.notices, &format!("{angle} "));
+        assert!(
+            notice.message.contains("degrees") && notice.file == "run-01/camera.csv",
+            "{}",
+            notice.message
+        );
+    }
+}

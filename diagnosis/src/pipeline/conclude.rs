@@ -7,7 +7,7 @@ use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
 use crate::imitation::{anything, imitation};
 use crate::rest::{drifting, unknown};
-use crate::selection::ALPHA;
+use crate::selection::{ALPHA, PICTURED};
 use crate::{amend, experiment, gap, story};
 use std::collections::BTreeMap;
 
@@ -240,7 +240,9 @@ fn detectable(
     into: &mut BTreeMap<String, f64>,
 ) {
     let threshold = part.study.screen.null.threshold(ALPHA);
-    let covariance = part.study.last.covariance(free);
+    let last = &part.study.last;
+    let covariance = last.covariance(free);
+    let differs = last.systematic_beside(free, &part.signals);
     for index in &part.study.seen {
         let candidate = &list[*index];
         if candidate.side.is_of_log() {
@@ -249,12 +251,17 @@ fn detectable(
         let size = if let Some(place) = free.iter().position(|other| other == index) {
             covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
         } else {
-            let columns = part.study.last.probes.iter().zip(&part.study.screen.errors);
-            let own = columns.filter(|(probe, error)| probe.candidate == *index && error.is_finite());
+            let columns = last.probes.iter().zip(&part.study.screen.errors).zip(&differs);
+            let own = columns.filter(|((probe, error), _)| probe.candidate == *index && error.is_finite());
+            // what a picture shows must be more than honest renderers differ by
+            let own = own.map(|((probe, error), differs)| match candidate.side {
+                Side::Camera => (probe, error.max(PICTURED * error.hypot(*differs) / threshold)),
+                _ => (probe, *error),
+            });
             match candidate.motion {
                 // a tangent says nothing of a ceiling: it has none above the largest torque
                 Motion::Ceiling { .. } => own
-                    .filter(|(probe, error)| probe.by.abs() >= threshold * **error)
+                    .filter(|(probe, error)| probe.by.abs() >= threshold * error)
                     .map(|(probe, _)| probe.by.abs())
                     .min_by(f64::total_cmp)
                     .map(|by| 1.0 / by),

@@ -4,10 +4,9 @@
 use crate::candidates::Candidate;
 use crate::error::Error;
 use crate::residual::{Block, Cut, Probe, Signal};
-use crate::statistics::linear::{Cell, Reduced, Sized, bare, projected, reduce, solve, submatrix, subvector};
+use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of heft 1.
 const SIZES: usize = 15;
@@ -253,35 +252,6 @@ impl Evaluation {
     }
 }
 
-impl Evaluation {
-    /// How each column answers to what honest renderers differ by: an error of `Signal::honest` for all rows of a signal at
-    /// one place on the lattice (probes by errors).
-    pub fn offsets(&self, signals: &[Signal]) -> DMatrix<f64> {
-        let mut errors: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
-        for cell in self.blocks.iter().flat_map(|block| &block.cells).filter(|cell| !cell.lattice.is_empty())
-        {
-            let columns = projected(cell, self.softness).columns;
-            for (row, (signal, place)) in cell.signal.iter().zip(&cell.lattice).enumerate() {
-                let sum =
-                    errors.entry((*signal, *place)).or_insert_with(|| DVector::zeros(self.probes.len()));
-                sum.axpy(signals[*signal].honest / cell.sigma[row], &columns.row(row).transpose(), 1.0);
-            }
-        }
-        let all: Vec<DVector<f64>> = errors.into_values().collect();
-        if all.is_empty() { DMatrix::zeros(self.probes.len(), 0) } else { DMatrix::from_columns(&all) }
-    }
-
-    /// Variance that honest differences between simulations add to each of the active values.
-    pub fn systematic(&self, active: &[usize], signals: &[Signal]) -> DVector<f64> {
-        let places = self.places(active);
-        let Some(bread) = crate::statistics::linear::inverse(&submatrix(&self.total.gram, &places)) else {
-            return DVector::zeros(places.len());
-        };
-        let shifts = bread * self.offsets(signals).select_rows(&places);
-        DVector::from_fn(places.len(), |i, _| shifts.row(i).norm_squared())
-    }
-}
-
 /// A block that scatters by more than this many times what the median block does isn't all noise.
 const WILD: f64 = 10.0;
 
@@ -309,7 +279,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
                 each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
             ratios.sort_by(f64::total_cmp);
             let most = match ratios.get(ratios.len() / 2) {
-                Some(median) if signals[s].honest == 0.0 => WILD * median,
+                Some(median) if signals[s].unit != "px" => WILD * median,
                 // areas in whole pixels may not scatter at all in most blocks
                 _ => f64::INFINITY,
             };

@@ -5,6 +5,7 @@ mod bare;
 mod classes;
 mod evaluation;
 mod evidence;
+mod honest;
 mod refit;
 mod screen;
 mod search;
@@ -18,6 +19,7 @@ pub use evidence::{STAMPS, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::study;
+pub use settle::PICTURED;
 pub use steady::{Steadiness, steadiness};
 
 /// Family-wise error of one look; a cut is looked at once where nothing is missing.

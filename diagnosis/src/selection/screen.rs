@@ -85,7 +85,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         }
         scores.total[column] = score;
         scores.deviation[column] = squares.max(length).sqrt();
-        errors[column] = 1.0 / length.sqrt();
+        errors[column] = scores.deviation[column] / length;
         scores.sided[column] =
             sided(&candidates[probe.candidate], evaluation.point[probe.candidate], probe.by);
         gains[column] = score * score / length;

@@ -12,7 +12,7 @@ use crate::residual::Cut;
 const KEEP: f64 = 2.6;
 /// The same for what a picture shows, which other renderers would show a little otherwise: at 3x the minimum detectable effect
 /// no right one had less than 6.9 on five seeds, and a vignetting that wasn't there had 3.1.
-const PICTURED: f64 = 4.5;
+pub const PICTURED: f64 = 4.5;
 /// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
 /// standard error.
 const SETTLE: usize = 3;

@@ -33,3 +33,24 @@ fn recovers_a_ceiling_that_an_arm_falls_for_and_then_lies_under() {
     // of 720 commands 650 are those of an arm that lies in its stop
     named("plant.tau_max", 0.9, 0.01);
 }
+
+#[test]
+fn recovers_a_ceiling_between_those_that_commands_suggest() {
+    // the arm falls and flails, and is asked for 150 N·m: of all commands few lie between 1 and 100
+    named("plant.tau_max", 1.4, 0.01);
+}
+
+#[test]
+fn recovers_a_ceiling_from_pictures_of_an_arm_that_falls_out_of_them() {
+    let folder = common::recorded("falls-seen", &[("plant.tau_max", "0.8")]);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("the log was recorded");
+    }
+    let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    let found = found.expect("the data is good");
+    assert_eq!(found.verdict, Verdict::Named, "{:?} {:?}", found.effects, found.unknown);
+    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
+    assert_eq!(names, ["plant.tau_max"]);
+    // some five standard errors
+    assert!((found.effects[0].value - 0.8).abs() < 2e-3, "{:?}", found.effects);
+}

@@ -139,3 +139,40 @@ fn every_row_that_was_taken_unevenly_keeps_its_time() {
     // up to 2 ms late, which is what the stamps say
     assert!(!is_evened(&unevenly("uneven", &mut || 0.4 * random.uniform(), &mut |time| time)));
 }
+
+/// Rows of the encoders (30 a second), each stamped late by what a computer took to get there: up to 4 ms.
+fn stamped_by_hand(name: &str, set: &[(&str, &str)], pictures: bool) -> Diagnosis {
+    let folder = common::recorded(name, set);
+    let mut random = Random::new(9);
+    for run in ["run-01", "run-02"] {
+        let path = folder.path().join(run).join("plant.csv");
+        let text = std::fs::read_to_string(&path).expect("it was recorded");
+        let mut late = |line: &str| {
+            let (time, cells) = line.split_once(',').expect("three cells");
+            let time: f64 = time.parse().expect("a number");
+            format!("{},{cells}\n", time + 4e-3 * random.uniform())
+        };
+        let rows: String = text.lines().skip(1).map(&mut late).collect();
+        std::fs::write(&path, format!("time,q1,q2\n{rows}")).expect("it can be written");
+        if !pictures {
+            std::fs::remove_file(folder.path().join(run).join("camera.csv")).expect("it was recorded");
+        }
+    }
+    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
+}
+
+#[test]
+fn every_log_late_by_what_its_stamps_scatter_is_no_actuator_that_lags() {
+    let names = |found: &Diagnosis| -> Vec<String> {
+        found.effects.iter().map(|effect| effect.name.clone()).collect()
+    };
+    for (set, pictures) in [(("plant.b_joint", "0.02"), false), (("camera.T_delay", "0.0267"), true)] {
+        let found = stamped_by_hand("by-hand", &[set], pictures);
+        assert_eq!(names(&found), [set.0], "{:#?}", found.story);
+        notice(&found.notices, "taken as its clock, not as an effect");
+    }
+    // pictures that are late by as much say that the log isn't
+    let found = stamped_by_hand("by-hand-lags", &[("plant.tau_delay", "0.004")], true);
+    assert!(["plant.tau_delay", "plant.T_act"].contains(&names(&found)[0].as_str()), "{:#?}", found.story);
+    assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
+}

@@ -146,7 +146,7 @@ fn spread(values: &[f64]) -> f64 {
 }
 
 /// The speed that is exceeded in a twentieth of the rows, rad/s.
-fn speed(time: &[f64], values: &[f64]) -> f64 {
+pub fn speed(time: &[f64], values: &[f64]) -> f64 {
     let mut rates: Vec<f64> = (1..values.len())
         .map(|row| ((values[row] - values[row - 1]) / (time[row] - time[row - 1])).abs())
         .filter(|rate| rate.is_finite())

@@ -42,8 +42,9 @@ const FEW_BARE: usize = 20;
 
 /// Links that touch may give way by this, or be logged a little off, rad.
 const TOUCHING: f64 = 0.2;
-/// Links this near to their stop may touch it, rad.
+/// Links this near to their stop may touch it, rad, by encoders and in pictures, which a lens bends.
 const NEAR: f64 = 0.02;
+const SEEN: f64 = 0.05;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
@@ -87,10 +88,28 @@ impl Run {
         (log.time[0], log.time[log.len() - 1] + HELD * typical)
     }
 
+    /// The speed of an angle of `plant.csv` that is exceeded in a twentieth of its rows, rad/s.
+    pub fn speed(&self) -> f64 {
+        let Some(log) = &self.plant else { return 0.0 };
+        let speeds = ["q1", "q2"].iter().filter_map(|name| log.column(name));
+        speeds.map(|values| angles::speed(&log.time, values)).fold(0.0, f64::max)
+    }
+
     /// The first row of `plant.csv` at which the links touch: from there on the arm lies in its stop.
     pub fn touches(&self, contact: f64) -> Option<usize> {
         let q2 = self.plant.as_ref()?.column("q2")?;
         q2.iter().position(|angle| angle.abs() >= contact - NEAR)
+    }
+
+    /// Until when the machine is seen to move, s: up to where the links touch, or it leaves what the encoders log and pictures show.
+    pub fn moves_until(&self, contact: f64) -> f64 {
+        if let Some(plant) = &self.plant {
+            let row = self.touches(contact).unwrap_or(plant.len().saturating_sub(1));
+            return plant.time.get(row).copied().unwrap_or(f64::INFINITY);
+        }
+        let seen = self.camera.as_ref().map(stamps::directions).unwrap_or_default();
+        let touches = |(_, [_, link]): &&(f64, [f64; 2])| link.abs() >= contact - SEEN;
+        seen.iter().find(touches).or(seen.last()).map_or(f64::INFINITY, |(time, _)| *time)
     }
 
     /// Times between which the torque isn't known, s: where its rows were ignored, or a few hold no number. Where many don't,
@@ -122,6 +141,8 @@ pub struct DataSet {
     pub notices: Vec<Notice>,
     /// The clocks of plant logs were found to be off, by more than any actuator lags or each by a time of its own.
     pub clocks_apart: bool,
+    /// Rows of plant logs may be stamped late by this much, s: as far as their stamps scatter.
+    pub late_by_hand: f64,
     /// Nothing but the motion tells how late pictures are in some run: a delay of theirs can't be told from their clock.
     pub pictures_apart: bool,
 }
@@ -156,7 +177,8 @@ impl DataSet {
         if runs.is_empty() {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
-        Ok(Self { path: path.to_owned(), manifest, runs, notices, clocks_apart, pictures_apart })
+        let path = path.to_owned();
+        Ok(Self { path, manifest, runs, notices, clocks_apart, late_by_hand: 0.0, pictures_apart })
     }
 
     /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.

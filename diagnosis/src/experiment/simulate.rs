@@ -81,6 +81,7 @@ pub fn simulate(
         runs: vec![run],
         notices: Vec::new(),
         clocks_apart: false,
+        late_by_hand: 0.0,
         pictures_apart: false,
     };
     Ok(Trial { data, motion: log.motion()? })

@@ -125,6 +125,7 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         runs: Vec::new(),
         notices: Vec::new(),
         clocks_apart: false,
+        late_by_hand: 0.0,
         pictures_apart: false,
     };
     let units = scenarios::unit_path();

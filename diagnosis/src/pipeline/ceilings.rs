@@ -3,14 +3,13 @@
 use crate::candidates::Cuts;
 use crate::dataset::DataSet;
 
-/// Levels at which a ceiling would cut what was commanded before the arm lay in its stop, `contact` (rad).
+/// Levels at which a ceiling would cut what was commanded while the arm was seen to move, before it lay in its stop, `contact` (rad).
 pub(super) fn ceilings(data: &DataSet, cuts: Cuts, contact: f64) -> Vec<f64> {
     let mut sizes: Vec<f64> = Vec::new();
     for run in &data.runs {
         let Some(controller) = &run.controller else { continue };
         let Some(tau) = controller.column("tau") else { continue };
-        let lies = run.plant.as_ref().and_then(|plant| Some(plant.time[run.touches(contact)?]));
-        let tau = &tau[..lies.map_or(tau.len(), |time| controller.time.partition_point(|row| *row < time))];
+        let tau = &tau[..controller.time.partition_point(|row| *row < run.moves_until(contact))];
         match cuts {
             Cuts::Torque => sizes.extend(tau.iter().map(|tau| tau.abs()).filter(|tau| tau.is_finite())),
             Cuts::TorqueRate => {

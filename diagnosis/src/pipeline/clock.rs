@@ -59,6 +59,20 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
     Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
 }
 
+/// Half a millisecond, and a tenth: a lag and a delay of the same size differ by about that.
+const SAME: f64 = 5e-4;
+const CLOSE: f64 = 0.1;
+
+/// Whether pictures are late by as much as the plant's log: then that was right, and an actuator lags.
+pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let (Some(clock), Some(delay)) = (place(CLOCK), place(DELAY)) else { return false };
+    let late = compared.point[clock];
+    let seen = compared.parts.iter().filter(|part| !part.torque);
+    let seen = seen.filter_map(|part| seen_late(part, list, delay)).map(|(by, _)| by);
+    late > 0.0 && seen.into_iter().any(|by| (by - late).abs() < SAME.min(0.5 * late) + CLOSE * late)
+}
+
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
@@ -126,9 +140,6 @@ impl Clocks {
         parts: &mut [Part],
         point: &mut [f64],
     ) -> Vec<Notice> {
-        // half a millisecond, and a tenth: a lag and a delay of the same size differ by about that
-        const SAME: f64 = 5e-4;
-        const CLOSE: f64 = 0.1;
         let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
         let mut gone = Vec::new();
         let mut late = 0.0;

@@ -73,7 +73,8 @@ pub(super) fn plant_part(
         None => {
             let alone = part(&mut rows, list, point, &start, true, tell)?;
             let seen = data.runs.iter().any(|run| run.camera.is_some());
-            if seen && !data.clocks_apart && !data.pictures_apart && could_be_the_actuator(&alone, list) {
+            let told = seen && !data.clocks_apart && !data.pictures_apart;
+            if told && could_be_the_actuator(&alone, list, data.late_by_hand) {
                 rows.trust_clock();
                 part(&mut rows, list, point, &start, true, tell)?
             } else {
@@ -152,11 +153,14 @@ fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
 }
 
 /// Whether a late log is as likely an actuator that lags. Then the actuator is asked first: should the log be late after
-/// all, the picture comes early by as much (`clear_clock`), while a log that was put right wrongly would make it late.
-fn could_be_the_actuator(part: &Part, list: &[Candidate]) -> bool {
+/// all, the picture comes early by as much (`clear_clock`), while a log that was put right wrongly would make it late. One that is late by
+/// less than `by_hand` is late.
+fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool {
+    let late = |index: usize| part.study.last.point[index] - list[index].off;
     let actuator =
         |other: &&Alternative| ["plant.tau_delay", "plant.T_act"].contains(&list[other.candidate].name);
-    let clocks = part.classes.iter().filter(|(effect, _)| list[*effect].name == CLOCK);
+    let clocks =
+        part.classes.iter().filter(|(effect, _)| list[*effect].name == CLOCK && late(*effect) > by_hand);
     clocks.flat_map(|(_, class)| class).filter(actuator).any(|other| other.loss < CLASS)
 }
 

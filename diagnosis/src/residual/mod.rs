@@ -91,9 +91,9 @@ pub trait Cut: Send + Sync {
     fn lattice(&self) -> bool {
         false
     }
-    /// Whether the log's clock is known to be off, so that no effect that looks like it stands before it.
-    fn doubts_clock(&self) -> bool {
-        false
+    /// By how much the log may be late before an effect that looks like it stands before its clock, s.
+    fn clock_doubt(&self) -> f64 {
+        0.0
     }
     /// Whether poses are read off the pictures themselves.
     fn free_pose(&self) -> bool {

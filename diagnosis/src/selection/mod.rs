@@ -11,6 +11,7 @@ mod screen;
 mod search;
 mod settle;
 mod steady;
+mod switched;
 mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};

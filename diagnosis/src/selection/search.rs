@@ -4,7 +4,8 @@
 use super::evaluation::{Evaluation, Folds, all_probes};
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
-use super::trials::{Accepted, Trials, shortlist, switched};
+use super::switched::switched;
+use super::trials::{Accepted, Trials, shortlist};
 use super::{ALPHA, Alternative, Step, Study};
 use crate::candidates::Candidate;
 use crate::error::Error;

@@ -4,6 +4,7 @@ use super::Step;
 use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit;
+use super::trials::HANDICAP;
 use crate::candidates::{Candidate, Side};
 use crate::error::Error;
 use crate::residual::Cut;
@@ -40,7 +41,9 @@ pub(super) fn second_opinion(
 ) -> Result<Opinion, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
-    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + BETTER)
+    let clock = candidates[candidate].side == Side::Clock && last.point[candidate] <= cut.clock_doubt();
+    let better = if clock { HANDICAP } else { BETTER };
+    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + better)
     else {
         return Ok(Opinion::Stays(others));
     };

@@ -2,9 +2,9 @@
 
 use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
-use super::refit::{ran_away, refit};
+use super::refit::refit;
 use super::screen::{Hit, Screen};
-use crate::candidates::{Candidate, Cuts, Motion, Side};
+use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 use crate::statistics::linear::submatrix;
@@ -17,8 +17,8 @@ const BENT_WORTH: f64 = 0.15;
 /// Where a column says little, a fit also begins this many times further out.
 const FURTHER: f64 = 2.5;
 /// By how much a clock that is off must explain more than an effect whose column looks like its own: forwards it looks just
-/// like a delay.
-const HANDICAP: f64 = 10.0;
+/// like a delay. Where the log may be late by as much, since its stamps scatter, by how much it may explain less.
+pub(super) const HANDICAP: f64 = 10.0;
 /// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
 /// windows by more than their columns say.
 const DOUBTED: f64 = 0.3;
@@ -30,10 +30,6 @@ const LEAST_SHARE: f64 = 0.03;
 /// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
 /// differ by what the pixel lattice does when the picture moves under it.
 const LARGE: f64 = 0.1;
-/// Fall of the deviance that a switch must bring.
-const SWITCHED: f64 = 200.0;
-/// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
-const FOLLOWS: f64 = 0.2;
 
 /// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
 const SPARSE: f64 = 16.0;
@@ -74,8 +70,7 @@ impl Trials<'_> {
             self.fit(cut, hit, &mut trials);
         }
         let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
-        let doubted = cut.doubts_clock();
-        self.handicap(&mut trials, if doubted { -HANDICAP.max(DOUBTED * most) } else { HANDICAP });
+        self.handicap(&mut trials, cut.clock_doubt(), most);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
         let linear = cut.lattice() && small && shortlist.iter().all(|hit| hit.gain < large);
@@ -156,12 +151,18 @@ impl Trials<'_> {
         fit.flatten()
     }
 
-    /// Puts a fault of the log behind an effect that it looks like.
-    fn handicap(&self, trials: &mut [Trial], by: f64) {
+    /// Puts a fault of the log behind an effect that it looks like, or before it where a clock may be off by as much.
+    fn handicap(&self, trials: &mut [Trial], doubt: f64, most: f64) {
         let of_log = |index: usize| self.candidates[index].side.is_of_log();
         let effects: Vec<usize> =
             trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
-        for (fault, fall, _) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
+        for (fault, fall, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
+            let late = self.candidates[*fault].side == Side::Clock && trial.point[*fault] <= doubt;
+            let by = match doubt.is_infinite() {
+                true => -HANDICAP.max(DOUBTED * most),
+                false if late => -HANDICAP,
+                false => HANDICAP,
+            };
             if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
                 *fall -= by;
             }
@@ -212,58 +213,6 @@ pub(super) fn shortlist(
     hits.retain(|hit| worth(hit) >= least(hit) * best);
     hits.truncate(SHORTLIST);
     hits
-}
-
-/// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
-/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left, and once for all
-/// (`in_vain`) where it makes things worse.
-pub(super) fn switched(
-    cut: &mut dyn Cut,
-    candidates: &[Candidate],
-    last: &Evaluation,
-    active: &[usize],
-    refused: &[usize],
-    in_vain: &mut Vec<usize>,
-) -> Result<Option<Trial>, Error> {
-    let mut best: Option<Trial> = None;
-    let pictured = cut.lattice();
-    if last.softness == 0.0 || cut.outweighed() || (pictured && !cut.free_pose()) {
-        return Ok(None);
-    }
-    // a machine that ran away from its ceiling: no tangent says anything of such a window
-    let wild = last.reduced.iter().any(ran_away);
-    for (index, candidate) in candidates.iter().enumerate() {
-        let worth = match candidate.motion {
-            Motion::Switch => true,
-            // poses read off pictures say too little of where a machine ran away to find its ceiling
-            Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque && !pictured,
-            _ => false,
-        };
-        let open = worth && [active, refused, in_vain].iter().all(|known| !known.contains(&index));
-        if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
-            continue;
-        }
-        let mut better = false;
-        for step in &candidate.steps {
-            let mut point = last.point.clone();
-            point[index] += step;
-            cut.afresh();
-            let Ok(trial) = Evaluation::at(cut, &point, &[], false) else { continue };
-            better |= trial.deviance() < last.deviance();
-            let fall = last.deviance() - trial.deviance();
-            // half a law of motion less and every window follows, or it isn't that
-            let follows = trial.softness <= FOLLOWS * last.softness;
-            if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
-                best = Some((index, fall, trial));
-            }
-        }
-        cut.afresh();
-        Evaluation::at(cut, &last.point, &[], false)?;
-        if !better {
-            in_vain.push(index);
-        }
-    }
-    Ok(best)
 }
 
 fn with(active: &[usize], candidate: usize) -> Vec<usize> {

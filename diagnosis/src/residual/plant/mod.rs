@@ -29,7 +29,7 @@ use log::steered;
 pub use log::zeros;
 pub use through::Poses;
 use through::Through;
-use window::{Kept, Span, Window, cut_run, most, thin};
+use window::{Kept, Span, Window, cut_run, lost, most, thin};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
 /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
@@ -73,8 +73,8 @@ pub struct PlantCut {
     zeros: [f64; 2],
     /// Scatter of the log's time stamps, s.
     jitter: f64,
-    /// Runs were found to have clocks of their own.
-    doubted: bool,
+    /// By how much the log may be late, s: no bound where runs were found to have clocks of their own.
+    doubt: f64,
     /// Windows that the logs were cut into, before they were thinned.
     cut: usize,
     /// How heavy the arm is.
@@ -100,7 +100,7 @@ impl PlantCut {
         candidates: Arc<Vec<Candidate>>,
         span: Span,
     ) -> Result<Option<Self>, Error> {
-        let (ports, heft) = (Ports::of(&model.plant)?, model.heft());
+        let (ports, heft) = (Ports::of(&model.plant, lost(data, model))?, model.heft());
         let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
         let pace = model.growth().map_or(1.0, |growth| (QUICK / growth).min(1.0));
         let mut windows = Vec::new();
@@ -145,7 +145,7 @@ impl PlantCut {
             clock,
             zeros: [0.0; 2],
             jitter: 0.0,
-            doubted: data.clocks_apart,
+            doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
             cut,
             heft,
         }))
@@ -328,8 +328,8 @@ impl Cut for PlantCut {
         }
     }
 
-    fn doubts_clock(&self) -> bool {
-        self.doubted
+    fn clock_doubt(&self) -> f64 {
+        self.doubt
     }
 
     fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {

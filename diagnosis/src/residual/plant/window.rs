@@ -54,6 +54,15 @@ pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
     if short { MOST / 4 / span.0 } else { MOST / span.0 }
 }
 
+/// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
+const LOST: f64 = 20.0;
+const GROWTH: f64 = 7.0;
+
+/// From this rate on (rad/s) nothing is simulated any more.
+pub(super) fn lost(data: &DataSet, model: &Model) -> f64 {
+    LOST * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(GROWTH), f64::max)
+}
+
 /// Evenly chosen windows, at most so many.
 pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
     let all = windows.len();

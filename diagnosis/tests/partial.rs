@@ -126,3 +126,30 @@ fn every_angle_that_a_vision_gave_in_degrees_is_put_aside() {
         );
     }
 }
+
+#[test]
+fn every_row_in_which_the_tip_is_taken_for_circle_1_is_put_aside() {
+    let folder = common::recorded("confused", &[]);
+    let path = folder.path().join("run-02/camera.csv");
+    let text = std::fs::read_to_string(&path).expect("recorded");
+    let (mut rows, mut lines) = (String::new(), 0);
+    for line in text.lines() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        // more than half of them
+        if lines >= 100 {
+            cells.swap(1, 5);
+            cells.swap(2, 6);
+        }
+        rows += &(cells.join(",") + "\n");
+        lines += 1;
+    }
+    folder.put("run-02/camera.csv", &rows);
+    let data = DataSet::load(folder.path()).expect("the first half is usable");
+    let notice = common::notice(&data.notices, "and another is on it");
+    assert_eq!((notice.file.as_str(), notice.line), ("run-02/camera.csv", 101));
+    assert!(notice.message.contains(&format!("{} such rows", lines - 100)), "{}", notice.message);
+    let camera = data.runs[1].camera.as_ref().and_then(|log| log.column("u1")).expect("it is there");
+    assert!(camera[..99].iter().all(|at| at.is_finite()) && camera[99..].iter().all(|at| at.is_nan()));
+    let found = found(&folder);
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
+}

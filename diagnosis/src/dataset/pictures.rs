@@ -6,6 +6,12 @@ use crate::error::Notice;
 
 const CENTROIDS: [&str; 6] = ["u1", "v1", "u2", "v2", "u3", "v3"];
 const AREAS: [&str; 3] = ["area1", "area2", "area3"];
+/// So many pictures of a run tell where circle 1 rolls.
+const FIRST: usize = 15;
+/// A circle this near to that height is on the line, and circle 1 this far from it is not, px: lenses bend that line by less,
+/// and a mount that is turned by 40 degrees inclines it by 16 px for each radian that the arm rolls.
+const ON_LINE: f64 = 5.0;
+const OFF_LINE: f64 = 40.0;
 /// Circles 2 and 3 tell a pose: where circle 1 is then, the angles say.
 const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
 /// So do angles that the rig's own vision read.
@@ -15,6 +21,14 @@ const ANGLES: [&str; 2] = ["q1_est", "q2_est"];
 pub(super) fn pictures(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
     let file = format!("{}/camera.csv", run.name);
     let Some(camera) = &mut run.camera else { return };
+    if let Some((row, count)) = taken_for_another(camera) {
+        let message = format!(
+            "circle 1 is more than {:.0} px off the line that it rolls on, and another is on it ({count} such rows, this is the first): \
+             taken as not measured",
+            OFF_LINE
+        );
+        notices.push(Notice { file: file.clone(), line: camera.line[row], message });
+    }
     if !holds(camera, &JOINT_AND_TIP) && holds(camera, &ANGLES) {
         for (place, name) in ANGLES.into_iter().enumerate() {
             let Some((line, message)) = angle_in_degrees(camera, run.plant.as_ref(), place, falling[place])
@@ -31,6 +45,29 @@ pub(super) fn pictures(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notic
     if !usable {
         run.camera = None;
     }
+}
+
+/// Makes rows not measured in which another circle was taken for circle 1: the first of them, and how many there are. A tip that
+/// left the picture and comes back confuses a vision that follows circles from frame to frame.
+fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
+    let heights = ["v1", "v2", "v3"].map(|name| camera.column(name).map(<[f64]>::to_vec));
+    let [Some(first), Some(second), Some(third)] = heights else { return None };
+    // before anything is confused: it stays so, where the arm then lies
+    let mut sorted: Vec<f64> =
+        first.iter().copied().filter(|height| height.is_finite()).take(FIRST).collect();
+    sorted.sort_by(f64::total_cmp);
+    let line = *sorted.get(sorted.len() / 2)?;
+    let on_line = |height: f64| (height - line).abs() < ON_LINE;
+    let wrong = |row: &usize| {
+        (first[*row] - line).abs() > OFF_LINE && (on_line(second[*row]) || on_line(third[*row]))
+    };
+    let rows: Vec<usize> = (0..camera.len()).filter(wrong).collect();
+    for name in [&CENTROIDS[..], &AREAS, &ANGLES].concat() {
+        if let Some(values) = camera.column_mut(name) {
+            rows.iter().for_each(|row| values[*row] = f64::NAN);
+        }
+    }
+    rows.first().map(|row| (*row, rows.len()))
 }
 
 /// Whether a pose can be read off a log's pictures.

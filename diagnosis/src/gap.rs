@@ -2,7 +2,7 @@
 
 use crate::diagnosis::{Gap, Trace, Where};
 use crate::residual::picture::{ANGLES, CENTROIDS, COLUMNS};
-use crate::residual::torque::{growth, rms, torques};
+use crate::residual::torque::{growth, shrunk, torques};
 use crate::residual::{Block, Signal};
 use crate::selection::{Evaluation, Study};
 use crate::statistics::linear::{bare, moved};
@@ -47,8 +47,8 @@ fn gap(study: &Study, free: &[usize], runs: &[String], torque: bool) -> Gap {
     let shifts =
         if free.is_empty() { vec![DVector::zeros(0); folds.count] } else { last.shifts(folds, free) };
     let (before, after, floor, signal, unit) = if torque {
-        let (before, floor) = rms(&torques(&nominal.blocks, &[], &[], &folds.of));
-        let (after, _) = rms(&torques(&last.blocks, &places, &shifts, &folds.of));
+        let nominal = torques(&nominal.blocks, &[], &[], &folds.of);
+        let (before, after, floor) = shrunk(&nominal, &torques(&last.blocks, &places, &shifts, &folds.of));
         (before, after, floor, "plant: torque that the model lacks, both links", "N·m")
     } else {
         let circles = measures(&last.blocks, &CENTROIDS);

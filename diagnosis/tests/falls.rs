@@ -31,7 +31,13 @@ fn recovers_wrong_gravity_torques_from_falls() {
 #[test]
 fn recovers_a_ceiling_that_an_arm_falls_for_and_then_lies_under() {
     // of 720 commands 650 are those of an arm that lies in its stop
-    named("plant.tau_max", 0.9, 0.01);
+    let found = named("plant.tau_max", 0.9, 0.01);
+    // from windows in which the nominal model ran away, too: some newton metres
+    assert!(
+        found.gap.before > 1.0 && found.gap.closed.is_some_and(|closed| closed > 0.99),
+        "{:?}",
+        found.gap
+    );
 }
 
 #[test]

@@ -98,6 +98,18 @@ pub fn rms(torques: &[Torque]) -> (f64, f64) {
     ((tame.iter().map(|t| t.square()).sum::<f64>() / n).sqrt(), (floors / n).sqrt())
 }
 
+/// The same before and after, and of what noise gives, where the plant follows the log after: what made it run away before was lacking.
+pub fn shrunk(before: &[Torque], after: &[Torque]) -> (f64, f64, f64) {
+    let limit = limit(after);
+    let known = |(old, new): &(&Torque, &Torque)| old.within(f64::INFINITY) && new.within(limit);
+    let both: Vec<(&Torque, &Torque)> = before.iter().zip(after).filter(known).collect();
+    let n = (2 * both.len()).max(1) as f64;
+    let mean =
+        |square: &dyn Fn(&(&Torque, &Torque)) -> f64| (both.iter().map(square).sum::<f64>() / n).sqrt();
+    let floor = |(_, new): &(&Torque, &Torque)| new.floor.iter().map(|x| x * x).sum();
+    (mean(&|(old, _)| old.square()), mean(&|(_, new)| new.square()), mean(&floor))
+}
+
 /// By how many standard errors torques are larger `after` than `before`, compared block by block.
 pub fn growth(before: &[Torque], after: &[Torque]) -> f64 {
     let limits = (limit(before), limit(after));

@@ -4,7 +4,7 @@ use super::Step;
 use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit;
-use super::trials::HANDICAP;
+use super::trials::{HANDICAP, stamped_late};
 use crate::candidates::{Candidate, Side};
 use crate::error::Error;
 use crate::residual::Cut;
@@ -41,8 +41,8 @@ pub(super) fn second_opinion(
 ) -> Result<Opinion, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
-    let clock = candidates[candidate].side == Side::Clock && last.point[candidate] <= cut.clock_doubt();
-    let better = if clock { HANDICAP } else { BETTER };
+    let late = stamped_late(&candidates[candidate], last.point[candidate], cut.clock_doubt());
+    let better = if late { HANDICAP } else { BETTER };
     let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + better)
     else {
         return Ok(Opinion::Stays(others));

@@ -157,7 +157,7 @@ impl Trials<'_> {
         let effects: Vec<usize> =
             trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
         for (fault, fall, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
-            let late = self.candidates[*fault].side == Side::Clock && trial.point[*fault] <= doubt;
+            let late = stamped_late(&self.candidates[*fault], trial.point[*fault], doubt);
             let by = match doubt.is_infinite() {
                 true => -HANDICAP.max(DOUBTED * most),
                 false if late => -HANDICAP,
@@ -189,6 +189,12 @@ impl Trials<'_> {
         let before = self.last.under(trial);
         (before.held_out(self.folds, self.active), trial.held_out(self.folds, &more))
     }
+}
+
+/// Whether a clock is off by no more than stamps that scatter let it be; without a scatter there is no such doubt, and of a clock that
+/// is known to be off it isn't the question.
+pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
+    candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
 }
 
 /// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood

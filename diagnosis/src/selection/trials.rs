@@ -250,3 +250,29 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_is_doubted_only_where_stamps_scatter() {
+        let clock = Candidate {
+            name: crate::candidates::CLOCK,
+            side: Side::Clock,
+            phrase: "",
+            motion: Motion::Switch,
+            off: 0.0,
+            steps: Vec::new(),
+            range: (-1.0, 1.0),
+            bends: false,
+        };
+        assert!(stamped_late(&clock, 1e-3, 2e-3) && stamped_late(&clock, -3e-5, 2e-3));
+        // early, late, and beyond the scatter; a clock known to be off is no question of scatter
+        for (x, doubt) in [(-3e-5, 0.0), (3e-5, 0.0), (3e-3, 2e-3), (1e-3, f64::INFINITY)] {
+            assert!(!stamped_late(&clock, x, doubt), "{x} {doubt}");
+        }
+        let actuator = Candidate { side: Side::Plant, ..clock };
+        assert!(!stamped_late(&actuator, 1e-3, 2e-3));
+    }
+}

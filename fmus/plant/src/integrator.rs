@@ -1,13 +1,13 @@
 //! Integration of the plant from corner to corner of its torque, and the event of contact.
 //!
 //! Dormand and Prince's embedded Runge-Kutta pair of orders 5 and 4 (J. Comput. Appl. Math. 6, 1980), continued
-//! with the fifth-order result. The difference of the two is kept below [`TOLERANCE`] per second of simulated time.
+//! with the fifth-order result. The difference of the two is kept below a tolerance per second of simulated time.
 //!
 //! Behind a lag that is short beside the stretch, the torque has a transient b·e^(−s/T) that would take many short steps. What
 //! it alone does is taken in closed form: with a = M(q₀)⁻¹b the integrator follows z = q − aT²e^(−s/T) and
 //! y = q̇ + aTe^(−s/T) = ż, for which ẏ = q̈ − ae^(−s/T) has the transient only as far as M has changed since.
 //!
-//! Error of the result: below 1e-10 rad and rad/s after a second, whatever the communication step. Against scipy's
+//! Error of the result at [`TOLERANCE`]: below 1e-10 rad and rad/s after a second, whatever the communication step. Against scipy's
 //! DOP853 at rtol 1e-13 (tests/value.rs) the largest seen is 5e-11, over ten full swings with each effect; the energy
 //! of a free swing stays within 1e-10 of itself over 10 s.
 
@@ -20,6 +20,10 @@ use mechanics::Equation;
 /// Largest estimated error per second, in rad and rad/s, relative to values above 1. The estimate belongs to the
 /// fourth-order result; the fifth-order one that is kept is 20 times better or more.
 pub const TOLERANCE: f64 = 1e-9;
+/// Below this, estimates are rounding.
+pub const TIGHTEST: f64 = 1e-13;
+/// Beyond this, errors would be seen.
+pub const LOOSEST: f64 = 1e-3;
 /// The longest step that is ever tried, s: well below the plant's time constants.
 pub const LONGEST_STEP: f64 = 0.05;
 /// Steps below this are a sign that the equations can't be integrated, s.
@@ -73,6 +77,8 @@ pub struct Stretch<'a> {
     pub span: f64,
     /// abs(q₂) at which the links touch, rad.
     pub contact_angle: f64,
+    /// Largest estimated error per second.
+    pub tolerance: f64,
 }
 
 impl Stretch<'_> {
@@ -192,7 +198,7 @@ impl Course<'_> {
         let estimate = combined(&DIFFERENCE, &k);
         let mut error: f64 = 0.0;
         for i in 0..4 {
-            let share = estimate[i].abs() / (TOLERANCE * state[i].abs().max(1.0));
+            let share = estimate[i].abs() / (self.stretch.tolerance * state[i].abs().max(1.0));
             // f64::max would lose a NaN.
             if share > error || share.is_nan() {
                 error = share;

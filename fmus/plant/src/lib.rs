@@ -23,7 +23,7 @@ mod places;
 mod variables;
 
 pub use integrator::TOLERANCE;
-pub use variables::{Inputs, Locals, Outputs, Parameters, Variables};
+pub use variables::{Inputs, Locals, Outputs, Parameters, Solver, Variables};
 
 use actuator::{Memory, SHORTEST, Signal};
 use dynamics::Dynamics;
@@ -87,9 +87,14 @@ impl Plant {
             let mut accelerations = [0.0; 2];
             if !self.contact {
                 let torque = passage.torque();
-                let contact_angle = variables.parameters.contact_angle;
-                let stretch =
-                    Stretch { dynamics: &dynamics, torque, offset, span: passage.span, contact_angle };
+                let stretch = Stretch {
+                    dynamics: &dynamics,
+                    torque,
+                    offset,
+                    span: passage.span,
+                    contact_angle: variables.parameters.contact_angle,
+                    tolerance: variables.solver.tolerance,
+                };
                 match stretch.integrate(&mut self.state, &mut self.next_step)? {
                     End::Reached(reached) => accelerations = reached,
                     End::Contact(after) => self.hold(variables, step.from + offset + after, log),
@@ -199,6 +204,7 @@ impl Model for Plant {
             finite(name, value)?;
         }
         finite("tau_0", parameters.start_torque)?;
+        variables.solver.check()?;
         check(variables)?;
         let actuator = Memory::settled(parameters.start_torque, variables.effects.saturation.limit);
         let places = std::mem::take(&mut self.places); // a table for the same theta can be used again

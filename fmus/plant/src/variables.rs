@@ -1,7 +1,8 @@
 //! The plant's variables, each declared once.
 
 use crate::effects::Effects;
-use fmi2_export::{Unit, table, unit, variables};
+use crate::integrator::{LOOSEST, TIGHTEST, TOLERANCE};
+use fmi2_export::{ModelError, Unit, table, unit, variables};
 use mechanics::{Theta, place::ARM_END};
 
 /// Energy.
@@ -85,11 +86,31 @@ variables! {
     }
 }
 
+variables! {
+    /// How exactly the equations are solved.
+    pub struct Solver {
+        fixed tolerance: f64 = TOLERANCE, "tolerance", "", unit::ONE,
+            "Largest estimated error of the integrator per second, in rad and rad/s, relative to values above 1.",
+            min = TIGHTEST, max = LOOSEST;
+    }
+}
+
 impl Parameters {
     /// theta, for the equations.
     pub fn theta(&self) -> Theta {
         let Parameters { theta_1, theta_2, theta_5, theta_7, theta_8, theta_9, theta_10, .. } = *self;
         Theta { theta_1, theta_2, theta_5, theta_7, theta_8, theta_9, theta_10 }
+    }
+}
+
+impl Solver {
+    /// Refuses what no integration keeps to.
+    pub fn check(&self) -> Result<(), ModelError> {
+        if (TIGHTEST..=LOOSEST).contains(&self.tolerance) {
+            return Ok(());
+        }
+        let expected = format!("must be between {TIGHTEST:e} and {LOOSEST:e}");
+        Err(ModelError::Value { name: "tolerance", value: self.tolerance.to_string(), expected })
     }
 }
 
@@ -106,5 +127,7 @@ table! {
         pub effects: Effects,
         /// Local variables.
         pub locals: Locals,
+        /// How exactly.
+        pub solver: Solver,
     }
 }

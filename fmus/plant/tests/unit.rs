@@ -197,7 +197,7 @@ fn every_turn_beyond_contact_is_seen_within_a_long_step() {
 #[test]
 fn every_bad_value_is_refused_by_name() {
     type Change = fn(&mut Variables);
-    let cases: [(&str, Change); 14] = [
+    let cases: [(&str, Change); 16] = [
         ("theta_1", |v| v.parameters.theta_1 = 0.0),
         ("theta_5", |v| v.parameters.theta_5 = -0.1),
         ("theta_9", |v| v.parameters.theta_9 = f64::INFINITY),
@@ -212,6 +212,8 @@ fn every_bad_value_is_refused_by_name() {
         ("T_act", |v| v.effects.lag.time = 1e-320),
         ("k_tau", |v| v.effects.gain.factor = f64::NAN),
         ("I_rotor", |v| v.effects.rotor.inertia = -1e-3),
+        ("tolerance", |v| v.solver.tolerance = 0.0),
+        ("tolerance", |v| v.solver.tolerance = f64::NAN),
     ];
     for (expected, change) in cases {
         match Rig::try_new(change) {

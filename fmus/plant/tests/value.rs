@@ -203,3 +203,16 @@ fn value_contact() {
         }
     }
 }
+
+#[test]
+fn value_a_looser_tolerance_is_kept() {
+    let expected = [6.627583025399346, -3.3156944366900425, 5.527684982842907, 2.641320466659236];
+    for tolerance in [1e-7, 1e-5] {
+        let mut rig = Rig::at(WILD, |variables| variables.solver.tolerance = tolerance);
+        rig.run(1.0, 200);
+        let error = distance(rig.state(), expected);
+        println!("{tolerance:e}: {error:e}");
+        // the result that is kept is 20 times better than the estimate says; seen: 1e-9 and 2e-7
+        assert!(error < tolerance && error > CLOSE, "{tolerance:e}: {error:e}");
+    }
+}

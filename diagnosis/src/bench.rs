@@ -108,6 +108,11 @@ impl Bench {
         }
     }
 
+    /// Whether inputs may run along lines within a step.
+    pub fn interpolates(&self) -> bool {
+        self.fmu.description().co_simulation.can_interpolate_inputs
+    }
+
     /// Nominal value of a real variable; 0 where neither scenario nor unit says.
     pub fn nominal(&self, reference: u32) -> f64 {
         let given = self.nominal.iter().find(|(known, _)| *known == reference).map(|(_, value)| value);

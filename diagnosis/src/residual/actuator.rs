@@ -2,7 +2,7 @@
 //! show in no state by itself.
 
 use super::Probe;
-use super::plant::settings;
+use super::settings::settings;
 use crate::bench::{Bench, Setting, step};
 use crate::candidates::{Candidate, Side};
 use crate::dataset::DataSet;

@@ -17,6 +17,7 @@ pub mod image;
 pub mod logged;
 pub mod picture;
 pub mod plant;
+mod settings;
 mod smooth;
 pub mod torque;
 pub mod trajectory;
@@ -46,6 +47,8 @@ pub struct Signal {
     pub known: Option<f64>,
     /// Standard deviation in use.
     pub sigma: f64,
+    /// Least standard deviation that is believed: nothing is measured more finely.
+    pub least: f64,
     /// By how much two honest renderers differ in it at one place on the pixel lattice.
     pub honest: f64,
 }

@@ -5,7 +5,7 @@
 //! begins a little before its scored rows, so that the actuator's delay line and lag have filled up by then.
 
 use crate::bench::{Bench, Setting, step};
-use crate::dataset::Run;
+use crate::dataset::{Run, Table};
 use crate::error::Error;
 use orchestrator::fmu::Instance;
 
@@ -31,6 +31,8 @@ pub struct Event {
     pub tau: f64,
     /// External torque on link 1 from here on, N·m.
     pub tau_1: f64,
+    /// How both change until the next event, N·m/s.
+    pub rates: [f64; 2],
     /// The state is wanted here.
     pub wanted: bool,
 }
@@ -46,8 +48,8 @@ pub struct Drive {
 
 impl Drive {
     /// From `start`, with the run's logged torque, to the last of `wanted` (increasing, not before `start`). Something
-    /// may change at each of `edges`. A torque logged faster than 1/`DENSE` is averaged between wanted times, which
-    /// keeps its impulse.
+    /// may change at each of `edges`. A torque logged faster than 1/`DENSE` is a line between wanted times, which keeps its impulse and
+    /// the way that this makes.
     pub fn new(run: &Run, start: f64, wanted: &[f64], edges: &[f64]) -> Self {
         let end = wanted.last().copied().unwrap_or(start);
         let mut times: Vec<(f64, bool)> = vec![(start, wanted.first() == Some(&start))];
@@ -71,15 +73,17 @@ impl Drive {
                     // a row's torque is held from its own time, also when a wanted time is a rounding away from it
                     let held =
                         |name| run.controller.as_ref().map_or(0.0, |log| log.held(name, time + 1e-9, 0.0));
-                    events.push(Event { time, tau: held("tau"), tau_1: held("tau_1"), wanted });
+                    let (tau, tau_1) = (held("tau"), held("tau_1"));
+                    events.push(Event { time, tau, tau_1, rates: [0.0; 2], wanted });
                 }
             }
         }
         if dense && let Some(controller) = &run.controller {
             for place in 0..events.len() - 1 {
                 let (from, to) = (events[place].time, events[place + 1].time);
-                events[place].tau = average(controller, "tau", from, to);
-                events[place].tau_1 = average(controller, "tau_1", from, to);
+                let (tau, rate) = line(controller, "tau", from, to);
+                let (tau_1, rate_1) = line(controller, "tau_1", from, to);
+                events[place] = Event { tau, tau_1, rates: [rate, rate_1], ..events[place] };
             }
         }
         let before = run.controller.as_ref().map_or(0.0, |log| log.held("tau", start - 1e-9, 0.0));
@@ -98,16 +102,31 @@ impl Drive {
 }
 
 /// Mean of a held column over a stretch of time.
-pub fn average(log: &crate::dataset::Table, name: &str, from: f64, to: f64) -> f64 {
+pub fn average(log: &Table, name: &str, from: f64, to: f64) -> f64 {
+    moments(log, name, from, to).0
+}
+
+/// The line with the mean and the first moment of a held column over a stretch: its value at the beginning, and its slope.
+fn line(log: &Table, name: &str, from: f64, to: f64) -> (f64, f64) {
+    let (mean, first) = moments(log, name, from, to);
+    let slope = 12.0 * first / (to - from).powi(2);
+    (mean - 0.5 * slope * (to - from), slope)
+}
+
+/// Mean of a held column over a stretch, and of its product with the time from the stretch's middle.
+fn moments(log: &Table, name: &str, from: f64, to: f64) -> (f64, f64) {
     let (first, last) = (log.time.partition_point(|t| *t <= from), log.time.partition_point(|t| *t < to));
-    let mut sum = 0.0;
-    let mut at = from;
-    for row in first..last {
-        sum += log.held(name, at + 1e-9, 0.0) * (log.time[row] - at);
-        at = log.time[row];
+    if first == last {
+        return (log.held(name, from + 1e-9, 0.0), 0.0);
     }
-    sum += log.held(name, at + 1e-9, 0.0) * (to - at);
-    sum / (to - from)
+    let (mut sum, mut turned, mut at) = (0.0, 0.0, from);
+    for next in log.time[first..last].iter().copied().chain([to]) {
+        let impulse = log.held(name, at + 1e-9, 0.0) * (next - at);
+        sum += impulse;
+        turned += impulse * 0.5 * ((at - from) + (next - to));
+        at = next;
+    }
+    (sum / (to - from), turned / (to - from))
 }
 
 /// An extra torque over part of a window: what the model may lack.
@@ -133,6 +152,8 @@ pub struct Ports {
     bias: u32,
     before: u32,
     tolerance: Option<u32>,
+    /// It takes inputs along lines.
+    lines: bool,
     lost: f64,
 }
 
@@ -157,6 +178,7 @@ impl Ports {
             bias: reference("tau_bias")?,
             before: reference("tau_0")?,
             tolerance: reference("tolerance").ok(),
+            lines: plant.interpolates(),
             lost,
         })
     }
@@ -179,15 +201,18 @@ pub fn simulate(
     // what the model lacks at the joint goes past the actuator: neither delayed nor cut by it
     let bias = settings.iter().rev().find(|(reference, _)| *reference == ports.bias);
     let bias = bias.and_then(|(_, value)| value.as_f64()).unwrap_or_else(|| plant.nominal(ports.bias));
-    let torque = |event: &Event| {
-        let (mut joint, mut link) = (0.0, event.tau_1);
+    let torque = |event: &Event, next: &Event| {
+        // without lines their means
+        let on = if ports.lines { 0.0 } else { 0.5 * (next.time - event.time) };
+        let [tau, tau_1] = [event.tau + on * event.rates[0], event.tau_1 + on * event.rates[1]];
+        let (mut joint, mut link) = (0.0, tau_1);
         for push in pushes.iter().filter(|push| event.time >= push.from - 1e-9 && event.time < push.to - 1e-9)
         {
             *if push.joint { &mut joint } else { &mut link } += push.size;
         }
-        ([event.tau, link], joint)
+        ([tau, link], joint)
     };
-    let first = torque(&drive.events[0]);
+    let first = torque(&drive.events[0], &drive.events[drive.events.len().min(2) - 1]);
     let mut all = settings.to_vec();
     all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
     all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
@@ -210,12 +235,15 @@ pub fn simulate(
             rows.push(row(instance, first.1)?);
         }
         for pair in drive.events.windows(2) {
-            let now = torque(&pair[0]);
+            let now = torque(&pair[0], &pair[1]);
             if now.0 != last.0 {
                 instance.set_real(&ports.inputs, &now.0).map_err(failed)?;
             }
             if now.1 != last.1 {
                 instance.set_real(&[ports.bias], &[bias + now.1]).map_err(failed)?;
+            }
+            if ports.lines && pair[0].rates != [0.0; 2] {
+                instance.set_input_derivatives(&ports.inputs, &[1, 1], &pair[0].rates).map_err(failed)?;
             }
             last = now;
             step(instance, pair[0].time, pair[1].time - pair[0].time)?;

@@ -12,7 +12,8 @@ mod forced;
 
 use super::actuator::{Actuator, DYNAMIC, key};
 use super::plant::jitter::torque_scatter;
-use super::plant::{settings, zeros};
+use super::plant::zeros;
+use super::settings::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::trajectory::State;
 use super::{Block, Cut, Probe, Signal};
@@ -94,8 +95,14 @@ impl Weak {
         if found.is_empty() {
             return Ok(None);
         }
-        let signal =
-            |name: &str| Signal { name: name.into(), unit: "N·m", known: None, sigma: 0.1, honest: 0.0 };
+        let signal = |name: &str| Signal {
+            name: name.into(),
+            unit: "N·m",
+            known: None,
+            sigma: 0.1,
+            least: 0.0,
+            honest: 0.0,
+        };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
         let length = found[0].to - found[0].from;

@@ -99,8 +99,8 @@ impl Evaluation {
                 .iter()
                 .zip(&seen)
                 .map(|(signal, seen)| match signal.known {
-                    Some(known) => seen.max(known),
-                    None => *seen,
+                    Some(known) => seen.max(known).max(signal.least),
+                    None => seen.max(signal.least),
                 })
                 .collect();
             let moved = |(before, after): (&f64, &f64)| (after / before - 1.0).abs() > SAME;

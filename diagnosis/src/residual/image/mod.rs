@@ -7,7 +7,7 @@
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
 use super::picture::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot, Studio};
-use super::plant::settings;
+use super::settings::settings;
 use super::trajectory::Motion;
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::Setting;
@@ -151,7 +151,7 @@ impl ImageCut {
                     _ if AREAS.contains(&s) => ("px", HONEST_AREA),
                     _ => ("rad", if read { READ_ANGLE } else { HONEST_ANGLE }),
                 };
-                Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), honest }
+                Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), least: 0.0, honest }
             })
             .collect();
         let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);

@@ -99,10 +99,12 @@ impl ImageCut {
             (true, true) => nominal * (libm::exp(CLEAR * apart.error / slope) - 1.0),
             _ => from,
         };
-        // a sensor without noise can't have less: poses are known better than they need be
-        let less = nominal == 0.0 && apart.mean < 0.0;
         let clear = apart.mean.abs() > CLEAR * apart.error;
-        if less || !clear {
+        // a sensor without noise can't have less: poses are known better than they need be; and what scatters by less than the
+        // least noise is none
+        let within = |least: Option<Scatter>| least.is_some_and(|least| compare(&seen, &least).mean < 0.0);
+        let none = nominal == 0.0 && (apart.mean < 0.0 || (clear && within(predicted(LEAST)?)));
+        if none || !clear {
             return Ok(Some(Noise {
                 nominal,
                 value: nominal,

@@ -1,5 +1,6 @@
 //! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
 
+use super::settings::settings;
 use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
 use super::{Block, Cut, Probe, Signal};
 use crate::bench::{Bench, Setting};
@@ -55,6 +56,9 @@ const MOTION: usize = 4;
 const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
 /// Standard deviations to begin with where none is stated.
 const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
+/// Least standard deviations of what is logged: what encoders of 19 bits count, and no arm here has better. Logs of a simulation have
+/// no noise at all, and what is left there, of integrators and of starts within stiction, would be a finding.
+const FINEST: [f64; 5] = [1e-5, 1e-5, 1e-4, 1e-4, 1e-5];
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 
@@ -123,7 +127,8 @@ impl PlantCut {
                 let sigma = known.unwrap_or_else(|| {
                     if place < MOTION { FIRST_GUESS[place] } else { heft * FIRST_GUESS[place] }
                 });
-                Signal { name, unit: UNITS[place], known, sigma, honest: 0.0 }
+                let least = if place < MOTION { FINEST[place] } else { heft * FINEST[place] };
+                Signal { name, unit: UNITS[place], known, sigma, least, honest: 0.0 }
             })
             .collect();
         let runs = Arc::new(data.runs.clone());
@@ -368,30 +373,4 @@ impl Cut for PlantCut {
     fn discrepancy_unit(&self) -> &'static str {
         "N·m"
     }
-}
-
-/// Parameter values of one unit at a point, one candidate moved on.
-///
-/// # Errors
-/// The unit lacks a candidate's variable.
-pub fn settings(
-    bench: &Bench,
-    candidates: &[Candidate],
-    side: Side,
-    point: &[f64],
-    moved: Option<Probe>,
-) -> Result<Vec<Setting>, Error> {
-    let mut all = Vec::new();
-    for (index, candidate) in candidates.iter().enumerate() {
-        if candidate.side != side {
-            continue;
-        }
-        let by = moved.filter(|probe| probe.candidate == index).map_or(0.0, |probe| probe.by);
-        let x = (point[index] + by).clamp(candidate.range.0, candidate.range.1);
-        if x != candidate.off {
-            let variable = candidate.name.split_once('.').map_or(candidate.name, |(_, variable)| variable);
-            all.push(bench.setting(variable, candidate.value(x))?);
-        }
-    }
-    Ok(all)
 }

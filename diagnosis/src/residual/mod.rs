@@ -90,6 +90,10 @@ pub trait Cut: Send + Sync {
     /// Puts the nuisances where they were when they were remembered: looks at other models may have led them far away, to
     /// where a machine that moves fast doesn't find back.
     fn recall(&mut self) {}
+    /// Holds the nuisances as they are now, for `release`: where each look settles them anew, a refused one must leave no trace.
+    fn hold(&mut self) {}
+    /// Puts them where they were when they were held.
+    fn release(&mut self) {}
     /// Whether pictures are compared, whose pixel lattice moves with every refit.
     fn lattice(&self) -> bool {
         false

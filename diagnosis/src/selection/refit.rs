@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use crate::candidates::Candidate;
 use crate::error::Error;
-use crate::residual::{Cut, Probe};
+use crate::residual::{Cut, Probe, Signal};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
 /// Most linearisations of a fit.
@@ -24,6 +24,15 @@ const SHORTER_SEEN: f64 = 0.3;
 const RUNAWAY: f64 = 30.0;
 const FEW: f64 = 0.3;
 
+/// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
+/// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
+/// anew at each look a log took seven times as long and came out no better.
+const DOUBT: f64 = 5.0;
+const FEW_DOUBTED: f64 = 0.15;
+
+/// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
+const FINE: f64 = 1.5e-4;
+
 /// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
 const REACH: f64 = 5.0;
 
@@ -37,7 +46,21 @@ pub fn refit(
     start: &[f64],
     active: &[usize],
 ) -> Result<Evaluation, Error> {
-    refit_towards(cut, candidates, start, active, f64::INFINITY)
+    fitted(cut, candidates, start, active, f64::INFINITY, |best, _| some_ran_away(best))
+}
+
+/// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each look.
+/// only compared may be a little off.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub fn refit_closely(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+) -> Result<Evaluation, Error> {
+    fitted(cut, candidates, start, active, f64::INFINITY, some_doubted)
 }
 
 /// The same, ended as soon as the deviance is not going to fall to `enough`.
@@ -51,14 +74,26 @@ pub(super) fn refit_towards(
     active: &[usize],
     enough: f64,
 ) -> Result<Evaluation, Error> {
+    fitted(cut, candidates, start, active, enough, |best, _| some_ran_away(best))
+}
+
+fn fitted(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+    enough: f64,
+    doubted: fn(&Evaluation, &[Signal]) -> bool,
+) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
     cut.back();
     let mut best = judge(cut, candidates, start, &free, true)?;
     let sticks = free.iter().any(|index| candidates[*index].sticks());
     // columns and start states of another friction hold for no window in which the arm sticks
-    let quick = cut.lattice() || !sticks || !some_ran_away(&best);
+    let quick = cut.lattice() || !sticks || !doubted(&best, cut.signals());
     if !quick {
         best = judge(cut, candidates, start, &free, false)?;
+        cut.hold();
     }
     let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
     let mut damping: f64 = 0.0;
@@ -76,17 +111,27 @@ pub(super) fn refit_towards(
             Some(trial) if trial.deviance() < best.deviance() => {
                 best = trial;
                 damping *= 0.1;
+                if !quick {
+                    cut.hold();
+                }
             }
             _ if promise < REFUSED => break,
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
-                cut.back();
+                if quick {
+                    cut.back();
+                } else {
+                    cut.release();
+                }
                 damping = (10.0 * damping).max(shorter);
                 if damping > 1e4 {
                     break;
                 }
             }
         }
+    }
+    if !quick {
+        cut.release();
     }
     Ok(best)
 }
@@ -106,7 +151,7 @@ pub(super) fn own_fit(
         cut.back();
         return Ok((last.point[effect], last.deviance() - promise));
     }
-    let fit = refit(cut, candidates, &last.point, active)?;
+    let fit = refit_closely(cut, candidates, &last.point, active)?;
     let fit = settled(cut, fit)?;
     Ok((fit.point[effect], fit.deviance()))
 }
@@ -180,6 +225,18 @@ pub(super) fn ran_away(block: &Reduced) -> bool {
 fn some_ran_away(best: &Evaluation) -> bool {
     let count = best.reduced.iter().filter(|block| ran_away(block)).count();
     count > 0 && count as f64 <= FEW * best.reduced.len() as f64
+}
+
+/// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
+fn some_doubted(best: &Evaluation, signals: &[Signal]) -> bool {
+    let mut stated =
+        signals.iter().zip(&best.sigmas).map(|(signal, sigma)| (signal, signal.known.unwrap_or(*sigma)));
+    if !stated.any(|(signal, sigma)| signal.unit == "rad" && sigma < FINE) {
+        return false;
+    }
+    let doubted = |block: &&Reduced| block.square > block.freedom + DOUBT * (2.0 * block.freedom).sqrt();
+    let count = best.reduced.iter().filter(doubted).count();
+    count > 0 && count as f64 <= FEW_DOUBTED * best.reduced.len() as f64
 }
 
 /// Sums over the blocks; where the arm sticks, without the few that ran away: a start state may be lost there that is found again with

@@ -3,7 +3,7 @@
 use super::Step;
 use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
-use super::refit::refit;
+use super::refit::refit_closely;
 use super::trials::{HANDICAP, stamped_late};
 use crate::candidates::{Candidate, Side};
 use crate::error::Error;
@@ -96,7 +96,7 @@ fn prune(
     let mut dropped = Vec::new();
     let mut tiny = vec![f64::INFINITY; candidates.len()];
     loop {
-        let fit = refit(cut, candidates, point, active)?;
+        let fit = refit_closely(cut, candidates, point, active)?;
         point.clone_from(&fit.point);
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();

@@ -2,7 +2,7 @@
 
 use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
-use super::refit::refit;
+use super::refit::{refit, refit_closely};
 use super::screen::{Hit, Screen};
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
@@ -125,7 +125,8 @@ impl Trials<'_> {
             let mut point = self.last.point.clone();
             point[hit.candidate] = x;
             // a value that the unit refuses is no trial
-            let Ok(trial) = refit(cut, self.candidates, &point, &with(self.active, hit.candidate)) else {
+            let Ok(trial) = refit_closely(cut, self.candidates, &point, &with(self.active, hit.candidate))
+            else {
                 continue;
             };
             let worse = !cut.lattice() && !cut.steady() && trial.deviance() > self.last.deviance();

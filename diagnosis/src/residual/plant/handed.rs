@@ -1,27 +1,49 @@
-//! A window that is lost begins anew where the one before it was then.
+//! A window that is lost, or doubted where the arm sticks, begins anew elsewhere.
 //!
 //! A start state is guessed from few rows: a joint that sticks or slips between two of them has another rate than that, and from
 //! there the arm may never come to where it was seen, nor a fit out of that valley. But a window begins before the one before it
-//! ends, and where that one follows the log it knows the state.
+//! ends, and where that one follows the log it knows the state; and a joint that sticks has no rate.
 
-use super::fitting::{Look, square};
+use super::fitting::{Fit, Look, square};
 use super::*;
 
 /// A mean square of the whitened rest that no noise gives.
 const FAR: f64 = 4.0;
 /// The window before says more than this one where it has no more than this share of its squares.
 const BETTER: f64 = 0.3;
+/// Standard deviations by which noise alone gives more squares than in the usual window, beyond which a fit is doubted.
+const DOUBT: f64 = 3.0;
+/// Share of windows up to which they are doubted: beyond, it is the model that is wrong.
+const FEW: f64 = 0.3;
+/// A valley is left for one that is deeper by this share.
+const DEEPER: f64 = 0.95;
 
 fn squares(look: &Look) -> f64 {
     look.block.cells.iter().map(square).sum()
 }
 
+fn rows(look: &Look) -> f64 {
+    look.block.cells.iter().map(|cell| cell.residual.len() as f64).sum()
+}
+
 fn lost(look: &Look) -> bool {
-    squares(look) > FAR * look.block.cells.iter().map(|cell| cell.residual.len() as f64).sum::<f64>()
+    squares(look) > FAR * rows(look)
+}
+
+/// Mean square of the usual window.
+fn usual(found: &[Result<Look, Error>]) -> f64 {
+    let means = found.iter().flatten().map(|look| squares(look) / rows(look));
+    let mut each: Vec<f64> = means.filter(|mean| mean.is_finite()).collect();
+    each.sort_by(f64::total_cmp);
+    each.get(each.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+fn doubted(look: &Look, usual: f64) -> bool {
+    squares(look) > usual * (rows(look) + DOUBT * (2.0 * rows(look)).sqrt())
 }
 
 impl PlantCut {
-    /// Looks again at windows that are lost, those of a run in their order. `found` is what was found at `places`.
+    /// Looks again at windows that are lost or doubted, those of a run in their order. `found` is what was found at `places`.
     pub(super) fn handed(
         &self,
         places: &[usize],
@@ -30,20 +52,54 @@ impl PlantCut {
         found: &mut [Result<Look, Error>],
     ) -> Result<(), Error> {
         let settings = self.settings(point, None)?;
-        for index in 1..found.len() {
-            let [before, here] = [places[index - 1], places[index]].map(|place| &self.windows[place]);
-            let (Ok(known), Ok(look)) = (&found[index - 1], &found[index]) else { continue };
-            if !lost(look) || squares(known) > BETTER * squares(look) {
-                continue;
-            }
-            let Some(state) = self.state_of(before, known, here, &settings) else { continue };
+        let sticks = |(candidate, x): (&Candidate, &f64)| candidate.sticks() && candidate.value(*x) > 0.0;
+        let usual = if self.candidates.iter().zip(point).any(sticks) { usual(found) } else { f64::INFINITY };
+        let many = found.iter().flatten().filter(|look| doubted(look, usual)).count();
+        let usual = if many as f64 <= FEW * found.len() as f64 { usual } else { f64::INFINITY };
+        for index in 0..found.len() {
+            let here = &self.windows[places[index]];
+            let Ok(look) = &found[index] else { continue };
+            let before = index
+                .checked_sub(1)
+                .and_then(|before| Some((&self.windows[places[before]], found[before].as_ref().ok()?)));
+            let handed = before.and_then(|(window, known)| self.state_of(window, known, here, &settings));
+            let begun = if doubted(look, usual) {
+                self.deepest(here, look, handed, &settings)
+            } else {
+                let better = |(_, known): (&Window, &Look)| squares(known) <= BETTER * squares(look);
+                handed.filter(|_| lost(look) && before.is_some_and(better))
+            };
+            let Some(begun) = begun else { continue };
             // what begins anew and fails leaves what there was
-            let Ok(again) = self.window(&here.begun_at(state), point, probes, false) else { continue };
+            let Ok(again) = self.window(&here.begun_at(begun), point, probes, false) else { continue };
             if squares(&again) < squares(look) {
                 found[index] = Ok(again);
             }
         }
         Ok(())
+    }
+
+    /// The start state with which an arm that may stick follows the log best, if that is better than what was found.
+    fn deepest(
+        &self,
+        here: &Window,
+        look: &Look,
+        handed: Option<State>,
+        settings: &[Setting],
+    ) -> Option<State> {
+        let [q1, q2, dq1, dq2] = look.start;
+        let both = 0.5 * (dq1 + dq2);
+        let stuck = [[q1, q2, both, both], [q1, q2, 0.0, dq2], [q1, q2, 0.0, 0.0]];
+        let starts: Vec<State> = handed.into_iter().chain(stuck).chain([look.start]).collect();
+        let layout = Layout::of(self, here);
+        let settled = |start: &State| -> Option<Fit> {
+            let begun = here.begun_at(*start);
+            let fit = self.fit(&begun, &layout, settings, *start, begun.leads.clone()).ok()?;
+            self.settle(&begun, &layout, settings, false, fit).ok()
+        };
+        let fits: Vec<Fit> = starts.par_iter().filter_map(settled).collect();
+        let best = fits.into_iter().min_by(|a, b| square(&a.cell).total_cmp(&square(&b.cell)))?;
+        (square(&best.cell) < DEEPER * squares(look)).then_some(best.start)
     }
 
     /// The state of one window where the next begins, if it goes so far.

@@ -360,6 +360,14 @@ impl Cut for PlantCut {
         self.windows.iter_mut().for_each(Window::recall);
     }
 
+    fn hold(&mut self) {
+        self.windows.iter_mut().for_each(Window::hold);
+    }
+
+    fn release(&mut self) {
+        self.windows.iter_mut().for_each(Window::release);
+    }
+
     fn afresh(&mut self) {
         let runs = self.runs.clone();
         self.windows.iter_mut().for_each(|window| window.begin(&runs[window.run]));

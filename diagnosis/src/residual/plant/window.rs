@@ -93,6 +93,7 @@ pub(super) struct Window {
     /// The fit without leads of the last full look: by it the window was led, or not.
     pub(super) free: Option<super::fitting::Fit>,
     remembered: Option<Nuisances>,
+    held: Option<Nuisances>,
     /// It was lost, and is begun anew: its fit tries harder.
     pub(super) again: bool,
 }
@@ -111,6 +112,7 @@ impl Window {
             kept: None,
             free: None,
             remembered: None,
+            held: None,
             again: true,
         }
     }
@@ -127,12 +129,26 @@ impl Window {
         self.free = None;
     }
 
+    fn nuisances(&self) -> Nuisances {
+        (self.start, self.leads.clone(), self.kept.clone(), self.free.clone())
+    }
+
     pub(super) fn remember(&mut self) {
-        self.remembered = Some((self.start, self.leads.clone(), self.kept.clone(), self.free.clone()));
+        self.remembered = Some(self.nuisances());
     }
 
     pub(super) fn recall(&mut self) {
         if let Some(known) = &self.remembered {
+            (self.start, self.leads, self.kept, self.free) = known.clone();
+        }
+    }
+
+    pub(super) fn hold(&mut self) {
+        self.held = Some(self.nuisances());
+    }
+
+    pub(super) fn release(&mut self) {
+        if let Some(known) = &self.held {
             (self.start, self.leads, self.kept, self.free) = known.clone();
         }
     }
@@ -214,6 +230,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Sp
                 kept: None,
                 free: None,
                 remembered: None,
+                held: None,
                 again: false,
             });
         }

@@ -2,7 +2,7 @@
 
     python scripts/blind.py                          the slice
     python scripts/blind.py --count 300 --seed 7     300 sets of each part; hours
-    python scripts/blind.py --count 40 --rivals      40 of each, and pySINDy and a BIC search beside ours on the same sets
+    python scripts/blind.py --count 40 --rivals      40 of each, and pySINDy and BIC searches beside ours on the same sets
 
 The sets come from tests/hidden, which shares no code and no numerics with the product. Answers lie apart and are opened
 by the scorer afterwards. Prints the measures and the confusion table; exit status 1 if the slice got worse.
@@ -28,7 +28,8 @@ GATES = {
     "pairs_one": (">=", 1.0),
     "over_confident": ("<=", 0.0),
 }
-RIVALS = ("sindy", "bic")
+# Names and how they are called: the strong search is given the maker's own machine and camera, the textbook one the product's units.
+RIVALS = {"sindy": "sindy", "bic": "bic", "stepwise": f"--units {ROOT / 'target' / 'fmus'} stepwise"}
 
 
 def hidden(*arguments):
@@ -47,7 +48,7 @@ def main():
     parser.add_argument("--count", type=int, help="sets of each part instead of the slice")
     parser.add_argument("--seed", type=int, default=1, help="of the sets (default 1)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "blind", help="folder (default out/blind)")
-    parser.add_argument("--rivals", action="store_true", help="diagnose the sets with pySINDy and BIC, too, and compare")
+    parser.add_argument("--rivals", action="store_true", help="diagnose the sets with pySINDy and by BIC, too, and compare")
     arguments = parser.parse_args()
     out = arguments.out.resolve()
     sets, answers, diagnoses = out / "sets", out / "answers", out / "diagnoses"
@@ -56,8 +57,8 @@ def main():
     hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope")
     hidden("score", diagnoses, answers, "--out", out / "score.json")
     if arguments.rivals:
-        for rival in RIVALS:
-            hidden("diagnose", sets, out / rival, "--command-line", f"{sys.executable} -m hidden.rivals {rival}")
+        for rival, call in RIVALS.items():
+            hidden("diagnose", sets, out / rival, "--command-line", f"{sys.executable} -m hidden.rivals {call}")
         hidden("compare", f"ours={diagnoses}", *(f"{r}={out / r}" for r in RIVALS), "--answers", answers)
     if not arguments.count:
         found = list(failures(json.loads((out / "score.json").read_text())))

@@ -1,4 +1,4 @@
-"""A rival behind the product's command line: python -m hidden.rivals KIND diagnose SET --out DIR [--without NAME].
+"""A rival behind the product's command line: python -m hidden.rivals [--units DIR] KIND diagnose SET --out DIR [--without NAME].
 
 So `python -m hidden diagnose` runs a rival as it runs the product: a process for each set, and a set that breaks it is
 reported, stays without a diagnosis and counts as wrong.
@@ -31,7 +31,9 @@ def diagnosis(effects):
 
 def main(argv=None):
     parser = argparse.ArgumentParser(prog="hidden.rivals", description="A rival of the diagnosis.")
-    parser.add_argument("kind", choices=("sindy", "bic"))
+    parser.add_argument("--units", metavar="DIR", help="predict with the product's units in this folder, not with the maker's own "
+                        "machine and camera (not sindy)")
+    parser.add_argument("kind", choices=("sindy", "bic", "stepwise"))
     parser.add_argument("verb", choices=("diagnose",))
     parser.add_argument("set", help="data set folder")
     parser.add_argument("--out", required=True, help="folder for diagnosis.json")
@@ -39,7 +41,14 @@ def main(argv=None):
     args = parser.parse_args(argv)
     from .data import load
 
-    data = load(args.set, args.without)
+    if args.units and args.kind == "sindy":
+        parser.error("--units: sindy has equations of its own and calls no unit; leave it out")
+    world = None
+    if args.units:
+        from .units import Units
+
+        world = Units(args.units)
+    data = load(args.set, args.without, world)
     rival = importlib.import_module(f".{args.kind}", __package__)
     said = diagnosis(rival.diagnose(data))
     out = Path(args.out)

@@ -143,7 +143,7 @@ class Search:
         """The same with the pixel lattice taken at the poses found, again and again."""
         found = self.settle(model, chosen)
         for _ in range(ANCHORS if self.data.has_frames else 0):
-            found = self.settle(found[0], chosen, Lattice(found[1].columns.poses, found[0].camera))
+            found = self.settle(found[0], chosen, Lattice(found[1].columns.poses, found[0].camera, self.data.world))
         return found
 
     def screen(self, linear, chosen):
@@ -200,7 +200,7 @@ class Search:
         return model, linear, chosen, beside
 
 
-def _errors(linear, effects, off):
+def standard_errors(linear, effects, off):
     """Standard errors of the continuous ones, by effect."""
     free = [e for e in effects if continuous(e)]
     if not free:
@@ -213,7 +213,7 @@ def diagnose(data):
     """[(names, value, standard error, probability)] in the order found."""
     search = Search(data)
     model, linear, chosen, beside = search.run()
-    errors = _errors(linear, chosen, search.off)
+    errors = standard_errors(linear, chosen, search.off)
     found = []
     for e in chosen:
         ties, weight = beside[e]

@@ -27,14 +27,14 @@ def noise_level(data, camera):
     runs = [r for r in data.runs if len(r.frames) > 10]
     if not runs:
         return None
-    poses = [image.fit_poses(r.frames, r.frame_time, camera) for r in runs]
-    clean = [image.rendered(p, camera)[:, 0] for p in poses]
+    poses = [image.fit_poses(r.frames, r.frame_time, camera, data.world) for r in runs]
+    clean = [data.world.rendered(p, camera)[:, 0] for p in poses]
     seen, worth = _variance([r.frames[:, 0, 0] - c for r, c in zip(runs, clean)])
     worth /= 1.0 + 1.0 / REPEATS  # what is expected is drawn too
     misfits = []
     for factor in FACTORS:
         true = {**camera, "sigma": factor * camera["sigma"]}
-        drawn = [image.noisy(p, true, 100 * i + k + 1)[:, 0] - c
+        drawn = [data.world.noisy(p, true, 100 * i + k + 1)[:, 0] - c
                  for i in range(REPEATS) for k, (p, c) in enumerate(zip(poses, clean))]
         expected, _ = _variance(drawn)
         misfits.append(worth * (math.log(expected) + seen / expected))

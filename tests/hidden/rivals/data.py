@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..effects import CAMERA_NOMINAL, LISTED, PLANT_NOMINAL, Effect
+from .maker import Maker
 
 PLANT_COLUMNS = ("q1", "q2", "dq1", "dq2", "tau_applied")  # the order of a node of dynamics.simulate
 CLOCK = Effect("clock.offset", 0.0, 5e-4, 0.0)  # a nuisance where plant and camera are logged: never named
@@ -37,6 +38,7 @@ class Data:
     camera: dict
     noise: dict  # stated standard deviations, by column of the plant
     candidates: list = field(default_factory=list)
+    world: object = field(default_factory=Maker)  # whose machine and camera predict
 
     @property
     def has_frames(self):
@@ -91,8 +93,8 @@ def _run(folder, camera):
                int(np.maximum(gaps, 0.0).sum()))
 
 
-def load(folder, without=()):
-    """Reads a data set folder (CONTRACT.md, section 5); `without`: names that may not be given."""
+def load(folder, without=(), world=None):
+    """Reads a data set folder (CONTRACT.md, section 5); `without`: names that may not be given; world: who predicts."""
     folder = Path(folder)
     head = tomllib.loads((folder / "dataset.toml").read_text())
     plant, camera = dict(PLANT_NOMINAL), dict(CAMERA_NOMINAL)
@@ -100,7 +102,7 @@ def load(folder, without=()):
         side, key = name.split(".", 1)
         (plant if side == "plant" else camera)[key] = float(value)
     noise = {k.split(".")[1]: float(v) for k, v in head.get("noise", {}).items() if k.startswith("plant.")}
-    data = Data([_run(folder / r["dir"], camera) for r in head["run"]], plant, camera, noise)
+    data = Data([_run(folder / r["dir"], camera) for r in head["run"]], plant, camera, noise, world=world or Maker())
     data.candidates = [e for e in LISTED if e.name not in without and _possible(e, data)]
     return data
 

@@ -168,7 +168,7 @@ def with_rates(times, poses):
     return np.column_stack([poses, np.gradient(poses, times, axis=0)])
 
 
-def fit_poses(frames, times, camera, known=None, trust=0.0, steps=4):
+def fit_poses(frames, times, camera, world, known=None, trust=0.0, steps=4):
     """Poses with rates (n, 4) that explain the centroids best, by least squares against rendered frames.
 
     Against ideal centroids they would stick to the lattice: pictures rendered there scatter less than real ones.
@@ -177,7 +177,7 @@ def fit_poses(frames, times, camera, known=None, trust=0.0, steps=4):
     poses = with_rates(times, estimates(frames, camera)) if known is None else known.copy()
     seen = frames.reshape(len(frames), 9)[:, PLACES]
     for _ in range(steps):
-        rest = np.nan_to_num(seen - rendered(poses, camera)[:, PLACES])
+        rest = np.nan_to_num(seen - world.rendered(poses, camera)[:, PLACES])
         j = pose_jacobian(poses[:, :2], camera)[:, PLACES]
         normal = np.einsum("nik,nil->nkl", j, j) + trust * np.eye(2)
         pull = np.einsum("nik,ni->nk", j, rest)

@@ -35,7 +35,7 @@ class Piece:
     """One run's share: rates, weak form, pictures."""
 
     def __init__(self, data, run):
-        self.run, self.plant, self.camera = run, data.plant, data.camera
+        self.run, self.plant, self.camera, self.world = run, data.plant, data.camera, data.world
         self.encoders = len(run.plant) >= ROWS
         self.mid = run.frame_time - self.camera["T_delay"] - 0.5 * self.camera["E_t"] / self.camera["omega_cam"]
         self.seen = run.frames.reshape(-1, 9)
@@ -43,7 +43,7 @@ class Piece:
             good = np.all(np.isfinite(run.plant[:, :2]), axis=1)
             self.t, self.q = run.plant_time[good], run.plant[good, :2]
         else:
-            self.t, self.q = self.mid, image.fit_poses(run.frames, self.mid, self.camera)[:, :2]
+            self.t, self.q = self.mid, image.fit_poses(run.frames, self.mid, self.camera, self.world)[:, :2]
         self.sd = [data.noise.get(k) or _roughness(self.q[:, j]) for j, k in enumerate(("q1", "q2"))]
         self.smoothed, self.dq = _rates(self.t, self.q)
         self.weak = Weak(self.t, run.commands, self.sd)
@@ -57,11 +57,11 @@ class Piece:
             rates = np.column_stack([np.interp(at, self.t, self.dq[:, j]) for j in (0, 1)])
             known = np.column_stack([CubicHermiteSpline(self.t, self.smoothed, self.dq)(at), rates])
             trust = (PIXEL / np.mean(self.sd)) ** 2
-            self.poses = image.fit_poses(self.run.frames, self.mid, self.camera, known, trust)
+            self.poses = image.fit_poses(self.run.frames, self.mid, self.camera, self.world, known, trust)
         else:
             self.poses = known = np.column_stack([self.q, self.dq])
-        self.frames = image.rendered(self.poses, self.camera)
-        self.beside = image.rendered(self.poses + BESIDE, self.camera)
+        self.frames = self.world.rendered(self.poses, self.camera)
+        self.beside = self.world.rendered(self.poses + BESIDE, self.camera)
         self.turn = image.pose_jacobian(self.poses, self.camera)
         pose = np.diag(self.sd) ** 2 if self.encoders else 0.05**2 * np.eye(2)
         cover = np.diag(np.maximum(self._noise(), FLOOR) ** 2) + np.einsum("nik,kl,njl->nij", self.turn, pose, self.turn)
@@ -72,9 +72,9 @@ class Piece:
 
     def _noise(self):
         """Noise of each channel: as the nominal camera would have it, times what circle 1 (blind to the pose) scatters."""
-        poses = image.fit_poses(self.run.frames, self.mid, self.camera) if self.encoders else self.poses
-        clean = image.rendered(poses, self.camera)
-        sd = np.maximum(np.nanstd(image.noisy(poses, self.camera) - clean, axis=0), FLOOR)
+        poses = image.fit_poses(self.run.frames, self.mid, self.camera, self.world) if self.encoders else self.poses
+        clean = self.world.rendered(poses, self.camera)
+        sd = np.maximum(np.nanstd(self.world.noisy(poses, self.camera) - clean, axis=0), FLOOR)
         return sd * max(1.0, float(np.mean(image.scatter(self.seen - clean)[:3] / sd[:3])))
 
     def _whiten(self, frames):
@@ -90,7 +90,7 @@ class Piece:
         poses = self.poses.copy()
         poses[:, :2] -= late * poses[:, 2:]
         if effect.key in RENDERED:  # beside the pose: there, term and rest would share the lattice's error of one picture
-            change = image.rendered(poses + BESIDE, new) - self.beside
+            change = self.world.rendered(poses + BESIDE, new) - self.beside
         else:
             change = image.project(poses, new) - image.project(self.poses, self.camera)
         if self.encoders:

@@ -8,14 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import dynamics as dyn
 from . import image
 from .data import CLOCK, PLANT_COLUMNS, RENDERED, probe
 
 WIDTH = 0.5  # s, as in mde.py
-SUBSTEP = 1.0 / 160.0  # s: RK4 on modes of some 20 rad/s leaves 1e-7 rad in a window, far below any encoder
-EARLY = 0.04  # s that a window with frames begins before its first row: a delayed frame shows an earlier pose
-LEAD = 0.3  # s that the actuator runs before a window
 STATE_STEP = (1e-5, 1e-5, 1e-4, 1e-4)
 GROUPS = (*PLANT_COLUMNS, *(f"{k}{i}" for i in (1, 2, 3) for k in ("area", "u", "v")))
 
@@ -40,7 +36,7 @@ class Model:
 class Windows:
     def __init__(self, data, width=WIDTH):
         self.data, self.cuts = data, []
-        early = EARLY if data.has_frames else 0.0
+        early = data.world.early if data.has_frames else data.world.early_plant
         for k, run in enumerate(data.runs):
             times = np.concatenate([run.plant_time, run.frame_time])
             if not len(times):
@@ -65,14 +61,14 @@ class Windows:
 
     def replay(self, model, change=None):
         """Nodes at the plant's rows by cut, and poses (n, 5) at mid exposure; change: added to every start state."""
-        p = dyn.pack(model.plant, SUBSTEP)
+        simulate = self.data.world.replay(model.plant)
         late = model.camera["T_delay"] + 0.5 * model.camera["E_t"] / model.camera["omega_cam"]
         rows, poses = [], [np.zeros((0, 5))]
         for cut, start in zip(self.cuts, model.starts):
             run = self.data.runs[cut.run]
             times = np.concatenate([run.plant_time[cut.rows] - model.clock, run.frame_time[cut.frames] - late])
             order, back = np.unique(np.concatenate([[cut.begin], np.maximum(times, cut.begin)]), return_inverse=True)
-            nodes = _simulate(run.commands, order, start if change is None else start + change, p)[back[1:]]
+            nodes = simulate(run.commands, order, start if change is None else start + change)[back[1:]]
             rows.append(nodes[:len(cut.rows)])
             poses.append(nodes[len(cut.rows):])
         return rows, np.concatenate(poses)
@@ -101,23 +97,6 @@ class Windows:
         return np.array(starts)
 
 
-def _simulate(commands, times, start, p):
-    """Nodes at times[0..] from a start state at times[0] under held commands; the actuator is warm by then."""
-    lead = times[0] - LEAD
-    first = max(0, int(np.searchsorted(commands[:, 0], lead - p[dyn.TDEL])) - 1)
-    last = int(np.searchsorted(commands[:, 0], times[-1] + 1e-9))
-    ct, cv, c1 = (np.ascontiguousarray(commands[first:last, j]) for j in (0, 1, 2))
-    a = np.zeros(2)
-    if len(ct):
-        if ct[0] <= lead:
-            a[:] = cv[0]
-        dyn.simulate(np.zeros(6), a, np.array([lead, times[0]]), ct, cv, c1, len(ct), np.zeros(0), p, False, np.zeros((2, 5)))
-    s = np.array([*start, start[1] - start[0], start[3] - start[2]])
-    nodes = np.zeros((len(times), 5))
-    dyn.simulate(s, a, times, ct, cv, c1, len(ct), np.zeros(0), p, True, nodes)
-    return nodes
-
-
 def continuous(effect):
     return effect.shape in ("linear", "limit")
 
@@ -143,14 +122,14 @@ class Lattice:
     Rendering anew at every pose would give a criterion with some hundred local minima (the lattice repeats every pixel).
     """
 
-    def __init__(self, poses, camera):
-        self.poses, self.camera, self.known = poses, camera, {}
+    def __init__(self, poses, camera, world):
+        self.poses, self.camera, self.world, self.known = poses, camera, world, {}
 
     def of(self, camera):
         key = tuple(camera[k] for k in RENDERED)
         if key not in self.known:
             here = {**self.camera, **dict(zip(RENDERED, key))}
-            self.known[key] = image.rendered(self.poses, here) - image.project(self.poses, self.camera)
+            self.known[key] = self.world.rendered(self.poses, here) - image.project(self.poses, self.camera)
         return self.known[key]
 
 
@@ -160,7 +139,7 @@ class Columns:
     def __init__(self, windows, model, lattice=None):
         self.windows, self.model = windows, model
         self.nodes, self.poses = windows.replay(model)
-        self.lattice = lattice or Lattice(self.poses, model.camera)
+        self.lattice = lattice or Lattice(self.poses, model.camera, windows.data.world)
         self.frames = self._frames(self.poses, model.camera)
         self.turn = image.pose_jacobian(self.poses, model.camera)
         self.base = windows.stack(self.nodes, self.frames)

@@ -94,6 +94,10 @@ pub trait Cut: Send + Sync {
     fn hold(&mut self) {}
     /// Puts them where they were when they were held.
     fn release(&mut self) {}
+    /// Whether nuisances were left that a full look may settle better.
+    fn hopeful(&self) -> bool {
+        true
+    }
     /// Whether pictures are compared, whose pixel lattice moves with every refit.
     fn lattice(&self) -> bool {
         false

@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use crate::candidates::Candidate;
 use crate::error::Error;
-use crate::residual::{Cut, Probe, Signal};
+use crate::residual::{Cut, Probe};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
 /// Most linearisations of a fit.
@@ -46,7 +46,7 @@ pub fn refit(
     start: &[f64],
     active: &[usize],
 ) -> Result<Evaluation, Error> {
-    fitted(cut, candidates, start, active, f64::INFINITY, |best, _| some_ran_away(best))
+    fitted(cut, candidates, start, active, f64::INFINITY, |_, best| some_ran_away(best))
 }
 
 /// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each look.
@@ -74,7 +74,7 @@ pub(super) fn refit_towards(
     active: &[usize],
     enough: f64,
 ) -> Result<Evaluation, Error> {
-    fitted(cut, candidates, start, active, enough, |best, _| some_ran_away(best))
+    fitted(cut, candidates, start, active, enough, |_, best| some_ran_away(best))
 }
 
 fn fitted(
@@ -83,14 +83,14 @@ fn fitted(
     start: &[f64],
     active: &[usize],
     enough: f64,
-    doubted: fn(&Evaluation, &[Signal]) -> bool,
+    doubted: fn(&dyn Cut, &Evaluation) -> bool,
 ) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
     cut.back();
     let mut best = judge(cut, candidates, start, &free, true)?;
     let sticks = free.iter().any(|index| candidates[*index].sticks());
     // columns and start states of another friction hold for no window in which the arm sticks
-    let quick = cut.lattice() || !sticks || !doubted(&best, cut.signals());
+    let quick = cut.lattice() || !sticks || !doubted(cut, &best);
     if !quick {
         best = judge(cut, candidates, start, &free, false)?;
         cut.hold();
@@ -228,10 +228,10 @@ fn some_ran_away(best: &Evaluation) -> bool {
 }
 
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
-fn some_doubted(best: &Evaluation, signals: &[Signal]) -> bool {
-    let mut stated =
-        signals.iter().zip(&best.sigmas).map(|(signal, sigma)| (signal, signal.known.unwrap_or(*sigma)));
-    if !stated.any(|(signal, sigma)| signal.unit == "rad" && sigma < FINE) {
+fn some_doubted(cut: &dyn Cut, best: &Evaluation) -> bool {
+    let mut sigmas = cut.signals().iter().zip(&best.sigmas);
+    let fine = sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < FINE);
+    if !fine || !cut.hopeful() {
         return false;
     }
     let doubted = |block: &&Reduced| block.square > block.freedom + DOUBT * (2.0 * block.freedom).sqrt();

@@ -44,16 +44,19 @@ fn doubted(look: &Look, usual: f64) -> bool {
 
 impl PlantCut {
     /// Looks again at windows that are lost or doubted, those of a run in their order. `found` is what was found at `places`.
+    /// Answers whether doubts are worth having: not where nobody who was doubted got a better start.
     pub(super) fn handed(
         &self,
         places: &[usize],
         point: &[f64],
         probes: &[Probe],
         found: &mut [Result<Look, Error>],
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
+        let (mut doubts, mut helped) = (0, 0);
         let settings = self.settings(point, None)?;
         let sticks = |(candidate, x): (&Candidate, &f64)| candidate.sticks() && candidate.value(*x) > 0.0;
-        let usual = if self.candidates.iter().zip(point).any(sticks) { usual(found) } else { f64::INFINITY };
+        let asked = self.hopeful && self.candidates.iter().zip(point).any(sticks);
+        let usual = if asked { usual(found) } else { f64::INFINITY };
         let many = found.iter().flatten().filter(|look| doubted(look, usual)).count();
         let usual = if many as f64 <= FEW * found.len() as f64 { usual } else { f64::INFINITY };
         for index in 0..found.len() {
@@ -62,12 +65,15 @@ impl PlantCut {
             let before = index
                 .checked_sub(1)
                 .and_then(|before| Some((&self.windows[places[before]], found[before].as_ref().ok()?)));
-            let handed = before.and_then(|(window, known)| self.state_of(window, known, here, &settings));
+            let handed = || before.and_then(|(window, known)| self.state_of(window, known, here, &settings));
             let begun = if doubted(look, usual) {
-                self.deepest(here, look, handed, &settings)
+                let deepest = self.deepest(here, look, handed(), &settings);
+                doubts += 1;
+                helped += usize::from(deepest.is_some());
+                deepest
             } else {
                 let better = |(_, known): (&Window, &Look)| squares(known) <= BETTER * squares(look);
-                handed.filter(|_| lost(look) && before.is_some_and(better))
+                if lost(look) && before.is_some_and(better) { handed() } else { None }
             };
             let Some(begun) = begun else { continue };
             // what begins anew and fails leaves what there was
@@ -76,7 +82,7 @@ impl PlantCut {
                 found[index] = Ok(again);
             }
         }
-        Ok(())
+        Ok(doubts == 0 || helped > 0)
     }
 
     /// The start state with which an arm that may stick follows the log best, if that is better than what was found.
@@ -90,7 +96,7 @@ impl PlantCut {
         let [q1, q2, dq1, dq2] = look.start;
         let both = 0.5 * (dq1 + dq2);
         let stuck = [[q1, q2, both, both], [q1, q2, 0.0, dq2], [q1, q2, 0.0, 0.0]];
-        let starts: Vec<State> = handed.into_iter().chain(stuck).chain([look.start]).collect();
+        let starts: Vec<State> = handed.into_iter().chain(stuck).collect();
         let layout = Layout::of(self, here);
         let settled = |start: &State| -> Option<Fit> {
             let begun = here.begun_at(*start);

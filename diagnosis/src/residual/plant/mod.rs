@@ -79,6 +79,8 @@ pub struct PlantCut {
     jitter: f64,
     /// By how much the log may be late, s: no bound where runs were found to have clocks of their own.
     doubt: f64,
+    /// No full look has doubted windows in vain yet: beginning them anew may help.
+    hopeful: bool,
     /// Windows that the logs were cut into, before they were thinned.
     cut: usize,
     /// How heavy the arm is.
@@ -150,6 +152,7 @@ impl PlantCut {
             clock,
             zeros: [0.0; 2],
             jitter: 0.0,
+            hopeful: true,
             doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
             cut,
             heft,
@@ -176,7 +179,7 @@ impl PlantCut {
         let look = |place: &usize| self.window(&self.windows[*place], point, probes, quick);
         let mut done: Vec<_> = places.par_iter().map(look).collect();
         if !quick {
-            self.handed(places, point, probes, &mut done)?;
+            self.hopeful &= self.handed(places, point, probes, &mut done)?;
         }
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
@@ -358,6 +361,10 @@ impl Cut for PlantCut {
 
     fn recall(&mut self) {
         self.windows.iter_mut().for_each(Window::recall);
+    }
+
+    fn hopeful(&self) -> bool {
+        self.hopeful
     }
 
     fn hold(&mut self) {

@@ -165,6 +165,17 @@ def test_recovers_friction_and_a_lens_through_the_product_s_units(made):
         assert found[0][0] == [name]
 
 
+def test_refuses_a_trial_that_is_no_machine(made, units):
+    found = short(load(made(*HANG)[0], (), units))
+    search = bic.Search(found)
+    starts = search.windows.guess(found.camera)
+    no_machine = windows.Model({**found.plant, "theta_1": -1.0}, found.camera, starts)
+    assert search.settle(no_machine, [])[2] == np.inf
+    assert np.isfinite(search.settle(windows.Model(found.plant, found.camera, starts), [])[2])  # the unit works on
+    with pytest.raises(image.Unpredictable):
+        image.project(np.zeros((1, 5)), {**found.camera, "radius": 0.0})
+
+
 def test_law_rivals_write_what_the_scorer_reads(made, tmp_path, monkeypatch):
     folder, answers = made(*HANG)
     monkeypatch.setattr(data, "load", lambda *args: short(load(*args)))

@@ -12,6 +12,7 @@ import numpy as np
 
 from . import counts
 from .data import CLOCK, trials
+from .image import Unpredictable
 from .windows import GROUPS, Columns, Lattice, Model, Windows, changed, continuous, value_of
 
 BEST = 4  # candidates refitted per round,
@@ -108,9 +109,14 @@ class Search:
         free = [e for e in chosen if continuous(e)]
         best, sd, damp, slopes = None, None, 1.0, []
         for _ in range(STEPS):
-            columns = Columns(self.windows, model, lattice)
-            linear = Linear(self.windows, columns, sd)
-            value = linear.criterion(linear.y, len(chosen))
+            try:
+                columns = Columns(self.windows, model, lattice)
+                linear = Linear(self.windows, columns, sd)
+                value = linear.criterion(linear.y, len(chosen))
+            except Unpredictable:
+                linear, value = None, np.inf
+            if best is None and linear is None:
+                return model, None, np.inf
             gain = np.inf if best is None else best[2] - value
             if gain > 0.0:
                 best, damp, sd = (model, linear, value), 1.0, linear.levels(linear.y)

@@ -12,6 +12,11 @@ from numba import njit
 
 from .. import camera as cam
 
+
+class Unpredictable(Exception):
+    """A trial that is no machine or no camera: the model can't say what would be seen."""
+
+
 CORNERS = 24
 _TURN = 2.0 * math.pi / CORNERS
 _FAT = math.sqrt(_TURN / math.sin(_TURN))  # the polygon gets the circle's area
@@ -127,7 +132,10 @@ def _draw(poses, c, seed, out):
 
 def project(poses, camera):
     """Ideal frames (n, 9): area, u, v of each circle at poses (n, >= 2)."""
-    return _project(np.ascontiguousarray(poses), cam.pack(camera))
+    try:
+        return _project(np.ascontiguousarray(poses), cam.pack(camera))
+    except ZeroDivisionError:
+        raise Unpredictable("a circle has no area") from None
 
 
 def rendered(poses, camera):

@@ -10,7 +10,10 @@ from pathlib import Path
 
 import numpy as np
 from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
+
+from .image import Unpredictable
 
 PLANT = "acrobot_plant.fmu"
 CAMERA = "acrobot_camera.fmu"
@@ -52,7 +55,10 @@ class Unit:
             setter([variable.valueReference], [kind(value)])
         self.fmu.setupExperiment(startTime=at)
         self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
+        try:
+            self.fmu.exitInitializationMode()
+        except FMICallException as refused:
+            raise Unpredictable(str(refused)) from refused
 
     def port(self, names):
         """(references, room for values) of some Reals, as the two calls below take them."""
@@ -78,7 +84,7 @@ def _function(dll, name, *arguments):
 
 def _check(status):
     if status > 1:  # beyond OK and warning
-        raise RuntimeError(f"the unit answered with status {status}")
+        raise Unpredictable(f"the unit answered with status {status}")
 
 
 class Units:

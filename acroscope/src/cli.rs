@@ -15,6 +15,11 @@ pub struct Arguments {
     pub command: Command,
 }
 
+fn zero_or_more(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "wanted is a finite number, 0 or more".to_owned())
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -84,12 +89,15 @@ pub struct Record {
     #[arg(long, default_value = "visual-servo")]
     pub scenario: String,
     /// Standard deviation of the encoders in rad.
-    #[arg(long, value_name = "RAD", default_value_t = 2e-4)]
+    #[arg(long, value_name = "RAD", value_parser = zero_or_more, allow_negative_numbers = true, default_value_t = 2e-4)]
     pub encoder_noise: f64,
     /// Encoder readings per second; 0: no encoders.
-    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    #[arg(long, value_name = "HZ", value_parser = zero_or_more, allow_negative_numbers = true, default_value_t = 30.0)]
     pub encoder_rate: f64,
-    /// Seed of the encoders' noise.
+    /// Log the applied torque beside the angles, with this standard deviation in N·m; not logged if not given.
+    #[arg(long, value_name = "N.M", value_parser = zero_or_more, allow_negative_numbers = true)]
+    pub torque_noise: Option<f64>,
+    /// Seed of all noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Folder for the data set, made if it is missing.

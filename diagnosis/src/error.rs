@@ -13,7 +13,7 @@ pub enum Error {
         /// What the system says.
         source: std::io::Error,
     },
-    /// `dataset.toml` doesn't say what CONTRACT section 5 asks for.
+    /// `dataset.toml` doesn't say what CONTRACT section 5 asks for, or what is to be recorded isn't there.
     #[error("{}:{line}: {problem}", path.display())]
     Manifest {
         /// The file.

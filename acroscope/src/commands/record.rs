@@ -10,6 +10,7 @@ pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
         scenario: arguments.scenario.clone(),
         encoder_noise: arguments.encoder_noise,
         encoder_rate: arguments.encoder_rate,
+        torque_noise: arguments.torque_noise,
         seed: arguments.seed,
     };
     std::fs::create_dir_all(&arguments.out).map_err(Error::file(&arguments.out))?;

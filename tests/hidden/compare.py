@@ -20,7 +20,7 @@ def cases_of(diagnoses, answers):
 
 def _seen(cases):
     """What name_3x is about."""
-    return [(a, d) for a, d in cases if a["part"] in ("singles", "one", "large") and a["verdict"] == "named"
+    return [(a, d) for a, d in cases if a["part"] in ("singles", "one", "large", "rigs") and a["verdict"] == "named"
             and len(a["effect"]) == 1 and a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] == 0]
 
 

@@ -8,7 +8,7 @@ from .effects import BY_NAME, LISTED, UNKNOWN
 from .settings import MIXES, Setting, off_value, value_at
 from .sets import Spec
 
-PARTS = ("singles", "none", "pairs", "unknown", "classes", "large")
+PARTS = ("singles", "none", "pairs", "unknown", "classes", "large", "rigs")
 NOISES = ("low", "mid", "high")
 MULTIPLES = (1.0, 3.0, 10.0)
 PINNED = (("hang", "mixed", 0), ("hang", "free", 1), ("hang", "gentle", 0), ("balance", "mixed", 0), ("balance", "slow", 1))
@@ -106,6 +106,24 @@ def large(count, seed):
         size = e.big if not e.key.startswith("theta") else 0.06 * abs(off_value(e, setting))
         value = value_at(e, setting, size, sign)
         yield Spec(setting, [(e.name, value, size / unit)], part="large", seed=1000 * seed + i, note={"sign": float(sign)})
+
+
+def rigs(count, seed):
+    """One effect of one arm, balanced at the unstable upright and hanging, at 3 and 10 MDE of each: two sets a case."""
+    rng = random.Random(f"rigs|{seed}|{sets.SALT}")
+    cases = [(e, arm) for e in LISTED if e.side == "plant" for arm in (0, 1)]
+    made, i = 0, 0
+    while made < count:
+        if i % len(cases) == 0:
+            rng.shuffle(cases)
+        e, arm = cases[i % len(cases)]
+        i += 1
+        noise, multiple, sign = rng.choice(NOISES), rng.choice((3.0, 10.0)), rng.choice(e.signs)
+        settings = [Setting(rig, "plant", noise, mix, at) for rig, mix, at in PINNED if at == arm and mix != "gentle"]
+        both = [single_spec(e.name, multiple, setting, sign, 1000 * seed + i, "rigs") for setting in settings]
+        if all(both):
+            made += len(both)
+            yield from both
 
 
 def none(count, seed):
@@ -235,7 +253,8 @@ def ci_slice(seed=1):
 
 
 def specs(part, count, seed):
-    maker = {"singles": singles, "none": none, "pairs": pairs, "unknown": unknown, "classes": classes, "large": large}
+    maker = {"singles": singles, "none": none, "pairs": pairs, "unknown": unknown, "classes": classes, "large": large,
+             "rigs": rigs}
     yield from maker[part](count, seed)
 
 

@@ -103,7 +103,7 @@ def measure(cases):
     by = defaultdict(list)
     for a, d in cases:
         by[a["part"]].append((a, d))
-    singles = [(a, d) for p in ("singles", "one", "large") for a, d in by[p] if a["verdict"] == "named" and len(a["effect"]) == 1]
+    singles = [(a, d) for p in ("singles", "one", "large", "rigs") for a, d in by[p] if a["verdict"] == "named" and len(a["effect"]) == 1]
     shaky = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] > 0]  # the MDE knows no jitter
     seen = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] >= 2.9 and a["jitter"] == 0]
     faint = [(a, d) for a, d in singles if a["effect"][0]["size_mde"] < 1.5]
@@ -147,7 +147,7 @@ def measure(cases):
               if a["verdict"] != "unknown" and e.get("probability") is not None]
     t.number("calibration", [calibration(stated)] if stated else [], "<=0.05", "calibration error of the stated probability")
     t.rows["calibration"]["n"] = len(stated)
-    rates = {rig: [right_single(a, d) for a, d in seen if a["rig"] == rig and a["part"] == "singles"] for rig in ("balance", "hang")}
+    rates = {rig: [right_single(a, d) for a, d in seen if a["rig"] == rig and a["part"] in ("singles", "rigs")] for rig in ("balance", "hang")}
     for rig, hits in rates.items():
         t.share(f"name_3x_{rig}", hits, ">=0", f"right name, {rig} logs")
     gap = [abs(np.mean(rates["balance"]) - np.mean(rates["hang"]))] if all(rates.values()) else []

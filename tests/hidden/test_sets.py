@@ -91,6 +91,15 @@ def test_every_part_makes_specs():
     assert 18 <= len(list(parts.ci_slice())) <= 24
 
 
+def test_law_rigs_come_in_twos_that_differ_in_how_the_arm_is_held():
+    made = list(parts.specs("rigs", 12, 1))
+    for hang, balance in zip(made[::2], made[1::2]):
+        assert (hang.setting.rig, balance.setting.rig) == ("hang", "balance")
+        assert (hang.setting.arm, hang.setting.noise) == (balance.setting.arm, balance.setting.noise)
+        assert hang.effects[0][0] == balance.effects[0][0]
+        assert all(s.effects[0][2] == pytest.approx(s.note["multiple"]) for s in (hang, balance))
+
+
 @pytest.mark.parametrize("said, change", [
     ("Swing: let z_desired be a sinusoid whose frequency rises from 0.08 to 0.5 Hz. Record 3 times as long as before, in more runs.",
      {"mix": "sweep", "longer": 3}),

@@ -4,6 +4,7 @@
 use super::fitting::Fit;
 use super::*;
 use crate::selection::Evaluation;
+use crate::statistics::linear::Reduced;
 
 /// Sizes that are tried: from 20 µs in factors of two to 5 ms.
 const SMALLEST: f64 = 2e-5;
@@ -14,6 +15,9 @@ const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
 const UNIT: f64 = 1e-4;
 /// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
 const EVIDENCE: f64 = 20.0;
+/// Share of the windows in which something else than stamps may have happened: a ceiling of the torque that cut two windows of sixty
+/// passed for stamps that scatter, which then hid it.
+const EVENTS: f64 = 0.1;
 
 impl PlantCut {
     /// Takes a full look at a point, finds how much the stamps scatter, and settles the windows with that.
@@ -30,21 +34,21 @@ impl PlantCut {
         let unit = self.linearise(point, &[], false);
         self.jitter = 0.0;
         let unit = unit?;
-        let deviance = |size: f64| {
+        let judged = |size: f64| {
             let mut blocks = unit.clone();
             for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
                 for place in 0..cell.discrepancy {
                     cell.soft.column_mut(place).scale_mut(size / uneven);
                 }
             }
-            Evaluation::of(blocks, point, &[], &self.signals).deviance()
+            Evaluation::of(blocks, point, &[], &self.signals)
         };
-        let steady = deviance(0.0);
-        let mut best = (steady - EVIDENCE, 0.0);
+        let steady = judged(0.0);
+        let mut best = (steady.deviance() - EVIDENCE, 0.0);
         let mut more_likely = |size: f64| {
-            let there = deviance(size);
-            if there < best.0 {
-                best = (there, size);
+            let there = judged(size);
+            if there.deviance() < best.0 && spread(&steady, &there) >= EVIDENCE {
+                best = (there.deviance(), size);
             }
             best.1
         };
@@ -102,6 +106,16 @@ impl PlantCut {
             squares.fold((0.0, 0.0), |(sum, count), (square, one)| (sum + square, count + one));
         sum / f64::max(count, 1.0)
     }
+}
+
+/// The gain of deviance without the windows that gain most: stamps scatter all along, what happens now and then is something else.
+fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
+    let deviance = |block: &Reduced| block.square + block.log_det;
+    let pairs = steady.reduced.iter().zip(&scattering.reduced);
+    let mut gains: Vec<f64> = pairs.map(|(before, after)| deviance(before) - deviance(after)).collect();
+    gains.sort_by(f64::total_cmp);
+    let usual = gains.len() - (EVENTS * gains.len() as f64) as usize;
+    gains[..usual].iter().sum()
 }
 
 /// What scattering stamps of the torque do: each step of it comes a little early or late, an impulse too much or too

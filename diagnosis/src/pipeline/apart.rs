@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::residual::plant::PlantCut;
-use crate::selection::{Evaluation, all_probes, refit};
+use crate::selection::{Evaluation, all_probes, discrepancy, refit};
 
 /// Noise may look larger in longer windows by this much before they are taken to show what the model lacks.
 const LOUDER: f64 = 1.05;
+/// So may a lacking torque (deviance; a mixture of chi-squared of one degree and nothing): by chance more once in 200 times.
+const CHANCE: f64 = 6.6;
 
 pub(super) fn told_apart(
     rows: &mut PlantCut,
@@ -55,7 +57,7 @@ fn judged(
     let probes = all_probes(list, &fit.point, &|candidate| long.sees(candidate), &active);
     let last = Evaluation::at(&mut long, &fit.point, &probes, false)?;
     let louder = last.sigmas.iter().zip(&study.last.sigmas).any(|(now, before)| *now > LOUDER * before);
-    if louder || last.softness > 0.0 {
+    if louder || discrepancy(&last) > CHANCE {
         return Ok(None);
     }
     alternatives(&mut long, list, &last, &active, member.candidate, &study.steps).map(Some)

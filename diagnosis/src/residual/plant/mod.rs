@@ -108,10 +108,12 @@ impl PlantCut {
     ) -> Result<Option<Self>, Error> {
         let (ports, heft) = (Ports::of(&model.plant, lost(data, model))?, model.heft());
         let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
-        let pace = model.growth().map_or(1.0, |growth| (QUICK / growth).min(1.0));
+        let growth = model.growth();
+        let pace = growth.map_or(1.0, |growth| (QUICK / growth).min(1.0));
+        let paces = (pace, span.share(growth));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, pace, span, &mut windows);
+            cut_run(index, run, contact, paces, span, &mut windows);
         }
         let cut = windows.len();
         // where there are pictures each window has frames to tell of

@@ -34,6 +34,12 @@ impl Span {
     /// What noise leaves of a usual window's start grows by e^(7 · 0.5) = 33 in it: still near a straight line.
     pub(super) const LONG: Self = Self(2);
 
+    /// Share of such a window that is looked at: where a pinned arm falls faster than the paper's (by its `growth`, 1/s), what noise leaves
+    /// grows by as much before its end, and fits would end somewhere along a bend.
+    pub(super) fn share(self, growth: Option<f64>) -> f64 {
+        if self == Self::USUAL { 1.0 } else { growth.map_or(1.0, |growth| (1.1 * GROWTH / growth).min(1.0)) }
+    }
+
     /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
     pub(super) fn gentle(self) -> f64 {
         (1..self.0).map(|_| GENTLE).product()
@@ -171,8 +177,15 @@ impl Window {
 
 /// Cuts one run into windows.
 ///
-/// `pace` is the length of a window against those of an arm that isn't quick.
-pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Span, into: &mut Vec<Window>) {
+/// `pace` is the length of a window against those of an arm that isn't quick, `share` what of it is looked at.
+pub(super) fn cut_run(
+    index: usize,
+    run: &Run,
+    contact: f64,
+    (pace, share): (f64, f64),
+    span: Span,
+    into: &mut Vec<Window>,
+) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = run.touches(contact).unwrap_or(plant.len());
@@ -210,8 +223,9 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, span: Sp
         {
             to += 1;
         }
-        let rows = usable[from..to].to_vec();
-        let last = plant.time[usable[to - 1]];
+        let near = |row: &usize| plant.time[*row] < begin + share * length;
+        let rows: Vec<usize> = usable[from..to].iter().copied().filter(near).collect();
+        let last = plant.time[rows[rows.len() - 1]];
         let known = undriven.iter().all(|span| span.0 >= last || span.1 <= begin - before);
         if rows.len() >= 6 && known {
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();

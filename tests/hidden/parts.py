@@ -245,6 +245,10 @@ def ci_slice(seed=1):
         value, size = 0.0015, 0.0015 / mde.of(s)["camera.T_delay"]["mde"]
         note = {"stage": stage, "pair": "0", "experiment": "plant logged", "resolves": True, "sign": 1.0}
         yield Spec(s, [("camera.T_delay", value, size)], part="classes", seed=seed * 100 + 60, note=note)
+    upright = Setting("balance", "plant", "low", "mixed", 0)
+    for i, (name, s) in enumerate((("plant.tau_max", upright), ("plant.dtau_max", upright.with_(noise="high")),
+                                   ("plant.theta_8", Setting("balance", "plant", "high", "slow", 1)))):
+        yield single_spec(name, 3.0, s, 1.0, seed * 100 + 70 + i, "rigs")
     both = [("camera.k1", *sized("camera.k1", mid, 10.0, -1.0)), ("plant.b_joint", *sized("plant.b_joint", mid, 10.0, 1.0))]
     yield Spec(mid, both, part="pairs", seed=seed * 100 + 40)
     for i, (name, size, s) in enumerate((("unknown.cable", 0.15, mid), ("unknown.bent_target", 0.15, mid),

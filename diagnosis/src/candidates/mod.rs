@@ -159,7 +159,7 @@ impl Candidate {
     /// Step for a derivative at a coordinate, towards the inside of the range.
     pub fn derivative_step(&self, x: f64) -> f64 {
         let size = match self.motion {
-            Motion::Ceiling { .. } => 0.02 * x.abs(),
+            Motion::Ceiling { .. } => 0.002 * x.abs(),
             _ => self.steps.first().copied().unwrap_or(0.0).abs(),
         };
         if x + size > self.range.1 { -size } else { size }

@@ -27,8 +27,10 @@ pub(super) fn ceilings(data: &DataSet, cuts: Cuts, contact: f64) -> Vec<f64> {
             let top = [0.97, 0.9].map(|share| share * quantile(1.0));
             [0.999, 0.995, 0.97, 0.9, 0.75, 0.5].map(quantile).into_iter().chain(top).collect()
         }
-        // a large step of the torque then takes 2 to 80 ms
-        Cuts::TorqueRate => [0.002, 0.006, 0.02, 0.08].iter().map(|time| quantile(0.95) / time).collect(),
+        // a large step of the torque then takes 0.6 to 80 ms
+        Cuts::TorqueRate => {
+            [0.0006, 0.002, 0.006, 0.02, 0.08].iter().map(|time| quantile(0.95) / time).collect()
+        }
     };
     levels.into_iter().filter(|level| *level > 0.0).collect()
 }

@@ -136,6 +136,13 @@ impl Evaluation {
         same
     }
 
+    /// The same residuals without a discrepancy.
+    pub fn hard(&self) -> Self {
+        let mut same = Self { softness: 0.0, ..self.clone() };
+        same.reduce();
+        same
+    }
+
     fn reduce(&mut self) {
         let softness = self.softness;
         let p = self.probes.len();

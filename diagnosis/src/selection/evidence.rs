@@ -6,7 +6,7 @@ use crate::residual::torque::torques;
 use crate::statistics::linear::Sized;
 
 /// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
-const TORQUE_EVIDENCE: f64 = 20.0;
+pub const TORQUE_EVIDENCE: f64 = 20.0;
 /// The same for poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
 /// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
 const PICTURED_EVIDENCE: f64 = 200.0;

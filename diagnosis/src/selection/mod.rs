@@ -5,6 +5,7 @@ mod bare;
 mod classes;
 mod evaluation;
 mod evidence;
+mod follow;
 mod honest;
 mod refit;
 mod screen;
@@ -16,7 +17,7 @@ mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};
 pub use evaluation::{Evaluation, Folds, all_probes};
-pub use evidence::{STAMPS, lacking};
+pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::study;

@@ -6,6 +6,10 @@ use crate::error::Error;
 use crate::residual::{Cut, Probe};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
+/// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
+/// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
+const STRAIGHT: f64 = 1.5;
+const STRETCH: f64 = 3.0;
 /// Most linearisations of a fit.
 const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
@@ -50,7 +54,7 @@ pub fn refit(
 }
 
 /// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each look.
-/// only compared may be a little off.
+/// A fit that is only compared may be a little off.
 ///
 /// # Errors
 /// A unit failed even at the point to begin with.
@@ -96,9 +100,9 @@ fn fitted(
         cut.hold();
     }
     let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
-    let mut damping: f64 = 0.0;
+    let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
     for _ in 0..ROUNDS {
-        let Some((next, promise)) = propose(&best, candidates, &free, damping) else { break };
+        let Some((next, promise)) = propose(&best, candidates, &free, damping, stride) else { break };
         let least = if damping < shorter { SETTLED } else { REFUSED };
         if promise < least || best.deviance() - REACH * promise > enough {
             break;
@@ -109,19 +113,25 @@ fn fitted(
         let trial = if taken { judge(cut, candidates, &next, &free, quick).ok() } else { None };
         match trial {
             Some(trial) if trial.deviance() < best.deviance() => {
+                let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * promise;
+                stride = if straight && damping == 0.0 { STRETCH * stride } else { 1.0 };
                 best = trial;
                 damping *= 0.1;
                 if !quick {
                     cut.hold();
                 }
             }
-            _ if promise < REFUSED => break,
+            _ if promise < REFUSED && stride == 1.0 => break,
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
                 if quick {
                     cut.back();
                 } else {
                     cut.release();
+                }
+                if stride > 1.0 {
+                    stride = 1.0;
+                    continue;
                 }
                 damping = (10.0 * damping).max(shorter);
                 if damping > 1e4 {
@@ -182,6 +192,7 @@ fn propose(
     candidates: &[Candidate],
     free: &[usize],
     damping: f64,
+    stride: f64,
 ) -> Option<(Vec<f64>, f64)> {
     let total = followed(best, candidates, free);
     let mut moving: Vec<usize> = (0..free.len()).collect();
@@ -201,7 +212,7 @@ fn propose(
         for (i, place) in moving.iter().enumerate() {
             let candidate = &candidates[free[*place]];
             let x = best.point[free[*place]];
-            let wanted = limited(candidate, x, x + shift[i]);
+            let wanted = limited(candidate, x, x + stride * shift[i]);
             let within = wanted.clamp(candidate.range.0, candidate.range.1);
             if within != wanted && within == x {
                 stopped.push(*place);

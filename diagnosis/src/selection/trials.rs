@@ -2,8 +2,8 @@
 
 use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
-use super::refit::{refit, refit_closely};
-use super::screen::{Hit, Screen};
+use super::refit::refit_closely;
+use super::screen::{Hit, Screen, screen};
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
@@ -65,7 +65,12 @@ impl Trials<'_> {
     ) -> Result<Option<Accepted>, Error> {
         // half a law of motion is a matter of fits, whatever columns say
         let small = switched.is_none();
-        let mut trials: Vec<Trial> = switched.into_iter().collect();
+        let mut trials: Vec<Trial> = Vec::new();
+        if let Some((candidate, fall, trial)) = switched {
+            let left = trial.deviance();
+            let trial = self.followed(cut, candidate, trial);
+            trials.push((candidate, fall + left - trial.deviance(), trial));
+        }
         for hit in shortlist {
             self.fit(cut, hit, &mut trials);
         }
@@ -101,8 +106,8 @@ impl Trials<'_> {
         cut.remember();
         let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
-        let open =
-            self.found.hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
+        let hits = self.pure();
+        let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
         for hit in open.filter(plants).take(SPARSE_TRIALS) {
             self.fit(cut, hit, &mut trials);
         }
@@ -120,6 +125,23 @@ impl Trials<'_> {
         Ok(None)
     }
 
+    /// What each could take away at most, best first: beside the discrepancy that is reckoned with, or in its place. What pushes all
+    /// along, a bias, passes for discrepancy and then for nothing.
+    fn pure(&self) -> Vec<Hit> {
+        let hard = self.last.hard();
+        let more = self.last.deviance() - hard.deviance();
+        let mut hits = self.found.hits.clone();
+        for pure in screen(&hard, self.candidates, self.active).hits {
+            match hits.iter_mut().find(|hit| hit.candidate == pure.candidate) {
+                Some(hit) if hit.gain >= pure.gain + more => {}
+                Some(hit) => *hit = Hit { gain: pure.gain + more, ..pure },
+                None => hits.push(Hit { gain: pure.gain + more, ..pure }),
+            }
+        }
+        hits.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        hits
+    }
+
     fn fit(&self, cut: &mut dyn Cut, hit: &Hit, into: &mut Vec<Trial>) {
         for x in starts(self.candidates, self.last, hit) {
             let mut point = self.last.point.clone();
@@ -129,27 +151,14 @@ impl Trials<'_> {
             else {
                 continue;
             };
-            let worse = !cut.lattice() && !cut.steady() && trial.deviance() > self.last.deviance();
-            let again = if worse { self.begun_anew(cut, hit.candidate, &point) } else { None };
-            let trial = again.unwrap_or(trial);
+            let best = into.iter().map(|trial| trial.2.deviance()).fold(self.last.deviance(), f64::min);
+            let trial = self.found_back(cut, hit.candidate, &point, trial);
+            let trial =
+                if trial.deviance() < best { self.followed(cut, hit.candidate, trial) } else { trial };
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
         }
-    }
-
-    /// A fit that begins from the data. Windows that were led along the log by a model without the candidate may not find back by the
-    /// columns that they had there, and a fit then flees from where the candidate belongs.
-    fn begun_anew(&self, cut: &mut dyn Cut, candidate: usize, point: &[f64]) -> Option<Evaluation> {
-        // what the fit that fled did to nuisances is not worth remembering
-        cut.back();
-        cut.remember();
-        cut.afresh();
-        let there = Evaluation::at(cut, point, &[], false).ok();
-        let better = there.is_some_and(|there| there.deviance() < self.last.deviance());
-        let fit = better.then(|| refit(cut, self.candidates, point, &with(self.active, candidate)).ok());
-        cut.recall();
-        fit.flatten()
     }
 
     /// Puts a fault of the log behind an effect that it looks like, or before it where a clock may be off by as much.
@@ -222,7 +231,7 @@ pub(super) fn shortlist(
     hits
 }
 
-fn with(active: &[usize], candidate: usize) -> Vec<usize> {
+pub(super) fn with(active: &[usize], candidate: usize) -> Vec<usize> {
     let mut all = active.to_vec();
     all.push(candidate);
     all

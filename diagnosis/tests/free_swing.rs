@@ -168,7 +168,8 @@ fn recovers_friction_with_a_scenario_that_has_no_camera() {
     folder.put("run-02/camera.csv", &format!("time,u1,v1,u2,v2,u3,v3\n{rows}"));
     let diagnosis = said(&folder);
     both_are_found(&diagnosis);
-    assert!(!diagnosis.minimum_detectable.contains_key("plant.tau_bias"), "nothing drove it");
+    // what it was told isn't all that it may have done
+    assert!(diagnosis.minimum_detectable.contains_key("plant.tau_bias"), "its motor may have pushed");
     let told = |notice: &&diagnosis::Notice| notice.file == "run-02/camera.csv";
     let notice = diagnosis.notices.iter().find(told).expect("pictures were put aside");
     assert!(notice.message.contains("`full-state` has no unit `camera`"), "{notice}");

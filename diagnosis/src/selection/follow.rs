@@ -8,9 +8,10 @@ use super::trials::{Trials, with};
 use crate::candidates::Motion;
 use crate::residual::Cut;
 
-/// A fit of what bends is followed so many times, that of a ceiling by steps of these shares, and so many of them at most.
+/// A ceiling is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
 const PACES: [f64; 4] = [1.03, 1.01, 1.003, 1.001];
 const FURTHEST: i32 = 12;
+const LEFT: f64 = 0.5;
 
 impl Trials<'_> {
     /// A fit that fled, leaving more than without the candidate, begun anew from where it began or from where it ended.
@@ -29,27 +30,33 @@ impl Trials<'_> {
         again.or_else(|| self.begun_anew(cut, candidate, &trial.point, last)).unwrap_or(trial)
     }
 
-    /// A fit of what bends that leaves a torque lacking, begun anew where it ended, and a ceiling where looks lead it.
+    /// A fit of what bends that leaves a torque lacking, begun anew where it ended, and a ceiling where looks lead it, for as long as each
+    /// pace of that takes half of what lacks away.
     pub(super) fn followed(&self, cut: &mut dyn Cut, candidate: usize, trial: Evaluation) -> Evaluation {
-        let mut best = trial;
-        if cut.lattice() || cut.steady() || !self.candidates[candidate].bends {
+        if cut.lattice()
+            || cut.steady()
+            || !self.candidates[candidate].bends
+            || discrepancy(&trial) < TORQUE_EVIDENCE
+        {
+            return trial;
+        }
+        let enough = trial.deviance() - TORQUE_EVIDENCE;
+        let mut best = self.begun_anew(cut, candidate, &trial.point, enough).unwrap_or(trial);
+        if !matches!(self.candidates[candidate].motion, Motion::Ceiling { .. }) {
             return best;
         }
-        let ceiling = matches!(self.candidates[candidate].motion, Motion::Ceiling { .. });
         for pace in PACES {
-            if discrepancy(&best) < TORQUE_EVIDENCE {
+            let lacks = discrepancy(&best);
+            if lacks < TORQUE_EVIDENCE {
                 break;
             }
+            let Some(there) = self.walked(cut, candidate, &best.point, pace) else { continue };
             let enough = best.deviance() - TORQUE_EVIDENCE;
-            let again = self.begun_anew(cut, candidate, &best.point, enough);
-            let again = match again {
-                None if ceiling => self
-                    .walked(cut, candidate, &best.point, pace)
-                    .and_then(|there| self.begun_anew(cut, candidate, &there, enough)),
-                None => break,
-                again => again,
-            };
-            best = again.unwrap_or(best);
+            let Some(again) = self.begun_anew(cut, candidate, &there, enough) else { break };
+            best = again;
+            if discrepancy(&best) > LEFT * lacks {
+                break;
+            }
         }
         best
     }

@@ -1,4 +1,4 @@
-"""Blind data sets, diagnosed and scored: a deterministic slice of 22 (in the tests), or as many as wanted (nightly).
+"""Blind data sets, diagnosed and scored: a deterministic slice of 25 (in the tests), or as many as wanted (nightly).
 
     python scripts/blind.py                          the slice
     python scripts/blind.py --count 300 --seed 7     300 sets of each part; hours

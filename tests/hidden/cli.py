@@ -28,7 +28,7 @@ def _parser():
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--jobs", type=int, default=1)
     _where(p)
-    p = sub.add_parser("slice", help="about twenty sets for CI")
+    p = sub.add_parser("slice", help="some two dozen sets for CI")
     p.add_argument("--seed", type=int, default=1)
     _where(p)
     p = sub.add_parser("one", help="one set of your choice")

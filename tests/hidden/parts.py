@@ -225,7 +225,7 @@ def classes(count, seed):
 
 
 def ci_slice(seed=1):
-    """About twenty sets over all parts, quick to make."""
+    """Some two dozen sets over all parts, quick to make."""
     mid, hang = Setting(), Setting("hang", "plant")
     balance = Setting("balance", "plant")
     for i, s in enumerate((mid, Setting(logs="image", mix="lively"), Setting(logs="plant"), hang)):

@@ -88,7 +88,7 @@ def test_every_part_makes_specs():
     for part in parts.PARTS:
         made = list(parts.specs(part, 6, 1))
         assert len(made) >= 5 and len({s.name() for s in made}) == len(made)
-    assert 18 <= len(list(parts.ci_slice())) <= 24
+    assert 20 <= len(list(parts.ci_slice())) <= 27
 
 
 def test_law_rigs_come_in_twos_that_differ_in_how_the_arm_is_held():

@@ -4,9 +4,9 @@
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
 
-use common::Folder;
+use common::{Folder, found, names};
+use diagnosis::Verdict;
 use diagnosis::statistics::random::Random;
-use diagnosis::{Diagnosis, Verdict, diagnose};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;
 
@@ -53,14 +53,6 @@ fn simulated(name: &str, scenario: &str, set: &[(&str, &str)], noise: f64) -> Fo
     }
     folder.put("dataset.toml", &manifest);
     folder
-}
-
-fn found(folder: &Folder) -> Diagnosis {
-    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
-}
-
-fn names(found: &Diagnosis) -> Vec<&str> {
-    found.effects.iter().map(|effect| effect.name.as_str()).collect()
 }
 
 #[test]

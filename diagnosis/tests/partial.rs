@@ -3,9 +3,9 @@
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
 
-use common::Folder;
+use common::{Folder, found, names};
+use diagnosis::Verdict;
 use diagnosis::dataset::DataSet;
-use diagnosis::{Diagnosis, Verdict, diagnose};
 
 const RUNS: [&str; 2] = ["run-01", "run-02"];
 
@@ -26,14 +26,6 @@ fn part_of(folder: Folder, columns: &[&str], without: &[&str]) -> Folder {
         }
     }
     folder
-}
-
-fn found(folder: &Folder) -> Diagnosis {
-    diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {}).expect("the data is good")
-}
-
-fn names(found: &Diagnosis) -> Vec<&str> {
-    found.effects.iter().map(|effect| effect.name.as_str()).collect()
 }
 
 #[test]

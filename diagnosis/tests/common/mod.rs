@@ -1,7 +1,7 @@
 //! Data sets for tests: written by hand, or recorded from a simulation with an effect switched on.
 
-use diagnosis::Notice;
 use diagnosis::statistics::random::Random;
+use diagnosis::{Diagnosis, Notice};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -124,6 +124,16 @@ fn write_run(folder: &Folder, run: u64, memory: &MemoryRecorder, torque: bool) {
     folder.put(&format!("run-{run:02}/camera.csv"), &camera);
     folder.put(&format!("run-{run:02}/controller.csv"), &controller);
     folder.put(&format!("run-{run:02}/plant.csv"), &plant);
+}
+
+/// What is found in data that are good.
+pub fn found(folder: &Folder) -> Diagnosis {
+    diagnosis::diagnose(folder.path(), &units(), &options(), &mut |_| {}).expect("the data is good")
+}
+
+/// Names of what was found, in that order.
+pub fn names(found: &Diagnosis) -> Vec<&str> {
+    found.effects.iter().map(|effect| effect.name.as_str()).collect()
 }
 
 /// A log of angles by hand, 30 rows a second.

@@ -148,11 +148,12 @@ impl Blocks {
     #[inline(always)]
     pub(crate) fn get(&self, instance: &mut Instance, values: &mut Values) -> Result<bool, Box<Error>> {
         let Self { reals, integers, booleans, strings, mixed, connected } = self;
-        let mut numbers = true;
         if !reals.is_empty() {
             let read = reals.within(&mut values.reals);
             instance.get_real(&reals.references, read)?;
-            numbers = !read[..*connected].iter().any(|value| value.is_nan());
+            if read[..*connected].iter().any(|value| value.is_nan()) {
+                return Ok(false);
+            }
         }
         if *mixed {
             let all = values.integers.as_mut_slice();
@@ -166,7 +167,7 @@ impl Blocks {
                 strings.get_texts(instance, &mut values.strings)?;
             }
         }
-        Ok(numbers)
+        Ok(true)
     }
 }
 

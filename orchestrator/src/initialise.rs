@@ -157,7 +157,7 @@ fn pass(system: &mut System, node: &Node, start: Point, replaced: &mut Vec<Strin
     Ok(change)
 }
 
-/// Solves a loop; says so if that took more than looking.
+/// Solves a loop, beginning with what the units answer to their start values; says so if that took more than looking.
 fn solve(
     system: &mut System,
     group: &Group,
@@ -165,6 +165,9 @@ fn solve(
     start: Point,
     replaced: &mut Vec<String>,
 ) -> Result<Option<String>, Error> {
+    for output in group.nodes.iter().filter(|node| node.link.is_none()) {
+        pass(system, output, start, &mut Vec::new())?;
+    }
     let mut worst = (f64::INFINITY, "");
     for iteration in 1..=ITERATIONS {
         worst = (0.0, "");

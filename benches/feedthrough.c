@@ -1,7 +1,6 @@
 /* An FMI 2.0 unit that hands on what it gets, in all four types, and costs what the Feedthrough of the FMI project's
    reference units does: after anything was set, and again for each variable that is read, it works all outputs out,
-   two fields of 128 bytes among them.
-   And the plain C loop that steps a ring of three of them, with the texts or without. Used by `src/real.rs`.
+   two fields of 128 bytes among them. `feedthrough_loop.c` steps it beside our master. Used by `src/feedthrough.rs`.
 
    Instances lie at multiples of 128 bytes: elsewhere the processor takes up to half as long again for the copies of
    texts, and the comparison would be one of where the two sides' instances happen to lie. */
@@ -159,66 +158,3 @@ API int fmi2DoStep(void *c, double from, double size, int no_return) {
 }
 API const char *fmi2GetTypesPlatform(void) { return "default"; }
 API const char *fmi2GetVersion(void) { return "2.0"; }
-
-typedef struct {
-    int (*set_real)(void *, const unsigned *, size_t, const double *);
-    int (*get_real)(void *, const unsigned *, size_t, double *);
-    int (*set_integer)(void *, const unsigned *, size_t, const int *);
-    int (*set_boolean)(void *, const unsigned *, size_t, const int *);
-    int (*get_integer)(void *, const unsigned *, size_t, int *);
-    int (*get_boolean)(void *, const unsigned *, size_t, int *);
-    int (*step)(void *, double, double, int);
-    int (*set_string)(void *, const unsigned *, size_t, const char *const *);
-    int (*get_string)(void *, const unsigned *, size_t, const char **);
-} Calls;
-
-/* The loop's own copy of a text, as the standard asks for: the unit may free its own at the next call. */
-static inline void keep(char own[TEXT], const char *text) {
-    if (strcmp(own, text)) strcpy(own, text);
-}
-
-/* Function pointers from outside, so that the loop calls as a master has to. Answers the first real of the third unit,
-   and its text in `last`. */
-API double ring_loop(const Calls *f, double rate, long steps, int texts, char last[TEXT]) {
-    static const unsigned in[2] = {0, 1}, out[2] = {2, 3}, one_in[1] = {0}, one_out[1] = {1};
-    void *units[3];
-    double reals[3][2], size = 1 / rate;
-    int integers[3][1], booleans[3][1];
-    char own[3][TEXT] = {{0}};
-    const char *text[1];
-    for (int i = 0; i < 3; i++) {
-        units[i] = fmi2Instantiate("", 1, "", "", 0, 0, 0);
-        if (!units[i]) return -1e9;
-        fmi2SetupExperiment(units[i], 0, 0, 0, 1, (double)steps / rate);
-        fmi2EnterInitializationMode(units[i]);
-        f->get_real(units[i], out, 2, reals[i]);
-        f->get_integer(units[i], one_out, 1, integers[i]);
-        f->get_boolean(units[i], one_out, 1, booleans[i]);
-        f->get_string(units[i], one_out, 1, text);
-        keep(own[i], text[0]);
-        fmi2ExitInitializationMode(units[i]);
-    }
-    for (long k = 0; k < steps; k++) {
-        for (int i = 0; i < 3; i++) {
-            int from = (i + 2) % 3;
-            double u[2] = {reals[from][0], reals[from][1]};
-            int n[1] = {integers[from][0]}, b[1] = {booleans[from][0]};
-            const char *given[1] = {own[from]};
-            if (f->set_real(units[i], in, 2, u) > 1) return -1e9;
-            if (f->set_integer(units[i], one_in, 1, n) > 1) return -1e9;
-            if (f->set_boolean(units[i], one_in, 1, b) > 1) return -1e9;
-            if (texts && f->set_string(units[i], one_in, 1, given) > 1) return -1e9;
-            if (f->step(units[i], (double)k / rate, size, 1) > 1) return -1e9;
-            if (f->get_real(units[i], out, 2, reals[i]) > 1) return -1e9;
-            if (f->get_integer(units[i], one_out, 1, integers[i]) > 1) return -1e9;
-            if (f->get_boolean(units[i], one_out, 1, booleans[i]) > 1) return -1e9;
-            if (!texts) continue;
-            if (f->get_string(units[i], one_out, 1, text) > 1) return -1e9;
-            keep(own[i], text[0]);
-        }
-    }
-    strcpy(last, own[2]);
-    double first = reals[2][0];
-    for (int i = 0; i < 3; i++) fmi2FreeInstance(units[i]);
-    return first;
-}

@@ -6,6 +6,7 @@
 pub mod closed_loop;
 pub mod diagnosis;
 pub mod estimator;
+pub mod feedthrough;
 pub mod frame;
 pub mod master;
 pub mod page;

@@ -1,22 +1,18 @@
-//! The master on units that do work, beside a C loop over the same functions: rings of three oscillators
-//! (`oscillator.c`) and of three that hand on what they get (`feedthrough.c`), and our own plant, camera and controller
-//! in the closed loop of Figure 19 (`closed.c`). Both sides must end at the same bits, so that they are known to do the
-//! same.
+//! The master on units that do work, beside a C loop over the same functions: a ring of three oscillators
+//! (`oscillator.c`), and our own plant, camera and controller in the closed loop of Figure 19 (`closed.c`). Both sides
+//! must end at the same bits, so that they are known to do the same.
 
 use crate::closed_loop::{scenario, unit, units};
-use crate::ring::{Ring, compile};
+use crate::ring::{Calls, Ring, STEPPING, compile};
 use crate::samples::seconds;
 use crate::{Row, Samples};
 use orchestrator::scenario::Placed;
-use orchestrator::{Fmu, MemoryRecorder, NoRecorder, Place, Quiet, Simulation, Value};
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
-use std::ptr;
+use orchestrator::{Fmu, MemoryRecorder, NoRecorder, Place, Quiet, Simulation};
+use std::ffi::{CString, c_char, c_int, c_uint};
 use tempfile::TempDir;
 
 const ROUNDS: usize = 200;
 const STEPS: i64 = 2_000;
-/// Places in memory.
-const PLACES: usize = 8;
 /// Points a second of the closed loop, and simulated seconds.
 const RATE: f64 = 600.0;
 const SECONDS: usize = 3;
@@ -24,42 +20,19 @@ const POINTS: usize = 600 * SECONDS;
 
 /// All comparisons.
 pub fn rows() -> Vec<Row> {
-    vec![oscillators(), feedthroughs(false), feedthroughs(true), closed()]
+    let mut rows = vec![oscillators()];
+    rows.extend(crate::feedthrough::rows());
+    rows.push(closed());
+    rows
 }
 
-/// The functions that a ring's loop calls, in the order of the source.
-#[repr(C)]
-struct Calls([*const c_void; 9]);
-type RingLoop = unsafe extern "C" fn(*const Calls, f64, i64) -> f64;
-type FeedthroughLoop = unsafe extern "C" fn(*const Calls, f64, i64, c_int, *mut c_char) -> f64;
-
-impl Calls {
-    fn of(library: &libloading::Library) -> Self {
-        let names = [
-            "SetReal",
-            "GetReal",
-            "SetInteger",
-            "SetBoolean",
-            "GetInteger",
-            "GetBoolean",
-            "DoStep",
-            "SetString",
-            "GetString",
-        ];
-        Self(names.map(|name| {
-            // SAFETY: used only as an address.
-            let symbol = unsafe { library.get::<unsafe extern "C" fn()>(format!("fmi2{name}")) };
-            // Only the loop that calls for texts has functions for them.
-            symbol.map_or(ptr::null(), |symbol| *symbol as *const c_void)
-        }))
-    }
-}
+type RingLoop = unsafe extern "C" fn(*const Calls<7>, f64, i64) -> f64;
 
 fn oscillators() -> Row {
     let ring = Ring::of_oscillators();
     // SAFETY: loading runs the initialisers of a library that has none.
     let library = unsafe { libloading::Library::new(ring.library()) }.expect("loads");
-    let calls = Calls::of(&library);
+    let calls = Calls::of(&library, STEPPING);
     // SAFETY: the type is that of the source.
     let run = *unsafe { library.get::<RingLoop>("ring_loop") }.expect("exported");
     let mut simulation = ring.simulation(STEPS, r#""c.y1""#);
@@ -82,57 +55,6 @@ fn oscillators() -> Row {
         .than("C loop", &c)
         .at_most_times(1.15)
         .note("reals, an integer and a Boolean each; same bits at the end".into())
-}
-
-fn feedthroughs(texts: bool) -> Row {
-    let ring = Ring::of_feedthroughs(texts);
-    // SAFETY: loading runs the initialisers of a library that has none.
-    let library = unsafe { libloading::Library::new(ring.library()) }.expect("loads");
-    let calls = Calls::of(&library);
-    // SAFETY: the type is that of the source.
-    let run = *unsafe { library.get::<FeedthroughLoop>("ring_loop") }.expect("exported");
-    // The cost of a copy of 128 bytes depends on where they lie, so both sides are measured in several places.
-    let record = if texts { r#""c.y1", "c.t_out""# } else { r#""c.y1""# };
-    let room = |place: usize| Vec::<u8>::with_capacity(1 + 208 * place);
-    let mut simulations: Vec<_> =
-        (0..PLACES).map(|place| (room(place), ring.simulation(STEPS, record))).collect();
-    let [mut c, mut ours]: [Samples; 2] = Default::default();
-    let micros = 1e6 / STEPS as f64;
-    for round in 0..ROUNDS {
-        let (mut last, mut text) = (0.0, [0; 128]);
-        let _room = std::hint::black_box(room(round % PLACES));
-        let simulation = &mut simulations[round % PLACES].1;
-        c.0.push(
-            micros
-                * seconds(|| {
-                    // SAFETY: functions and loop are of the same library; the text is as long as the source says.
-                    last = unsafe { run(&calls, 1e3, STEPS, c_int::from(texts), text.as_mut_ptr()) };
-                }),
-        );
-        ours.0.push(
-            micros
-                * seconds(|| {
-                    simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
-                }),
-        );
-        let found = simulation.value("c.y1").expect("recorded");
-        assert_eq!(found.to_bits(), last.to_bits(), "our master gives {found}, the C loop {last}");
-        if texts {
-            // SAFETY: the loop leaves a text that ends in zero.
-            let text = unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy().into_owned();
-            assert_eq!(simulation.get("c.t_out").expect("recorded"), Value::String(text));
-        }
-    }
-    let name = if texts { "15 connections, texts among them" } else { "12 connections" };
-    let note = if texts {
-        "as before, with a text each, of which both sides keep a copy of their own"
-    } else {
-        "reals, an integer and a Boolean each, worked out anew for each that is read; same bits at the end"
-    };
-    Row::faster("master", format!("step of a ring of three feedthroughs, {name}"), "µs", &ours)
-        .than("C loop", &c)
-        .at_most_times(1.15)
-        .note(note.into())
 }
 
 /// As in `closed.c`.

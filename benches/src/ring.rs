@@ -3,6 +3,7 @@
 //! `feedthrough.c`.
 
 use orchestrator::{Scenario, Simulation, UnitPath};
+use std::ffi::c_void;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,6 +21,14 @@ const REALS: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2")];
 const NUMBERS: &[(&str, &str)] = &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in")];
 const ALL: &[(&str, &str)] =
     &[("y1", "u1"), ("y2", "u2"), ("n_out", "n_in"), ("b_out", "b_in"), ("t_out", "t_in")];
+
+const REFERENCE: &[(&str, &str)] = &[
+    ("Float64_continuous_output", "Float64_continuous_input"),
+    ("Float64_discrete_output", "Float64_discrete_input"),
+    ("Int32_output", "Int32_input"),
+    ("Boolean_output", "Boolean_input"),
+    ("String_output", "String_input"),
+];
 
 impl Default for Ring {
     fn default() -> Self {
@@ -41,6 +50,18 @@ impl Ring {
     /// The one that hands on what it gets, with the texts or without.
     pub fn of_feedthroughs(texts: bool) -> Self {
         Self::of("feedthrough", if texts { ALL } else { NUMBERS }, WHOLE_AND_TEXT, true)
+    }
+
+    /// The Feedthrough of the FMI project's reference units, from a file.
+    pub fn of_reference(file: &Path, texts: bool) -> Self {
+        let folder = TempDir::new().expect("a temporary folder");
+        let archive = std::fs::File::open(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        zip::ZipArchive::new(archive).expect("an archive").extract(folder.path()).expect("extracted");
+        let library = folder.path().join("binaries/linux64/Feedthrough.so");
+        let ports = if texts { REFERENCE } else { REFERENCE.split_at(4).0 };
+        let ring = Self { folder, library, ports };
+        std::fs::copy(file, ring.fmu()).expect("copied");
+        ring
     }
 
     fn of(
@@ -81,6 +102,11 @@ impl Ring {
         self.folder.path().join("ring.fmu")
     }
 
+    /// What goes from one to the next: outputs and inputs.
+    pub fn ports(&self) -> &'static [(&'static str, &'static str)] {
+        self.ports
+    }
+
     /// Three of them in a ring, for a number of steps, with variables to record.
     pub fn simulation(&self, steps: i64, record: &str) -> Simulation {
         let mut text = format!("format = 1\nexperiment = {{ stop = \"{steps}/1000\" }}\n");
@@ -97,6 +123,25 @@ impl Ring {
         text.push_str(&format!("[record]\nvariables = [{record}]\n"));
         let scenario = Scenario::parse(&text, "ring.toml").expect("a scenario");
         Simulation::new(&scenario, &UnitPath::new().with(self.path())).expect("builds")
+    }
+}
+
+/// The functions that a ring's loop calls, in the order of its source.
+#[repr(C)]
+pub struct Calls<const N: usize>([*const c_void; N]);
+
+/// What every loop needs while it steps.
+pub const STEPPING: [&str; 7] =
+    ["SetReal", "GetReal", "SetInteger", "SetBoolean", "GetInteger", "GetBoolean", "DoStep"];
+
+impl<const N: usize> Calls<N> {
+    /// Looks functions up by their names without `fmi2`.
+    pub fn of(library: &libloading::Library, names: [&str; N]) -> Self {
+        Self(names.map(|name| {
+            // SAFETY: used only as an address.
+            let symbol = unsafe { library.get::<unsafe extern "C" fn()>(format!("fmi2{name}")) };
+            *symbol.unwrap_or_else(|error| panic!("fmi2{name}: {error}")) as *const c_void
+        }))
     }
 }
 

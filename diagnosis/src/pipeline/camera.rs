@@ -29,7 +29,9 @@ pub(super) fn camera_part(
         Some(_) => None,
         None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
     };
-    tell("camera: frames rendered again at the measured pose");
+    if chain.is_some() || image.is_some() {
+        tell("camera: frames rendered again at the measured pose");
+    }
     let parted = match (&mut chain, &mut image) {
         (Some(chain), _) => with_noise(chain, |chain| &chain.image, list, point, tell),
         (_, Some(image)) => with_noise(image, |image| image, list, point, tell),

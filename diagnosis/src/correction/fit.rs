@@ -66,7 +66,7 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
         now = rest.size(&active).0;
     }
     rest.drop_needless(&mut active, &mut now, floor);
-    while !rest.everywhere(&[], &active) {
+    while !active.is_empty() && !rest.everywhere(&[], &active) {
         active.pop();
         now = rest.size(&active).0;
     }

@@ -56,7 +56,10 @@ struct Search<'a> {
     found: Screen,
     /// Those that turned out to be superfluous, or to explain no runs that were left out.
     refused: Vec<usize>,
-    /// How many were accepted and dropped.
+    /// All that were ever accepted, and who took whose place.
+    accepted: Vec<usize>,
+    swaps: Vec<(usize, usize)>,
+    /// How many were accepted and dropped, or accepted again.
     vain: usize,
     /// Switches that make things worse.
     in_vain: Vec<usize>,
@@ -91,6 +94,8 @@ impl<'a> Search<'a> {
             nominal,
             last,
             refused: Vec::new(),
+            accepted: Vec::new(),
+            swaps: Vec::new(),
             vain: 0,
             in_vain: Vec::new(),
             class: None,
@@ -121,10 +126,14 @@ impl<'a> Search<'a> {
         self.found = screen(&self.last, self.candidates, &self.active);
         let stuck = step.dropped.contains(&candidate);
         self.steps.push(step);
+        let again = self.accepted.contains(&candidate);
+        self.accepted.push(candidate);
         if stuck {
             // refused from now on; what it hid may be the truth
             self.vain += 1;
         } else {
+            // accepted and swapped away in turns, two would go on for ever
+            self.vain += usize::from(again);
             self.doubt(candidate)?;
         }
         Ok(true)
@@ -173,8 +182,10 @@ impl<'a> Search<'a> {
 
     /// A second opinion on what was accepted last.
     fn doubt(&mut self, candidate: usize) -> Result<(), Error> {
-        let opinion =
-            second_opinion(self.cut, self.candidates, &self.last, &mut self.active, candidate, &self.steps)?;
+        let Self { cut, candidates, last, active, steps, .. } = self;
+        let before: Vec<usize> =
+            self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
+        let opinion = second_opinion(*cut, candidates, last, active, candidate, &before, steps)?;
         let other = match opinion {
             Opinion::Stays(others) => {
                 self.class = Some((candidate, others));
@@ -183,6 +194,7 @@ impl<'a> Search<'a> {
             Opinion::Swapped(other) => other,
         };
         let swapped = self.active.last().copied();
+        self.swaps.extend(swapped.map(|into| (candidate, into)));
         self.last = look(self.cut, self.candidates, &other, &self.active)?;
         let dropped = self.again()?;
         self.found = screen(&self.last, self.candidates, &self.active);

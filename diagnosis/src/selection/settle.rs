@@ -30,21 +30,23 @@ pub(super) enum Opinion {
 }
 
 /// Asks at the fitted model, where noise is small again and columns are short, whether another candidate in the place of
-/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise.
+/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise. Not one that had its
+/// place `before`, and lost it again.
 pub(super) fn second_opinion(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &mut Vec<usize>,
     candidate: usize,
+    before: &[usize],
     steps: &[Step],
 ) -> Result<Opinion, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let late = stamped_late(&candidates[candidate], last.point[candidate], cut.clock_doubt());
     let better = if late { HANDICAP } else { BETTER };
-    let Some(best) = others.first().filter(|best| best.candidate != candidate && own > best.loss + better)
-    else {
+    let first = others.first().filter(|best| !before.contains(&best.candidate));
+    let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + better) else {
         return Ok(Opinion::Stays(others));
     };
     let mut point = last.point.clone();

@@ -11,6 +11,8 @@ use crate::selection::Hit;
 
 /// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
 const MOSTLY_LED: f64 = 0.5;
+/// Share of these that a switch of the model may leave where it is what was missing.
+const SWITCHED: f64 = 0.5;
 /// So many of what torques resemble are tried where they show nothing certain.
 const HINTS: usize = 3;
 /// Windows, of which none may follow the log before a value is fitted: short falls.
@@ -82,6 +84,10 @@ pub(super) fn plant_part(
             }
         }
     };
+    let found = (part.study.last.point.clone(), part.study.active.clone());
+    if !found.1.is_empty() && !part.study.outweighed && !rows.still_scatters(&found.0)? {
+        part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, tell)? };
+    }
     point.clone_from(&part.study.last.point);
     told_apart(&mut rows, data, model, list, &mut part);
     let sigma = match part.study.outweighed {
@@ -171,13 +177,14 @@ fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candid
     lost && unknown(fine, signals, list, true).is_some()
 }
 
-/// Whether a switch of the model lets the plant follow the log by itself. If so, leaves the windows at the nominal model.
+/// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
+/// model.
 fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
-    let mut leads = false;
+    let (mut leads, most) = (false, SWITCHED * rows.led());
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
         let mut other = point.to_vec();
         other[index] += candidate.steps[0];
-        leads |= matches!(rows.follows(&other, MOSTLY_LED), Ok(true));
+        leads |= matches!(rows.follows(&other, most), Ok(true));
     }
     if leads {
         rows.afresh();

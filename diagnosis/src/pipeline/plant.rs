@@ -56,10 +56,10 @@ pub(super) fn plant_part(
         start.clone_from(&part.study.active);
         coarse = Some(part);
     }
+    let follows = coarse.is_some() && leading(&mut rows, list, point, &mut start);
     let mut part = match coarse {
         // nor does it where torques fit best with what is no body
-        Some(part) if !rows.follows(point, MOSTLY_LED).unwrap_or(false) => match part.study.active.is_empty()
-        {
+        Some(part) if !follows => match part.study.active.is_empty() {
             true => hinted(&mut rows, list, &part.study.screen.hits, point, tell)?.unwrap_or(part),
             false => part,
         },
@@ -175,6 +175,22 @@ fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool 
 fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candidate]) -> bool {
     let lost = known.iter().any(|index| !fine.active.contains(index));
     lost && unknown(fine, signals, list, true).is_some()
+}
+
+/// Whether the plant follows the log by itself with what torques showed, or with the first of it alone: the last may be what differences
+/// of angles are wrong by. If so, leaves no more than that on.
+fn leading(rows: &mut PlantCut, list: &[Candidate], point: &mut Vec<f64>, found: &mut Vec<usize>) -> bool {
+    let mut there = point.clone();
+    for most in (found.len().min(1)..=found.len()).rev() {
+        found[most..].iter().for_each(|index| there[*index] = list[*index].off);
+        if rows.follows(&there, MOSTLY_LED).unwrap_or(false) {
+            (*point, _) = (there, found.truncate(most));
+            return true;
+        }
+    }
+    // zeros and clock of the log as they were found; the first window that strays ends it
+    let _ = rows.follows(point, 0.0);
+    false
 }
 
 /// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal

@@ -83,7 +83,9 @@ impl Trials<'_> {
             trials.sort_by(|a, b| self.gain(b.0).total_cmp(&self.gain(a.0)));
         }
         for (candidate, _, trial) in trials {
-            let held_out = self.held_out(&trial, candidate, linear);
+            // a part of a whole step is none, however well columns would have it
+            let by_columns = linear && !self.candidates[candidate].is_discrete();
+            let held_out = self.held_out(&trial, candidate, by_columns);
             let before = self.last.under(&trial);
             let share = 1.0 - trial.total.square / before.total.square;
             let enough = share >= LEAST_SHARE || self.last.total.square < 1.5 * self.last.total.freedom;

@@ -9,6 +9,7 @@ mod conventions;
 mod correct;
 mod even;
 mod plant;
+mod sensor;
 
 use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
 use crate::dataset::{DataSet, Run, Table};

@@ -176,6 +176,11 @@ impl Evaluation {
         candidates.iter().filter_map(|c| self.probes.iter().position(|probe| probe.candidate == *c)).collect()
     }
 
+    /// Whether a small step of an active value changes anything.
+    pub fn shows(&self, candidate: usize) -> bool {
+        self.places(&[candidate]).iter().all(|place| self.total.gram[(*place, *place)] > 0.0)
+    }
+
     /// The fall of the deviance that a straight step of some active values promises.
     pub fn promise(&self, free: &[usize]) -> Option<f64> {
         let places = self.places(free);

@@ -37,8 +37,23 @@ pub fn study(
     known: &[usize],
     tell: &mut dyn FnMut(&str),
 ) -> Result<Study, Error> {
+    study_up_to(cut, candidates, start, known, MOST, tell)
+}
+
+/// The same, ended as soon as so many effects are on.
+///
+/// # Errors
+/// A unit failed at the nominal model.
+pub fn study_up_to(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    known: &[usize],
+    enough: usize,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Study, Error> {
     let mut search = Search::begin(cut, candidates, start, known)?;
-    while search.active.len() < MOST && search.vain <= VAIN {
+    while search.active.len() < enough.min(MOST) && search.vain <= VAIN {
         if !search.round(tell)? {
             break;
         }

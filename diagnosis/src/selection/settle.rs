@@ -102,7 +102,16 @@ fn prune(
         point.clone_from(&fit.point);
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-        let Some(covariance) = fit.covariance(&free) else { return Ok((dropped, tiny)) };
+        let Some(covariance) = fit.covariance(&free) else {
+            // a ceiling that cuts nothing any more stands in the way of all others
+            let Some(dead) = free.iter().copied().rev().find(|index| !fit.shows(*index)) else {
+                return Ok((dropped, tiny));
+            };
+            active.retain(|other| *other != dead);
+            point[dead] = candidates[dead].off;
+            dropped.push(dead);
+            continue;
+        };
         let systematic = fit.systematic(&free, cut.signals());
         let error = |place: usize| (covariance[(place, place)] + systematic[place]).sqrt();
         for (place, index) in free.iter().enumerate() {

@@ -1,0 +1,154 @@
+//! The sensor's noise, as circle 1 scatters by it: it shows in no mean, but moves what a threshold sees, so that lens effects may
+//! pass for it.
+
+use super::*;
+use crate::candidates::Side;
+use crate::gap::led;
+use crate::residual::image::ImageCut;
+use crate::selection::{Evaluation, lacking, study_up_to};
+
+/// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
+const ALONE: usize = 2;
+/// So many halves of a standard error the noise may be off by, by which the scatter tells it.
+const NEAR: i32 = 5;
+
+/// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
+/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
+pub(super) fn with_noise<C: Cut>(
+    cut: &mut C,
+    image: fn(&C) -> &ImageCut,
+    list: &[Candidate],
+    point: &[f64],
+    tell: &mut dyn FnMut(&str),
+) -> Result<Part, Error> {
+    match list.iter().position(|candidate| candidate.side == Side::Scatter) {
+        Some(sensor) => Sensor { cut, image, list, point, sensor }.part(tell),
+        None => part(cut, list, point, &[], false, tell),
+    }
+}
+
+struct Sensor<'a, C: Cut> {
+    cut: &'a mut C,
+    image: fn(&C) -> &ImageCut,
+    list: &'a [Candidate],
+    /// Where everything begins.
+    point: &'a [f64],
+    /// Place of the noise in the list.
+    sensor: usize,
+}
+
+impl<C: Cut> Sensor<'_, C> {
+    fn part(mut self, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
+        let first = self.first(tell)?;
+        self.cut.afresh();
+        // one that needs more effects than there are beside the noise is not the story
+        let enough = first.as_ref().map_or(usize::MAX, |first| ALONE.max(first.study.active.len() + 1));
+        let plain = study_up_to(self.cut, self.list, self.point, &[], enough, tell)?;
+        let mut plain = match first {
+            Some(first) if plain.active.len() >= enough => return Ok(first),
+            _ => classed(self.cut, self.list, plain, false)?,
+        };
+        if lacks(&plain) {
+            return Ok(plain);
+        }
+        plain.noise = self.scatter(&plain.study.last.point)?;
+        // a blur scatters too, and would hide a part of the noise that it imitates
+        let mut sharp = plain.study.last.point.clone();
+        let blurs: Vec<usize> =
+            plain.study.active.iter().copied().filter(|index| self.list[*index].is_discrete()).collect();
+        blurs.iter().for_each(|index| sharp[*index] = self.list[*index].off);
+        let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
+        // one blur that explains picture and scatter alike is the whole story
+        let imitated = plain.study.active.len() >= ALONE && clear(&guess);
+        let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
+        let noisy = self.likely(guess, tell)?;
+        let simpler = noisy.study.active.len() < plain.study.active.len();
+        if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
+            return Ok(noisy);
+        }
+        // a scatter that one story needs and the other doesn't is no proof
+        plain.noise = plain.noise.map(|noise| Noise { clear: false, ..noise });
+        Ok(plain)
+    }
+
+    /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong: a
+    /// sensor three times as noisy came after a minute of seven lens effects.
+    fn first(&mut self, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
+        self.cut.remember();
+        self.cut.linearise(self.point, &[], false)?;
+        let early = self.scatter(self.point)?.filter(|noise| noise.clear);
+        self.cut.recall();
+        let Some(early) = early else { return Ok(None) };
+        let first = self.likely(early, tell)?;
+        Ok(Some(first).filter(|first| clear(&first.noise) && !lacks(first)))
+    }
+
+    /// What is found with the noise put right, or with a little more or less of it where that is all that is left: the means of what a
+    /// threshold sees say more of it than the scatter does.
+    fn likely(&mut self, guess: Noise, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
+        let noisy = self.noisy(guess.value, tell)?;
+        if noisy.study.active.is_empty() || !clear(&noisy.noise) {
+            return Ok(noisy);
+        }
+        let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
+        for steps in -NEAR..=NEAR {
+            there[self.sensor] = (guess.value + 0.5 * f64::from(steps) * guess.error).max(0.0);
+            self.cut.afresh();
+            let off = off_on_average(&Evaluation::at(self.cut, &there, &[], false)?);
+            if off < best.0 {
+                best = (off, there[self.sensor]);
+            }
+        }
+        let mut other = self.noisy(best.1, tell)?;
+        if !other.study.active.is_empty() || !clear(&other.noise) {
+            return Ok(noisy);
+        }
+        other.noise = other.noise.map(|noise| Noise { value: best.1, ..noise });
+        other.study.last.point[self.sensor] = best.1;
+        Ok(other)
+    }
+
+    /// What is found with so much noise, and the noise as it is seen to be then.
+    fn noisy(&mut self, guess: f64, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
+        let mut start = self.point.to_vec();
+        start[self.sensor] = guess;
+        self.cut.afresh();
+        let mut noisy = part(self.cut, self.list, &start, &[], false, tell)?;
+        let mut then = noisy.study.last.point.clone();
+        then[self.sensor] = self.list[self.sensor].off;
+        noisy.noise = self.scatter(&then)?;
+        noisy.study.last.point[self.sensor] = noisy.noise.map_or(guess, |noise| noise.value);
+        Ok(noisy)
+    }
+
+    /// The noise by which circle 1 scatters about a model.
+    fn scatter(&mut self, point: &[f64]) -> Result<Option<Noise>, Error> {
+        // fits of alternatives have left the frames elsewhere
+        self.cut.back();
+        self.cut.linearise(point, &[], true)?;
+        (self.image)(self.cut).noise(point)
+    }
+}
+
+fn clear(noise: &Option<Noise>) -> bool {
+    noise.is_some_and(|noise| noise.clear)
+}
+
+/// A torque that lacks is no sensor's, and where more than noise is left a sensor's isn't named.
+fn lacks(part: &Part) -> bool {
+    let study = &part.study;
+    led(&part.signals) && lacking(&study.last, &study.folds, study.explained, true)
+}
+
+/// By how much signals are off on average, in squares of standard errors: pictures that are averaged scatter the more the noisier they
+/// are, so that deviances say nothing of a noise.
+fn off_on_average(evaluation: &Evaluation) -> f64 {
+    let mut sums = vec![(0.0, 0.0); evaluation.sigmas.len()];
+    for cell in evaluation.blocks.iter().flat_map(|block| &block.cells) {
+        for ((signal, rest), sigma) in cell.signal.iter().zip(&cell.residual).zip(&cell.sigma) {
+            sums[*signal].0 += rest / sigma;
+            sums[*signal].1 += 1.0;
+        }
+    }
+    sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum * sum / count).sum()
+}

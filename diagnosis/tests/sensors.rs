@@ -52,3 +52,12 @@ fn counts_the_fields_of_a_camera_that_is_a_little_slower_than_it_is_said_to_be()
     // counted from the start of a run, rows of the other field left 0.13 px
     assert!(found.gap.after < 0.06, "{:?}", found.gap);
 }
+
+#[test]
+fn recovers_a_sensor_three_times_as_noisy_as_it_is_said_to_be() {
+    let found = found("noisy", &[("camera.sigma", "12.0")], &[("camera.sigma", "40.0")], false);
+    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
+    assert_eq!(names, ["camera.sigma"], "{:?}", found.effects);
+    let [from, to] = found.effects[0].ci95;
+    assert!(from < 40.0 && 40.0 < to && to - from < 10.0, "{:?}", found.effects);
+}

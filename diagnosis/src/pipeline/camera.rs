@@ -1,5 +1,6 @@
 //! The camera's part: at the measured motion, or with the pose free where none was measured.
 
+use super::looks::averaged;
 use super::sensor::with_noise;
 use super::*;
 use crate::residual::chain::Chain;
@@ -31,7 +32,12 @@ pub(super) fn camera_part(
         tell("camera: frames rendered again at the measured pose");
     }
     let parted = match (&mut chain, &mut image) {
-        (Some(chain), _) => with_noise(chain, |chain| &chain.image, list, point, tell),
+        (Some(chain), _) => {
+            with_noise(chain, |chain| &chain.image, list, point, tell).and_then(|mut part| {
+                averaged(chain, list, &mut part)?;
+                Ok(part)
+            })
+        }
         (_, Some(image)) => with_noise(image, |image| image, list, point, tell),
         _ => return Ok(()),
     };

@@ -152,7 +152,7 @@ fn part_effects(
     let systematic = part.study.last.systematic(free, &part.signals);
     let error = |index: usize| {
         let place = free.iter().position(|other| *other == index)?;
-        let doubt = doubt(doubts, index);
+        let doubt = doubt(doubts, index).hypot(doubt(&part.rough, index));
         covariance.as_ref().map(|c| (c[(place, place)] + systematic[place] + doubt * doubt).sqrt())
     };
     let mut taken = part.study.active.clone();

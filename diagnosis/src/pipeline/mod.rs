@@ -8,6 +8,7 @@ mod conclude;
 mod conventions;
 mod correct;
 mod even;
+mod looks;
 mod plant;
 mod sensor;
 
@@ -67,6 +68,8 @@ struct Part {
     coarse: Vec<usize>,
     /// What the scatter of the picture says of the sensor.
     noise: Option<Noise>,
+    /// By how much some values differ from look to look.
+    rough: Vec<(usize, f64)>,
 }
 
 /// Diagnoses a data set. `tell` gets a line at each stage.
@@ -247,5 +250,13 @@ fn classed(cut: &mut dyn Cut, list: &[Candidate], study: Study, torque: bool) ->
         };
         classes.push((*effect, class));
     }
-    Ok(Part { study, signals: cut.signals().to_vec(), classes, torque, coarse: Vec::new(), noise: None })
+    Ok(Part {
+        study,
+        signals: cut.signals().to_vec(),
+        classes,
+        torque,
+        coarse: Vec::new(),
+        noise: None,
+        rough: Vec::new(),
+    })
 }

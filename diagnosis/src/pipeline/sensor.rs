@@ -5,16 +5,18 @@ use super::*;
 use crate::candidates::Side;
 use crate::gap::led;
 use crate::residual::image::ImageCut;
-use crate::selection::{Evaluation, lacking, study_up_to};
+use crate::selection::{Evaluation, lacking, study_until};
 
 /// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
 const ALONE: usize = 2;
+/// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
+const FEW: usize = 2;
 /// So many halves of a standard error the noise may be off by, by which the scatter tells it.
 const NEAR: i32 = 5;
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
 /// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
-pub(super) fn with_noise<C: Cut>(
+pub(super) fn with_noise<C: Cut + Clone>(
     cut: &mut C,
     image: fn(&C) -> &ImageCut,
     list: &[Candidate],
@@ -37,17 +39,24 @@ struct Sensor<'a, C: Cut> {
     sensor: usize,
 }
 
-impl<C: Cut> Sensor<'_, C> {
+impl<C: Cut + Clone> Sensor<'_, C> {
     fn part(mut self, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
-        let first = self.first(tell)?;
-        self.cut.afresh();
-        // one that needs more effects than there are beside the noise is not the story
-        let enough = first.as_ref().map_or(usize::MAX, |first| ALONE.max(first.study.active.len() + 1));
-        let plain = study_up_to(self.cut, self.list, self.point, &[], enough, tell)?;
-        let mut plain = match first {
-            Some(first) if plain.active.len() >= enough => return Ok(first),
-            _ => classed(self.cut, self.list, plain, false)?,
-        };
+        let Self { image, list, point, sensor, .. } = self;
+        // asked at most once, of frames that no fit has led elsewhere
+        let mut untouched = Some(self.cut.clone());
+        let mut first = None;
+        let plain = study_until(self.cut, list, point, &[], tell, &mut |active, tell| {
+            if active.len() > ALONE
+                && let Some(mut cut) = untouched.take()
+            {
+                first = Sensor { cut: &mut cut, image, list, point, sensor }.first(tell)?;
+            }
+            Ok(first.is_some())
+        })?;
+        if let Some(first) = first {
+            return Ok(first);
+        }
+        let mut plain = classed(self.cut, list, plain, false)?;
         if lacks(&plain) {
             return Ok(plain);
         }
@@ -55,13 +64,13 @@ impl<C: Cut> Sensor<'_, C> {
         // a blur scatters too, and would hide a part of the noise that it imitates
         let mut sharp = plain.study.last.point.clone();
         let blurs: Vec<usize> =
-            plain.study.active.iter().copied().filter(|index| self.list[*index].is_discrete()).collect();
-        blurs.iter().for_each(|index| sharp[*index] = self.list[*index].off);
+            plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
+        blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
         let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
         // one blur that explains picture and scatter alike is the whole story
         let imitated = plain.study.active.len() >= ALONE && clear(&guess);
         let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
-        let noisy = self.likely(guess, tell)?;
+        let Some(noisy) = self.likely(guess, usize::MAX, tell)? else { return Ok(plain) };
         let simpler = noisy.study.active.len() < plain.study.active.len();
         if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
             return Ok(noisy);
@@ -71,24 +80,26 @@ impl<C: Cut> Sensor<'_, C> {
         Ok(plain)
     }
 
-    /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong: a
-    /// sensor three times as noisy came after a minute of seven lens effects.
-    fn first(&mut self, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
-        self.cut.remember();
+    /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong, and no
+    /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
+    fn first(mut self, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[], false)?;
-        let early = self.scatter(self.point)?.filter(|noise| noise.clear);
-        self.cut.recall();
-        let Some(early) = early else { return Ok(None) };
-        let first = self.likely(early, tell)?;
-        Ok(Some(first).filter(|first| clear(&first.noise) && !lacks(first)))
+        let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
+        let first = self.likely(early, FEW, tell)?;
+        Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
     }
 
     /// What is found with the noise put right, or with a little more or less of it where that is all that is left: the means of what a
     /// threshold sees say more of it than the scatter does.
-    fn likely(&mut self, guess: Noise, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
-        let noisy = self.noisy(guess.value, tell)?;
+    fn likely(
+        &mut self,
+        guess: Noise,
+        most: usize,
+        tell: &mut dyn FnMut(&str),
+    ) -> Result<Option<Part>, Error> {
+        let Some(noisy) = self.noisy(guess.value, most, tell)? else { return Ok(None) };
         if noisy.study.active.is_empty() || !clear(&noisy.noise) {
-            return Ok(noisy);
+            return Ok(Some(noisy));
         }
         let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
         for steps in -NEAR..=NEAR {
@@ -99,26 +110,29 @@ impl<C: Cut> Sensor<'_, C> {
                 best = (off, there[self.sensor]);
             }
         }
-        let mut other = self.noisy(best.1, tell)?;
-        if !other.study.active.is_empty() || !clear(&other.noise) {
-            return Ok(noisy);
-        }
+        let alone = |other: &Part| other.study.active.is_empty() && clear(&other.noise);
+        let Some(mut other) = self.noisy(best.1, 1, tell)?.filter(alone) else { return Ok(Some(noisy)) };
         other.noise = other.noise.map(|noise| Noise { value: best.1, ..noise });
         other.study.last.point[self.sensor] = best.1;
-        Ok(other)
+        Ok(Some(other))
     }
 
-    /// What is found with so much noise, and the noise as it is seen to be then.
-    fn noisy(&mut self, guess: f64, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
+    /// What is found with so much noise, and the noise as it is seen to be then; `None` if that is `most` or more.
+    fn noisy(&mut self, guess: f64, most: usize, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
         let mut start = self.point.to_vec();
         start[self.sensor] = guess;
         self.cut.afresh();
-        let mut noisy = part(self.cut, self.list, &start, &[], false, tell)?;
+        let enough = &mut |active: &[usize], _: &mut dyn FnMut(&str)| Ok(active.len() >= most);
+        let study = study_until(self.cut, self.list, &start, &[], tell, enough)?;
+        if study.active.len() >= most {
+            return Ok(None);
+        }
+        let mut noisy = classed(self.cut, self.list, study, false)?;
         let mut then = noisy.study.last.point.clone();
         then[self.sensor] = self.list[self.sensor].off;
         noisy.noise = self.scatter(&then)?;
         noisy.study.last.point[self.sensor] = noisy.noise.map_or(guess, |noise| noise.value);
-        Ok(noisy)
+        Ok(Some(noisy))
     }
 
     /// The noise by which circle 1 scatters about a model.

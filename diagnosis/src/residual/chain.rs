@@ -5,7 +5,7 @@
 //! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
-use super::image::{ImageCut, Pose, READ_ANGLE, pose_shift};
+use super::image::{HONEST_ANGLE, ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Probe, Signal};
 use crate::candidates::{Candidate, Side};
@@ -27,6 +27,7 @@ const NEAR: f64 = 3e-3;
 const PLACE: f64 = 3e-4;
 
 /// Picture and torque.
+#[derive(Clone)]
 pub struct Chain {
     /// The picture with free poses.
     pub image: ImageCut,
@@ -66,8 +67,8 @@ impl Chain {
         plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
-        for signal in signals[image.signals().len()..].iter_mut().take(if image.read { 2 } else { 0 }) {
-            signal.honest = READ_ANGLE;
+        for signal in signals[image.signals().len()..].iter_mut().take(2) {
+            signal.honest = if image.read { READ_ANGLE } else { HONEST_ANGLE };
         }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let mut chain = Self { image, plant, candidates, signals };
@@ -173,7 +174,7 @@ impl Cut for Chain {
                     .cells
                     .into_iter()
                     .map(|cell| Cell {
-                        lattice: if self.image.read { self.lattice(block.run, &cell) } else { Vec::new() },
+                        lattice: self.lattice(block.run, &cell),
                         signal: cell.signal.iter().map(|signal| signal + offset).collect(),
                         ..cell
                     })

@@ -20,7 +20,7 @@ pub use evaluation::{Evaluation, Folds, all_probes};
 pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
-pub use search::{study, study_up_to};
+pub use search::{look, study, study_until};
 pub use settle::PICTURED;
 pub use steady::{Steadiness, steadiness};
 

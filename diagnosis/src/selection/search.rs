@@ -37,24 +37,27 @@ pub fn study(
     known: &[usize],
     tell: &mut dyn FnMut(&str),
 ) -> Result<Study, Error> {
-    study_up_to(cut, candidates, start, known, MOST, tell)
+    study_until(cut, candidates, start, known, tell, &mut |_, _| Ok(false))
 }
 
-/// The same, ended as soon as so many effects are on.
+/// Says of the effects that are on whether to look no further.
+pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut dyn FnMut(&str)) -> Result<bool, Error>;
+
+/// The same, ended when it is `enough`.
 ///
 /// # Errors
 /// A unit failed at the nominal model.
-pub fn study_up_to(
+pub fn study_until(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     start: &[f64],
     known: &[usize],
-    enough: usize,
     tell: &mut dyn FnMut(&str),
+    enough: Enough<'_>,
 ) -> Result<Study, Error> {
     let mut search = Search::begin(cut, candidates, start, known)?;
-    while search.active.len() < enough.min(MOST) && search.vain <= VAIN {
-        if !search.round(tell)? {
+    while search.active.len() < MOST && search.vain <= VAIN {
+        if enough(&search.active, tell)? || !search.round(tell)? {
             break;
         }
     }
@@ -265,7 +268,10 @@ fn seen(cut: &dyn Cut, candidates: &[Candidate]) -> Vec<usize> {
 }
 
 /// A look at a point, with the columns of all candidates.
-fn look(
+///
+/// # Errors
+/// A unit failed.
+pub fn look(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
     point: &[f64],

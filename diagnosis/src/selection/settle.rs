@@ -18,6 +18,8 @@ pub const PICTURED: f64 = 4.5;
 /// standard error.
 const SETTLE: usize = 3;
 const MOVED: f64 = 0.2;
+/// Deviance that an effect as a whole must take away to be more than rounding.
+const IDLE: f64 = 1e-3;
 /// By how much another must be better, at the fitted model, to take an effect's place (deviance).
 const BETTER: f64 = 2.0;
 
@@ -87,6 +89,24 @@ pub(super) fn settle(
     Ok(all)
 }
 
+/// The last value that nothing shows, be it taken away as a whole: a ceiling that cuts nothing any more, which stands in the way of all
+/// others. A delay shows nothing in small either, where torques are held from step to step.
+fn idle(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    fit: &Evaluation,
+    free: &[usize],
+) -> Result<Option<usize>, Error> {
+    for index in free.iter().copied().rev().filter(|index| !fit.shows(*index)) {
+        let mut without = fit.point.clone();
+        without[index] = candidates[index].off;
+        if Evaluation::at(cut, &without, &[], true)?.deviance() < fit.deviance() + IDLE {
+            return Ok(Some(index));
+        }
+    }
+    Ok(None)
+}
+
 /// Drops what is superfluous or at the end of its range, the weakest first, and fits the rest again. Answers who was dropped, and for each
 /// candidate by how much it may still move to count as settled.
 fn prune(
@@ -103,10 +123,7 @@ fn prune(
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
         let Some(covariance) = fit.covariance(&free) else {
-            // a ceiling that cuts nothing any more stands in the way of all others
-            let Some(dead) = free.iter().copied().rev().find(|index| !fit.shows(*index)) else {
-                return Ok((dropped, tiny));
-            };
+            let Some(dead) = idle(cut, candidates, &fit, &free)? else { return Ok((dropped, tiny)) };
             active.retain(|other| *other != dead);
             point[dead] = candidates[dead].off;
             dropped.push(dead);

@@ -43,7 +43,7 @@ const FIRST_GUESS: [f64; COLUMNS.len()] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0
 const HONEST: f64 = 0.006;
 const HONEST_AREA: f64 = 0.06;
 /// The same of an angle, rad: a link is 160 px long.
-const HONEST_ANGLE: f64 = 5e-5;
+pub const HONEST_ANGLE: f64 = 5e-5;
 /// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
 pub const READ_ANGLE: f64 = 2.5e-4;
 /// So many places a pixel and direction: the difference changes from one to the next.
@@ -64,6 +64,7 @@ pub struct Frame {
 }
 
 /// Where the pose of a frame comes from.
+#[derive(Clone)]
 pub enum Pose {
     /// A motion per run, and how well it is known (rad).
     Logged(Vec<Motion>, f64),
@@ -83,6 +84,7 @@ type Followed = (Vec<Setting>, f64);
 type Poses = (Vec<Shot>, Option<Followed>);
 
 /// Motion in, picture out.
+#[derive(Clone)]
 pub struct ImageCut {
     studio: Studio,
     candidates: Arc<Vec<Candidate>>,

@@ -63,6 +63,7 @@ const FINEST: [f64; 5] = [1e-5, 1e-5, 1e-4, 1e-4, 1e-5];
 const AROUND: f64 = 0.03;
 
 /// Torque in, motion out.
+#[derive(Clone)]
 pub struct PlantCut {
     bench: Arc<Bench>,
     ports: Ports,

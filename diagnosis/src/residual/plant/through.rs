@@ -25,6 +25,7 @@ impl Poses {
 }
 
 /// What lies between the motion and a log that a camera made.
+#[derive(Clone)]
 pub(super) struct Through {
     pub(super) index: Option<usize>,
     pub(super) delay: f64,

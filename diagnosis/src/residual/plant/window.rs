@@ -82,6 +82,7 @@ pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
 /// A window's nuisances.
 type Nuisances = (State, Vec<f64>, Option<Kept>, Option<super::fitting::Fit>);
 
+#[derive(Clone)]
 pub(super) struct Window {
     pub(super) run: usize,
     pub(super) drive: Drive,

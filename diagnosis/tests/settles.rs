@@ -1,0 +1,37 @@
+//! Effects that change nothing any more are dropped, and stand in the way of no other.
+
+#[allow(dead_code)] // each test file uses a part of it
+mod common;
+
+use diagnosis::candidates::{Candidate, candidates};
+use diagnosis::dataset::DataSet;
+use diagnosis::model::Model;
+use diagnosis::residual::plant::PlantCut;
+use diagnosis::selection::study;
+use std::sync::Arc;
+
+#[test]
+fn law_a_ceiling_that_cuts_nothing_is_dropped_and_the_others_are_fitted() {
+    let points = "[[0, 0], [1, 0.4], [2, 0], [3, 0.4], [4, 0], [30, 0]]";
+    let folder = common::logged_along("dead", points, &[("plant.I_rotor", "0.003")], false);
+    let data = DataSet::load(folder.path()).expect("the data is good");
+    let model = Model::load(&data, &common::units()).expect("it is shipped");
+    // one that is far above all commands, 1/(N·m)
+    let ceilings = |_| vec![0.01];
+    let list: Arc<Vec<Candidate>> = Arc::new(candidates(&model, &[], &ceilings));
+    let place = |name| list.iter().position(|candidate| candidate.name == name).expect("it is listed");
+    let (hidden, dead) = (place("plant.I_rotor"), place("plant.tau_max"));
+    let mut rows =
+        PlantCut::new(&data, &model, list.clone()).expect("the unit runs").expect("there are windows");
+    let mut start: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
+    (start[hidden], start[dead]) = (0.002, 0.01);
+    let found = study(&mut rows, &list, &start, &[hidden, dead], &mut |_| {}).expect("the unit runs");
+    assert_eq!(
+        found.active,
+        [hidden],
+        "{:?}",
+        found.active.iter().map(|index| list[*index].name).collect::<Vec<_>>()
+    );
+    // encoders of 2e-4 rad tell it to about a per cent
+    assert!((found.last.point[hidden] / 0.003 - 1.0).abs() < 0.03, "{}", found.last.point[hidden]);
+}

@@ -48,8 +48,6 @@ pub enum Error {
     NotPending,
     #[error("the state {0:#x} is not one of this unit's: it was freed, or belongs to another")]
     UnknownState(usize),
-    #[error("the state is of t = {time} s, and fmi2DoStep was told that none before {limit} s would be set")]
-    StateTooEarly { time: f64, limit: f64 },
     #[error("the buffer has {given} bytes, the state needs {needed}")]
     Buffer { given: usize, needed: usize },
     #[error("serialised state: {0}")]

@@ -3,7 +3,7 @@
 //! Everything here is safe Rust; `abi` hands in slices and strings that it has checked. Access to variables lies
 //! in `access`, what a saved state is in `saved`.
 
-use crate::abi::types::{ERROR, OK, Status};
+use crate::abi::types::{ERROR, OK, Status, WARNING};
 use crate::description;
 use crate::error::Error;
 use crate::logger::{self, Logger};
@@ -57,7 +57,9 @@ pub struct Instance<M: Model> {
     pub(crate) log: Logger,
     pub(crate) state: State<M>,
     /// The master promised never to go back before this time.
-    pub(crate) no_state_before: Option<f64>,
+    no_state_before: Option<f64>,
+    /// It was told that it did.
+    warned_of_return: bool,
     /// What the last `fmi2DoStep` answered.
     pub(crate) last_step: Status,
     /// Strings lent to the master until its next call.
@@ -81,6 +83,7 @@ impl<M: Model> Instance<M> {
             log,
             state: State::new(M::default()),
             no_state_before: None,
+            warned_of_return: false,
             last_step: OK,
             lent: Vec::new(),
         }
@@ -235,12 +238,20 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// `fmi2SetFMUstate`.
+    /// `fmi2SetFMUstate`. A master that goes back further than it promised with `fmi2DoStep` is told once and let go on:
+    /// FMPy's default makes that promise in each step, and nothing here was given up for it.
     pub fn restore(&mut self, state: State<M>) -> Result<(), Error> {
-        if let Some(limit) = self.no_state_before {
-            let allowance = TIME_TOLERANCE * limit.abs().max(state.time.abs());
-            if limit - state.time > allowance {
-                return Err(Error::StateTooEarly { time: state.time, limit });
+        if let Some(limit) = self.no_state_before.filter(|_| !self.warned_of_return) {
+            let time = state.time;
+            if limit - time > TIME_TOLERANCE * limit.abs().max(time.abs()) {
+                self.warned_of_return = true;
+                self.log.send(WARNING, logger::STATUS_WARNING.name, &|| {
+                    format!(
+                        "fmi2SetFMUstate: the state is of t = {time} s, though fmi2DoStep was told \
+                         (noSetFMUStatePriorToCurrentPoint) that none before {limit} s would be set; it is restored all the \
+                         same, and this is not said again"
+                    )
+                });
             }
         }
         self.state = state;

@@ -19,6 +19,8 @@ const fn si(name: &'static str, kg: i8, m: i8, s: i8, rad: i8) -> Unit {
 
 const DEGREES_PER_RADIAN: f64 = 180.0 / core::f64::consts::PI;
 
+/// Whatever the other end of a connection has: the description says nothing of it, and values pass as they are.
+pub const ANY: Unit = si("", 0, 0, 0, 0);
 /// A pure number.
 pub const ONE: Unit = si("1", 0, 0, 0, 0);
 /// Plane angle.

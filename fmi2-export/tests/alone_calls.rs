@@ -168,7 +168,28 @@ fn every_failure_inside_the_model_stays_inside() {
         assert_eq!(toy.exit(), 3);
         assert!(toy.error().contains(why));
         assert_eq!(toy.step(0.0, 0.1), 3);
+        assert!(toy.error().contains("not allowed in the state \"error\""));
+        assert_eq!(toy.set_integer(vr::TROUBLE, 0), 3, "nothing can be set any more");
+        assert_eq!(toy.exit() + toy.enter() + toy.setup(0.0, None) + toy.terminate(), 12);
+        assert_eq!(toy.get_integer(vr::TROUBLE), Ok(trouble), "values can still be read");
+        assert_eq!(toy.reset(), 0);
+        assert_eq!(toy.setup(0.0, None) + toy.enter() + toy.exit() + toy.step(0.0, 0.1), 0);
     }
+}
+
+#[test]
+fn every_tolerance_that_cant_be_is_refused_where_it_is_defined() {
+    for tolerance in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
+        let toy = Instance::new();
+        let setup = |defined| unsafe { fmi2::fmi2SetupExperiment(toy.c, defined, tolerance, 0.0, 0, 0.0) };
+        assert_eq!(setup(1), 3, "{tolerance}");
+        assert!(toy.error().contains(&format!("argument tolerance = {tolerance}: a positive number")));
+        assert_eq!(toy.enter(), 3, "nothing is set up");
+        assert_eq!(setup(0), 0, "not looked at where it isn't defined");
+        assert_eq!(toy.enter() + toy.exit(), 0);
+    }
+    let toy = Instance::new();
+    assert_eq!(unsafe { fmi2::fmi2SetupExperiment(toy.c, 1, 1e-6, 0.0, 0, 0.0) }, 0);
 }
 
 #[test]

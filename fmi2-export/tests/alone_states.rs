@@ -105,7 +105,7 @@ fn alone_a_state_is_overwritten_in_place_and_goes_with_its_instance() {
 }
 
 #[test]
-fn alone_a_promise_never_to_go_back_is_kept() {
+fn alone_a_promise_never_to_go_back_may_be_broken_and_is_told_once() {
     let toy = Instance::ready();
     let mut states = [ptr::null_mut(); 3];
     for (at, state) in states.iter_mut().enumerate() {
@@ -113,13 +113,20 @@ fn alone_a_promise_never_to_go_back_is_kept() {
         let step = if at == 1 { Instance::step_and_forget } else { Instance::step };
         assert_eq!(step(&toy, 0.25 * at as f64, 0.25), 0);
     }
-    assert_eq!(toy.set_state(states[0]), 3);
-    assert!(toy.error().contains("t = 0 s"));
-    assert_eq!(toy.get_integer(vr::STEPS), Ok(3), "nothing changed");
+    let told = || -> Vec<String> {
+        toy.lines().into_iter().filter(|line| line.2 == "logStatusWarning").map(|line| line.3).collect()
+    };
     assert_eq!(toy.set_state(states[1]), 0, "the point itself is not prior to it");
-    assert_eq!(toy.step(0.25, 0.1), 0);
-    assert_eq!(toy.reset(), 0);
-    assert_eq!(toy.set_state(states[0]), 0, "a new run, a new promise");
+    assert!(told().is_empty());
+    assert_eq!(toy.set_state(states[0]), 0);
+    let text = told().concat();
+    assert!(text.contains("t = 0 s") && text.contains("before 0.25 s"), "{text}");
+    assert_eq!(toy.get_integer(vr::STEPS), Ok(0), "it is restored");
+    assert_eq!(toy.step_and_forget(0.0, 0.25), 0);
+    assert_eq!(toy.step_and_forget(0.25, 0.25), 0);
+    assert_eq!(toy.set_state(states[0]), 0);
+    assert!(told().is_empty(), "not said again");
+    assert_eq!(toy.step(0.0, 0.1), 0);
 }
 
 #[test]

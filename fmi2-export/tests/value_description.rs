@@ -58,6 +58,19 @@ fn value_the_pages_hold_every_variable() {
     assert!(html.contains("-100 … 100"));
 }
 
+/// The page is what people see: a change of it is looked at and then written anew.
+#[test]
+fn golden_the_html_page() {
+    let unit = Unit::of::<Toy>();
+    let page = unit.html().replace(&unit.guid(), "{guid}");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/toy.html");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(file, &page).unwrap();
+    }
+    let golden = std::fs::read_to_string(file).unwrap();
+    assert!(page == golden, "not as in {file}; UPDATE_GOLDEN=1 writes it anew. Now:\n{page}");
+}
+
 #[test]
 fn every_text_reaches_the_packer() {
     unsafe extern "C" fn append(context: *mut c_void, bytes: *const u8, length: usize) {

@@ -1,8 +1,9 @@
 //! Calls of cargo: silent when there is nothing to build.
 
+use crate::platform::Platform;
 use crate::{Result, at};
-use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
-use std::ffi::OsString;
+use std::env::consts::EXE_SUFFIX;
+use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -13,18 +14,67 @@ use std::process::{Command, ExitCode, Stdio};
 /// bytes everywhere.
 pub fn build_units(root: &Path, shells: &[String], build: &Path) -> Result<Vec<PathBuf>> {
     let mut cargo = cargo(root);
-    cargo.args(["build", "--profile", "fmu", "--target-dir"]).arg(build);
+    cargo.arg("build");
+    build_shells(cargo, shells, build, remapped_paths(root)?)?;
+    Ok(libraries(shells, &build.join("fmu"), Platform::own()))
+}
+
+/// As [`build_units`], for another platform or for old machines of this one, with zig as the linker.
+pub fn build_units_for(
+    platform: Platform,
+    root: &Path,
+    shells: &[String],
+    build: &Path,
+) -> Result<Vec<PathBuf>> {
+    let mut cargo = zigbuild(root, platform)?;
+    cargo.args(["--target", platform.target()]);
+    let mut flags = remapped_paths(root)?;
+    // zig writes the time of day into a DLL unless it is told to optimise; then it is a checksum of the content.
+    flags.push("-Clink-arg=-O2".to_owned());
+    // The first macOS for Apple's own processors; zig's own choice is the newest but one.
+    cargo.env("MACOSX_DEPLOYMENT_TARGET", "11.0");
+    build_shells(cargo, shells, build, flags)?;
+    let (folder, _) = platform.target().split_once(".2").unwrap_or((platform.target(), ""));
+    Ok(libraries(shells, &build.join(folder).join("fmu"), platform))
+}
+
+fn build_shells(mut cargo: Command, shells: &[String], build: &Path, flags: Vec<String>) -> Result<()> {
+    cargo.args(["--profile", "fmu", "--target-dir"]).arg(build);
     for shell in shells {
         cargo.args(["--package", shell]);
     }
-    cargo.env("CARGO_ENCODED_RUSTFLAGS", remapped_paths(root)?.join("\x1f"));
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     cargo.env("CARGO_INCREMENTAL", "0");
-    run_quietly(cargo)?;
-    let library = |shell: &String| {
-        let stem = shell.replace('-', "_");
-        build.join("fmu").join(format!("{DLL_PREFIX}{stem}{DLL_SUFFIX}"))
+    run_quietly(cargo)
+}
+
+fn libraries(shells: &[String], folder: &Path, platform: Platform) -> Vec<PathBuf> {
+    shells.iter().map(|shell| folder.join(platform.library(&shell.replace('-', "_")))).collect()
+}
+
+/// `cargo zigbuild`, from the repository's Python environment or from the PATH.
+fn zigbuild(root: &Path, platform: Platform) -> Result<Command> {
+    let beside = root.join(".venv").join(if cfg!(windows) { "Scripts" } else { "bin" });
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let folders: Vec<PathBuf> = std::iter::once(beside).chain(std::env::split_paths(&path)).collect();
+    let program = format!("cargo-zigbuild{EXE_SUFFIX}");
+    let Some(program) = folders.iter().map(|folder| folder.join(&program)).find(|path| path.is_file()) else {
+        let targets = platform.rust_targets().join(" ");
+        return Err(format!(
+            "{platform} is built by cargo-zigbuild, which is not there: type `.venv/bin/python -m pip install \
+             -r python/requirements.txt` and `rustup target add {targets}`"
+        )
+        .into());
     };
-    Ok(shells.iter().map(library).collect())
+    let mut command = Command::new(program);
+    command.arg("zigbuild").current_dir(root).env("PATH", std::env::join_paths(folders)?);
+    Ok(command)
+}
+
+/// Runs a program of the workspace; what it prints is for the person.
+pub fn run_program(program: &Path, arguments: &[&OsStr]) -> Result<()> {
+    let status = at(program, Command::new(program).args(arguments).status())?;
+    if status.success() { Ok(()) } else { Err(format!("{} failed ({status})", program.display()).into()) }
 }
 
 /// Builds a program with the release profile and answers where it lies.

@@ -2,24 +2,18 @@
 //!
 //! Knows the layout of the repository, no unit by name: a unit is a folder under `fmus/` with an `fmu/` shell.
 
-mod archive;
 mod cargo;
 mod fuzz;
-mod icon;
-mod library;
 mod merge;
 mod pack;
-mod platform;
+mod portable;
 mod shells;
 
+use cargo_fmi2::{Result, archive, at, library, package, platform};
 use clap::{Parser, Subcommand};
-use std::error::Error;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// What goes wrong here is told to a person and ends the command.
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Commands of the workspace.
 #[derive(Parser)]
@@ -36,9 +30,17 @@ enum Command {
         /// Writes nothing; fails if modelDescriptions/*.xml or NOTATION.md are stale
         #[arg(long)]
         check: bool,
+        /// Also packs binaries for these platforms: linux64, win64, darwin64, aarch64-linux with commas between, or
+        /// all. Linux gets binaries for old machines, too (GLIBC 2.17). Needs python/requirements.txt; takes minutes
+        #[arg(long, default_value = "", hide_default_value = true, conflicts_with = "check")]
+        platforms: platform::Platforms,
     },
     /// Builds every unit twice, in two folders, and fails if the packed bytes differ (takes minutes)
-    SameBytes,
+    SameBytes {
+        /// With binaries for these platforms, as for `pack`
+        #[arg(long, default_value = "", hide_default_value = true)]
+        platforms: platform::Platforms,
+    },
     /// Puts a library that was built for another platform into a packed unit
     Merge {
         /// The packed unit
@@ -62,18 +64,26 @@ enum Command {
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
-        Command::Pack { check: true } => pack::check(root()),
-        Command::Pack { check: false } => pack::pack(root(), pack::Extent::All).map(|packed| {
+        Command::Pack { check: true, .. } => pack::check(root()),
+        Command::Pack { check: false, platforms } => packed(&platforms.0).map(|packed| {
             for fmu in packed {
                 println!("{}", fmu.display());
             }
         }),
-        Command::SameBytes => pack::same_bytes(root()),
+        Command::SameBytes { platforms } => pack::same_bytes(root(), &platforms.0),
         Command::Merge { fmu, platform, library } => merge::merge(&fmu, platform, &library),
         Command::Fuzz(options) => fuzz::fuzz(&options),
         Command::Acroscope { arguments } => return acroscope(&arguments),
     };
     exit_code(outcome.map(|()| ExitCode::SUCCESS))
+}
+
+fn packed(platforms: &[platform::Platform]) -> Result<Vec<PathBuf>> {
+    let fmus = pack::pack(root(), pack::Extent::All)?;
+    if !platforms.is_empty() {
+        portable::add(root(), &fmus, platforms)?;
+    }
+    Ok(fmus)
 }
 
 fn acroscope(arguments: &[OsString]) -> ExitCode {
@@ -96,9 +106,4 @@ fn exit_code(outcome: Result<ExitCode>) -> ExitCode {
 fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here)
-}
-
-/// Says which file an input or output error concerns.
-fn at<T>(path: &Path, outcome: std::io::Result<T>) -> Result<T> {
-    outcome.map_err(|error| format!("{}: {error}", path.display()).into())
 }

@@ -3,7 +3,7 @@
 use crate::archive::{self, Entries};
 use crate::library::{self, Unit};
 use crate::platform::Platform;
-use crate::{Result, at, cargo, icon, shells};
+use crate::{Result, at, cargo, package, portable, shells};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -31,6 +31,7 @@ pub fn pack(root: &Path, extent: Extent) -> Result<Vec<PathBuf>> {
     }
     let units = describe(&libraries)?;
     let packed = write_fmus(root, &libraries, &units, &fmus)?;
+    portable::remember(&fmus, &libraries)?;
     for (path, content) in generated(root, &units) {
         archive::write_if_changed(&path, content.as_bytes())?;
     }
@@ -60,7 +61,7 @@ pub fn check(root: &Path) -> Result<()> {
 }
 
 /// Packs twice from separate builds and compares.
-pub fn same_bytes(root: &Path) -> Result<()> {
+pub fn same_bytes(root: &Path, platforms: &[Platform]) -> Result<()> {
     let mut packed = Vec::new();
     for name in ["same-bytes-1", "same-bytes-2"] {
         let folder = root.join("target").join(name);
@@ -69,6 +70,7 @@ pub fn same_bytes(root: &Path) -> Result<()> {
         }
         let libraries = build(root, &folder.join("build"))?;
         let fmus = write_fmus(root, &libraries, &describe(&libraries)?, &folder.join("fmus"))?;
+        portable::add_built_in(root, &fmus, platforms, &folder.join("platforms"))?;
         packed.push(fmus);
     }
     for (one, other) in packed[0].iter().zip(&packed[1]) {
@@ -148,7 +150,7 @@ fn write_fmus(root: &Path, libraries: &[PathBuf], units: &[Unit], folder: &Path)
     for (library, unit) in libraries.iter().zip(units) {
         let path = folder.join(format!("{}.fmu", unit.identifier));
         let mut entries = content(root, library, unit)?;
-        keep_other_platforms(&path, unit, &mut entries);
+        portable::keep(&path, library, &mut entries)?;
         archive::write_if_changed(&path, &archive::to_bytes(&entries)?)?;
         packed.push(path);
     }
@@ -157,36 +159,14 @@ fn write_fmus(root: &Path, libraries: &[PathBuf], units: &[Unit], folder: &Path)
 
 /// What goes into an `.fmu`.
 fn content(root: &Path, library: &Path, unit: &Unit) -> Result<Entries> {
-    let count = |causality| unit.xml.matches(&format!("causality=\"{causality}\"")).count();
-    let mut entries = Entries::from([
-        ("modelDescription.xml".to_owned(), unit.xml.clone().into_bytes()),
-        ("documentation/index.html".to_owned(), unit.html.clone().into_bytes()),
-        ("model.png".to_owned(), icon::icon(&unit.identifier, count("input"), count("output"))?),
-        (Platform::own().entry(&unit.identifier), at(library, fs::read(library))?),
-    ]);
     let mut all = format!("Either of, at your choice: {}.\n", LICENCES.join(".txt, ") + ".txt").into_bytes();
-    for name in LICENCES {
-        let path = root.join(name);
-        entries.insert(format!("documentation/licenses/{name}.txt"), at(&path, fs::read(&path))?);
-    }
     all.extend_from_slice(
         b"The library holds the Rust standard library and crates under the same two licences.\n",
     );
-    entries.insert("documentation/licenses/license.txt".to_owned(), all);
-    Ok(entries)
-}
-
-/// Binaries that were merged in stay as long as they belong to the same source: our own binary is unchanged.
-fn keep_other_platforms(path: &Path, unit: &Unit, entries: &mut Entries) {
-    let Ok(old) = archive::read(path) else { return };
-    let own = Platform::own().entry(&unit.identifier);
-    let same = old.get(&own) == entries.get(&own)
-        && old.get("modelDescription.xml") == entries.get("modelDescription.xml");
-    let others: Vec<_> =
-        old.into_iter().filter(|(name, _)| name.starts_with("binaries/") && *name != own).collect();
-    if same {
-        entries.extend(others);
-    } else if !others.is_empty() {
-        eprintln!("{}: the source has changed, so binaries of other platforms were left out", path.display());
+    let mut licences = vec![("license".to_owned(), all)];
+    for name in LICENCES {
+        let path = root.join(name);
+        licences.push((name.to_owned(), at(&path, fs::read(&path))?));
     }
+    package::content(library, unit, &licences)
 }

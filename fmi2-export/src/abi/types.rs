@@ -30,6 +30,8 @@ pub type StatusKind = c_int;
 
 /// `fmi2OK`
 pub const OK: Status = 0;
+/// `fmi2Warning`
+pub const WARNING: Status = 1;
 /// `fmi2Discard`
 pub const DISCARD: Status = 2;
 /// `fmi2Error`

@@ -68,6 +68,7 @@ impl Unit {
         let mut units: Vec<unit::Unit> = Vec::new();
         for variable in &self.variables {
             if matches!(variable.kind, Kind::Real(_))
+                && variable.unit.name != unit::ANY.name
                 && !units.iter().any(|known| known.name == variable.unit.name)
             {
                 units.push(variable.unit);
@@ -146,6 +147,7 @@ impl Unit {
 
     fn type_element(&self, variable: &Variable) -> String {
         let mut text = match &variable.kind {
+            Kind::Real(_) if variable.unit.name == unit::ANY.name => "<Real".to_owned(),
             Kind::Real(_) => format!("<Real unit=\"{}\"", escape(variable.unit.name)),
             Kind::Integer(_) => "<Integer".to_owned(),
             Kind::Boolean(_) => "<Boolean".to_owned(),

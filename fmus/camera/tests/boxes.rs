@@ -2,7 +2,7 @@
 
 mod common;
 use camera::Variables;
-use camera::photometry::{Area, FrameMaker, Shot, noise::Keys, noise::gain, quantise};
+use camera::photometry::{Area, FrameMaker, Shot, noise::Keys, noise::gain, quantise, tails};
 use camera::scene::Pose;
 use camera::vision::{Component, Labeller};
 use common::*;
@@ -112,7 +112,9 @@ fn everything(maker: &FrameMaker, variables: &Variables, k: i64, all: Area) -> V
             noise,
             level,
         };
-        quantise::portable(span, &mut picture.values[pixels], &mut mask.words[words]);
+        let (picture, mask) = (&mut picture.values[pixels], &mut mask.words[words]);
+        quantise::portable(span, picture, mask);
+        tails::draw(span, picture, mask);
     }
     let mut found = Vec::new();
     Labeller::default().label(&mask, &[all], step, &mut found);

@@ -172,7 +172,7 @@ fn value_fold_back_is_refused_where_it_is() {
     let (name, text) = refused(|e| (e.fifth_order.quintic, e.radial.cubic) = (-0.4, 0.001));
     assert_eq!(name, "k2");
     assert!(text.contains("radius 0.84"), "{text}");
-    // All that the paper and TARGETS.md use is usable.
+    // All that the paper and docs/claims.md use is usable.
     for change in [
         |e: &mut Effects| e.radial.cubic = -0.3,
         |e: &mut Effects| e.radial.cubic = 0.3,

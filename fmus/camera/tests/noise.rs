@@ -2,8 +2,9 @@
 
 mod common;
 use camera::photometry::noise::{self, Keys};
+use camera::photometry::plane::{Mask, Plane};
 use camera::photometry::quantise::{Span, portable};
-use camera::photometry::simd;
+use camera::photometry::{Area, quantise, simd};
 use common::*;
 
 /// Normal distribution function by Simpson's rule on the density (1e-10).
@@ -55,6 +56,48 @@ fn value_noise_law() {
     let mut bare: Vec<f64> = (0..=u16::MAX).map(|bits| f64::from(noise::deviate(bits))).collect();
     bare.sort_by(f64::total_cmp);
     assert!(cdf_error(&bare, noise::deviation()) <= noise::CDF_ERROR);
+}
+
+#[test]
+fn value_tails_are_a_gaussians() {
+    // 400 frames' worth of grey 128 at sigma 15: a level shows places to 1/30 of a deviation, and 0 and 255 lie 8.5
+    // deviations away.
+    let (base, mut picture) = (Plane::filled(512, 512, 128 * 64, 0), Plane::filled(512, 512, 0, 0));
+    let mut mask = Mask::empty(512, 512);
+    let all = Area { x0: 0, y0: 0, x1: 512, y1: 512 };
+    let mut counts = [0_u32; 256];
+    for k in 0..400 {
+        let noise = Some((Keys::new(17, k), noise::gain(15.0)));
+        quantise::quantise(&base, all, 1, noise, 180, &mut picture, &mut mask);
+        picture.values.iter().for_each(|grey| counts[usize::from(*grey)] += 1);
+        let over = picture.values.iter().filter(|grey| **grey >= 180).count();
+        assert_eq!(over, mask.words.iter().map(|word| word.count_ones() as usize).sum::<usize>());
+    }
+    let n = 400.0 * f64::from(1 << 18);
+    // The sums' own steps are seen up to 3.9 deviations; the sums alone have 0.15 of what there should be at 3.8.
+    for (levels, within) in [
+        (39_u8, 0.07),
+        (45, 0.08),
+        (48, 0.1),
+        (51, 0.1),
+        (54, 0.15),
+        (57, 0.15),
+        (60, 0.02),
+        (66, 0.02),
+        (72, 0.02),
+        (75, 0.02),
+    ] {
+        let beyond = |grey: usize| grey.abs_diff(128) >= usize::from(levels);
+        let seen: f64 = (0..256).filter(|grey| beyond(*grey)).map(|grey| f64::from(counts[grey])).sum();
+        let sigmas = (f64::from(levels) - 0.5) / 15.0;
+        let expected = n * libm::erfc(sigmas * std::f64::consts::FRAC_1_SQRT_2);
+        println!("beyond {sigmas:.2} sigma: {seen}, expected {expected:.0}, {:.3}", seen / expected);
+        // Four standard deviations of the count beside.
+        let allowed = 4.0 * expected.sqrt() + within * expected;
+        assert!((seen - expected).abs() < allowed, "beyond {sigmas} sigma: {seen}, expected {expected}");
+    }
+    let (up, down): (u32, u32) = (counts[180..].iter().sum(), counts[..=76].iter().sum());
+    assert!(f64::from(up.abs_diff(down)) < 4.0 * f64::from(up + down).sqrt(), "{up} up, {down} down");
 }
 
 #[test]

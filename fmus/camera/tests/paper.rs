@@ -1,4 +1,4 @@
-//! Sections 3.2 and 4.1 of the paper from rendered frames; numbers of TARGETS.md beside each.
+//! Sections 3.2 and 4.1 of the paper from rendered frames; numbers of docs/claims.md beside each.
 
 mod common;
 use camera::Variables;
@@ -34,14 +34,14 @@ fn within(factor: f64, found: f64, expected: f64, what: &str) {
 #[test]
 fn paper_c14_height_of_the_robot() {
     let out = still(&Variables::default(), 0.0, 0.0);
-    // From the ground line (v = -0.8, 204.8 px below the centre) to the tip, of 512 px; TARGETS: 70.45 %.
+    // From the ground line (v = -0.8, 204.8 px below the centre) to the tip, of 512 px; C14: 70.45 %.
     let share = (out.v3_px + 204.8) / 512.0;
     assert!((share - 0.7045).abs() < 0.005, "{share}");
 }
 
 #[test]
 fn paper_c17_c21_c22_c23_clean_defocused_and_noisy_frames() {
-    // (sigma, N) and the rms that TARGETS.md gives, x1.5 both ways.
+    // (sigma, N) and the rms that docs/claims.md gives (C17, C21 to C23), x1.5 both ways.
     for (sigma, passes, rms) in [
         (0.0, 0, (3.9e-4, 3.5e-4)),
         (0.0, 1, (5.4e-4, 6.2e-4)),
@@ -111,7 +111,7 @@ fn paper_c25_table_3_from_rendered_frames() {
         assert_eq!(found.lost, 0, "{name}");
         for (ours, paper, independent) in [(k.0, paper.0, independent.0), (k.1, paper.1, independent.1)] {
             assert_eq!(format!("{ours:.1}"), format!("{paper:.1}"), "{name}");
-            // TARGETS: +-.02 between implementations for rendered frames (a pixel more or less at the maximum).
+            // T3: +-.02 between implementations for rendered frames (a pixel more or less at the maximum).
             assert!((ours - independent).abs() < 0.02, "{name}: {ours} {independent}");
         }
     }
@@ -186,7 +186,7 @@ fn paper_c35_composite_effects() {
         found.max.0, found.max.1, found.rms.0, found.rms.1
     );
     assert_eq!(found.lost, 0);
-    // TARGETS: .0459/.0256, rms .030/.009, 5 %; noise moves the maximum of q2 by 1e-3 from seed to seed.
+    // C35: .0459/.0256, rms .030/.009, 5 %; noise moves the maximum of q2 by 1e-3 from seed to seed.
     assert!((found.max.0 - 0.0459).abs() < 0.0023 && (found.max.1 - 0.0256).abs() < 0.0023);
     assert!((found.rms.0 - 0.030).abs() < 0.0015 && (found.rms.1 - 0.009).abs() < 0.0005);
 }
@@ -230,7 +230,7 @@ fn lost_at(z_rate: f64, smallest_area: i32) -> usize {
         v.sensor.exposure_factor = 1.0;
         v.sensor.smallest_area = smallest_area;
     });
-    // dq2/dz = 5.5 at z = 0 and 3.2 at z = 0.5 (TARGETS.md, section 1), in between taken as linear in q2.
+    // dq2/dz = 5.5 at z = 0 and 3.2 at z = 0.5 (docs/claims.md), in between taken as linear in q2.
     let rate = |q2: f64| z_rate * (5.5 + (3.2 - 5.5) * q2 / 1.756);
     let pose = |q2: f64| {
         let dq1 = -1.880 / 4.779 * q2.cos() * rate(q2) / manifold(q2).cos();

@@ -97,7 +97,7 @@ fn paper_c37_tracks_from_14_with_full_state() {
                 .collect();
             println!("rate {rate}: rms {rms}, ends {ends:?}, contact {}", trace.contact);
             assert!(!trace.contact);
-            // TARGETS.md C37, preset "damped": rms 0.036 with its own ramps, end offsets below 0.005.
+            // C37, preset "damped": rms 0.036 with its own ramps, end offsets below 0.005.
             assert!(rms < 0.036 * 1.2, "rms {rms}");
             assert!(ends.iter().all(|offset| offset.abs() < 0.005), "{ends:?}");
         }
@@ -130,7 +130,7 @@ fn value_three_seconds_at_30_hz() {
 #[test]
 fn paper_c44_lowest_sample_rate() {
     let falls = |rate, rates| run(60.0, rate, rates, z_desired, |_| {}).contact;
-    // TARGETS.md C44, preset "damped": 14 Hz is enough with differenced rates, 10 Hz is not; with true rates 8 Hz is.
+    // C44, preset "damped": 14 Hz is enough with differenced rates, 10 Hz is not; with true rates 8 Hz is.
     assert!(falls(10.0, Rates::FirstDifference));
     assert!(!falls(14.0, Rates::FirstDifference));
     assert!(!falls(8.0, Rates::True));
@@ -140,7 +140,7 @@ fn paper_c44_lowest_sample_rate() {
 fn paper_c54_lowest_limit_on_the_torques_rate() {
     let falls =
         |limit| run(60.0, 30.0, Rates::True, z_desired, |v| v.effects.rate_limit.limit = limit).contact;
-    // TARGETS.md C54, preset "damped" with state feedback, on its grid: 5 N·m/s is enough, 3 is not.
+    // C54, preset "damped" with state feedback, on its grid: 5 N·m/s is enough, 3 is not.
     assert!(!falls(5.0));
     assert!(falls(3.0));
 }

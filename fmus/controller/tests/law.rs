@@ -9,7 +9,7 @@ use mechanics::{MechanicsError, Place, Theta};
 
 const PINNED: Theta = Theta { theta_2: 0.0, theta_7: 0.0, ..Theta::TABLE_2 };
 const OTHER: Theta = Theta { theta_1: 0.24, theta_5: 0.1, theta_8: 0.09, theta_10: 2.1, ..Theta::TABLE_2 };
-/// The three presets of TARGETS.md, section 3.
+/// The three pole sets of docs/claims.md.
 const PRESETS: [[f64; 4]; 3] = [[6.11, 0.84, 3.52, 0.54], [4.02, 1.03, 2.76, 0.35], [4.51, 0.98, 2.96, 0.20]];
 
 /// Coefficients a₀..a₃ of the characteristic polynomial, by Faddeev and LeVerrier.
@@ -79,7 +79,7 @@ fn paper_c13_polynomial_is_the_same_everywhere() {
                     for (found, expected) in found.into_iter().zip(polynomial.a) {
                         let error = (found / expected - 1.0).abs();
                         worst = worst.max(error);
-                        // TARGETS.md C13: equal everywhere to 2e-8.
+                        // C13: equal everywhere to 2e-8.
                         assert!(error < 2e-8, "q2 = {q2}: {found} instead of {expected}");
                     }
                 }

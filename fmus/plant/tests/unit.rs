@@ -170,27 +170,59 @@ fn every_contact_holds_the_state() {
 
 #[test]
 fn every_turn_beyond_contact_is_seen_within_a_long_step() {
-    // Thrown towards contact, the link turns back by itself at its largest q2. Contact just below that is met, and
-    // one just above is not, even if the turn lies inside one long step.
-    let largest = |contact: f64, steps: u32| {
-        let mut rig = Rig::at([-0.4, 1.4, 0.0, 2.0], |variables| {
-            variables.inputs.torque = -3.0;
+    // Thrown towards contact, the link turns back by itself at its largest q2, early in the 0.2 s. Contact just below
+    // that is met, and one just above is not, even if the turn lies inside one long step. Both ways.
+    let thrown = |side: f64, contact: f64, steps: u32| {
+        let mut rig = Rig::at([-0.4 * side, 1.4 * side, 0.0, 2.0 * side], |variables| {
+            variables.inputs.torque = -6.0 * side;
             variables.parameters.contact_angle = contact;
         });
         let mut largest = f64::NEG_INFINITY;
         for k in 1..=steps {
             rig.step(0.2 * f64::from(k) / f64::from(steps));
-            largest = largest.max(rig.state()[1]);
+            largest = largest.max(rig.state()[1] * side);
         }
-        (largest, rig.variables.outputs.contact)
+        (largest, rig)
     };
-    // Sampled every 10 µs the top is known to (10 µs)² times half of 40 rad/s².
-    let (top, _) = largest(NO_CONTACT, 20_000);
-    assert!(top > 1.42, "{top}"); // it did move up
-    for steps in [1, 3, 120] {
-        assert!(!largest(top + 1e-8, steps).1, "{steps} steps");
-        let (held, contact) = largest(top - 1e-8, steps);
-        assert!(contact && (held - (top - 1e-8)).abs() < 1e-12, "{steps} steps: {held} below {top}");
+    for side in [1.0, -1.0] {
+        // Sampled every 10 µs the top is known to (10 µs)² times half of 40 rad/s².
+        let (top, rig) = thrown(side, NO_CONTACT, 20_000);
+        let end = rig.state()[1] * side;
+        assert!(top > 1.45 && end < 1.1, "up to {top} and back to {end}");
+        for steps in [1, 3, 120] {
+            let (_, rig) = thrown(side, top + 1e-8, steps);
+            assert!(!rig.variables.outputs.contact, "{steps} steps");
+            assert!((rig.state()[1] * side - end).abs() < 1e-9, "{steps} steps");
+            let (_, rig) = thrown(side, top - 1e-8, steps);
+            let held = rig.state()[1] * side;
+            assert!(rig.variables.outputs.contact, "{steps} steps");
+            assert!((held - (top - 1e-8)).abs() < 1e-12, "{steps} steps: {held} below {top}");
+        }
+    }
+}
+
+#[test]
+fn every_contact_is_in_the_bytes_of_a_state() {
+    for side in [1.0, -1.0] {
+        let fallen = || {
+            let start = [0.05 * side, -0.1 * side, 0.0, 0.0];
+            let mut rig = Rig::at(start, |variables| variables.parameters.contact_angle = 2.35);
+            rig.run(1.5, 90);
+            rig
+        };
+        let mut rig = fallen();
+        assert!(rig.variables.outputs.contact);
+        assert!((rig.state()[1] + 2.35 * side).abs() < 1e-12, "{}", rig.state()[1]); // at -q2_max for a positive side
+        let saved = postcard::to_stdvec(&rig.plant).unwrap();
+        let plant: Plant = postcard::from_bytes(&saved).unwrap();
+        let mut restored = Rig { plant, ..rig.clone() };
+        for rig in [&mut rig, &mut restored] {
+            rig.variables.inputs.torque = 0.5;
+            rig.run(1.7, 3);
+            assert!(rig.variables.outputs.contact);
+        }
+        assert_eq!(restored.state(), fallen().state(), "held");
+        assert_eq!(restored.bits(), rig.bits());
     }
 }
 

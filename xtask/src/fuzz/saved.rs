@@ -110,9 +110,7 @@ impl Sequence<'_> {
                 ends.push((stepped, self.serialized(end)?));
                 let status = (api.set_state)(c, start);
                 if !self.note("fmi2SetFMUstate", status)? {
-                    // Only a state from before a promised point may be refused, after which nothing is certain.
-                    self.sound = false;
-                    return Ok(());
+                    return Err("a state of the instance's own is refused".to_owned());
                 }
             }
         }

@@ -13,6 +13,7 @@ pub mod noise;
 pub mod plane;
 pub mod quantise;
 pub mod simd;
+pub mod tails;
 
 pub use coverage::{Area, Coverage};
 pub use frame::{FrameMaker, Shot};

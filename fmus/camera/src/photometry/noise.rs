@@ -5,8 +5,10 @@
 //! of the frame. The keys enter at different rounds, so that no frame is another one shifted. Each pixel takes 16
 //! bits, four nibbles, each of which looks up a table of 16 entries; the weighted sum of the four is the deviate.
 //! Tables and weights were searched for so that the distribution of the sum is Gaussian to [`CDF_ERROR`]; its mean
-//! is zero by symmetry and its deviation [`deviation`] exactly known. The largest deviate is bounded, which lets the
-//! vision system know where no noise can reach the threshold.
+//! is zero by symmetry and its deviation [`deviation`] exactly known.
+//!
+//! Sums end at 3.9 deviations and thin out before. What a Gaussian has there beyond them, one pixel in 2900, is laid over
+//! the finished picture by [`super::tails`].
 
 /// Table of the nibbles 0 and 2 of a pixel's bits.
 pub const TABLE_A: [i8; 16] = symmetric([2, 11, 14, 28, 32, 49, 63, 123]);
@@ -72,13 +74,6 @@ pub fn deviate(bits: u16) -> i16 {
     let term = |weight: i8, entry: i8| i16::from(weight) * i16::from(entry);
     (term(WEIGHTS[0], TABLE_A[nibble(0)]) + term(WEIGHTS[2], TABLE_A[nibble(2)]))
         + (term(WEIGHTS[1], TABLE_B[nibble(1)]) + term(WEIGHTS[3], TABLE_B[nibble(3)]))
-}
-
-/// The largest deviate.
-pub fn largest_deviate() -> i16 {
-    (0..4)
-        .map(|n| i16::from(WEIGHTS[n]) * i16::from(if n % 2 == 0 { TABLE_A[15] } else { TABLE_B[15] }))
-        .sum()
 }
 
 /// Standard deviation of the deviates.

@@ -4,7 +4,7 @@
 
 use super::noise::{self, Keys};
 use super::plane::{BLOCK, Mask, Plane};
-use super::{Area, simd};
+use super::{Area, simd, tails};
 
 /// Noise of one frame; `None`: no noise.
 pub type FrameNoise = Option<(Keys, i16)>;
@@ -40,18 +40,22 @@ pub fn quantise(
         let words = area.y0 * mask.stride..area.y1 * mask.stride;
         let first_word = (pixels.start / 2) as u32;
         let span = Span { base: &base.values[pixels.clone()], first_word, noise, level };
-        return path(span, &mut picture.values[pixels], &mut mask.words[words]);
+        let (picture, mask) = (&mut picture.values[pixels], &mut mask.words[words]);
+        path(span, picture, mask);
+        return tails::draw(span, picture, mask);
     }
     for y in (area.y0..area.y1).step_by(row_step) {
         let start = y * base.stride + from * BLOCK;
         let pixels = start..y * base.stride + to * BLOCK;
         let words = y * mask.stride + from..y * mask.stride + to;
         let span = Span { base: &base.values[pixels.clone()], first_word: (start / 2) as u32, noise, level };
-        path(span, &mut picture.values[pixels], &mut mask.words[words]);
+        let (picture, mask) = (&mut picture.values[pixels], &mut mask.words[words]);
+        path(span, picture, mask);
+        tails::draw(span, picture, mask);
     }
 }
 
-/// The path for every machine, and the definition of the others.
+/// The path for every machine, and the definition of the others: all but the tails of the noise.
 pub fn portable(span: Span<'_>, picture: &mut [u8], mask: &mut [u32]) {
     let blocks = span.base.chunks_exact(BLOCK).zip(picture.chunks_exact_mut(BLOCK)).zip(mask);
     for (block, ((base, picture), mask)) in blocks.enumerate() {
@@ -78,12 +82,12 @@ pub fn portable(span: Span<'_>, picture: &mut [u8], mask: &mut [u32]) {
 
 /// Nearest whole grey level.
 #[inline]
-fn rounded(parts: i16) -> u8 {
+pub fn rounded(parts: i16) -> u8 {
     (parts.saturating_add(32) >> 6).clamp(0, 255) as u8
 }
 
 /// Whether noise can lift a base of at most `brightest` parts to the level.
 pub fn reaches(brightest: i16, noise: FrameNoise, level: u8) -> bool {
-    let most = noise.map_or(0, |(_, gain)| noise::scaled(noise::largest_deviate(), gain));
+    let most = noise.map_or(0, |(_, gain)| tails::largest(gain));
     rounded(brightest.saturating_add(most)) >= level
 }

@@ -35,7 +35,10 @@ fn text(describe: &Symbol<'_, Describe>, what: c_int) -> Result<String> {
     Ok(String::from_utf8(bytes)?)
 }
 
-/// Loads a library and reads its texts. A unit with mistakes in its declaration is refused.
+/// Loads a library and reads its texts.
+///
+/// # Errors
+/// It wasn't made by [`fmi2_export::export!`], or there are mistakes in the declaration of the unit.
 pub fn describe(path: &Path) -> Result<Unit> {
     let named = |error| format!("{}: {error}", path.display());
     // SAFETY: one of our own libraries, which do nothing when loaded.

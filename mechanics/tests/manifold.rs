@@ -23,7 +23,7 @@ fn pole_squares(theta: &Theta, q2: f64) -> [f64; 2] {
 #[test]
 fn paper_c10_manifold_of_figure_11() {
     let theta = Theta::TABLE_2;
-    // TARGETS.md C10 gives four digits; the rest by Python: arcsin(1.88/4.779*sin(q2)), CPython 3 math.
+    // C10 (docs/claims.md) gives four digits; the rest by Python: arcsin(1.88/4.779*sin(q2)), CPython 3 math.
     for (q2, q1) in
         [(std::f64::consts::FRAC_PI_2, -0.404_313_537_245_875_8), (2.35, -0.283_674_208_092_347_67)]
     {
@@ -31,13 +31,13 @@ fn paper_c10_manifold_of_figure_11() {
         assert_eq!(theta.manifold_q1(-q2).unwrap(), -theta.manifold_q1(q2).unwrap());
     }
     let steepest = (0..=2350).map(|k| theta.manifold_q1(k as f64 * 1e-3).unwrap().abs()).fold(0.0, f64::max);
-    assert!((steepest - 0.4043).abs() < 1e-4); // digits of TARGETS.md
+    assert!((steepest - 0.4043).abs() < 1e-4); // digits of C10
     assert!((theta.manifold_torque(0.7) + 1.880 * 0.7_f64.sin()).abs() < 1e-15);
 }
 
 #[test]
 fn paper_c11_open_loop_poles() {
-    // TARGETS.md C11: +-7.28, +-3.25 at z = 0; +-4.35, +-1.79i at z = 0.5; +-4.73, +-3.75i at 2.35. Tolerance 1e-2.
+    // C11: +-7.28, +-3.25 at z = 0; +-4.35, +-1.79i at z = 0.5; +-4.73, +-3.75i at 2.35. Tolerance 1e-2.
     for (q2, real, other) in [(0.0, 7.28, 3.25), (1.7559, 4.35, -1.79), (2.35, 4.73, -3.75)] {
         let [fast, slow] = pole_squares(&Theta::TABLE_2, q2);
         assert!((fast.sqrt() - real).abs() < 1e-2, "{fast}");
@@ -48,9 +48,9 @@ fn paper_c11_open_loop_poles() {
 #[test]
 fn paper_c12_z_is_half_at_three_quarters() {
     let place = Place::new(&Theta::TABLE_2).unwrap();
-    assert!((place.z(1.7559) - 0.5).abs() < 1e-4); // TARGETS.md: q2(0.5) = 1.7559
+    assert!((place.z(1.7559) - 0.5).abs() < 1e-4); // docs/claims.md: q2(0.5) = 1.7559
     assert!((place.z(2.35) - 0.6586).abs() < 1e-4);
-    assert!((1.0 / place.slope(0.0) - 5.5).abs() < 0.05); // dq2/dz as TARGETS.md rounds it
+    assert!((1.0 / place.slope(0.0) - 5.5).abs() < 0.05); // dq2/dz as docs/claims.md rounds it
     assert!((1.0 / place.slope(1.7559) - 3.2).abs() < 0.05);
 }
 

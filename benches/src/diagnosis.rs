@@ -51,7 +51,8 @@ fn row(path: &std::path::Path, name: &str, limit: f64) -> Row {
         let (began, used) = (Instant::now(), processor_time());
         let (mut stage, mut since) = (0, began);
         let mut spent = [0.0; STAGES.len()];
-        let mut tell = |line: &str| {
+        let mut tell = |doing: &diagnosis::Doing<'_>| {
+            let line = doing.stage;
             // Only a stage's own line leads on; lines about what was found there begin alike.
             let Some(next) = (stage + 1..STAGES.len()).find(|at| line.starts_with(STAGES[*at].0)) else {
                 return;

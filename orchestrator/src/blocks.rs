@@ -98,7 +98,7 @@ pub(crate) struct Blocks {
     pub(crate) strings: Block,
     /// There is something besides reals.
     pub(crate) mixed: bool,
-    /// The first so many reals go to other units and must be numbers.
+    /// The first so many reals go to other units and must be finite.
     pub(crate) connected: usize,
 }
 
@@ -125,17 +125,17 @@ impl Blocks {
         if !reals.is_empty() {
             let all = values.reals.as_mut_slice();
             let given = if FETCH { reals.fetched(all, |value| value) } else { reals.of(all) };
-            instance.set_real(&reals.references, given)?;
+            instance.write_real(&reals.references, given)?;
         }
         if *mixed {
             let all = values.integers.as_mut_slice();
             if !integers.is_empty() {
                 let given = if FETCH { integers.fetched(all, |value| value) } else { integers.of(all) };
-                instance.set_integer(&integers.references, given)?;
+                instance.write_integer(&integers.references, given)?;
             }
             if !booleans.is_empty() {
                 let given = if FETCH { booleans.fetched(all, truth) } else { booleans.of(all) };
-                instance.set_boolean(&booleans.references, given)?;
+                instance.write_boolean(&booleans.references, given)?;
             }
             if !strings.is_empty() {
                 strings.set_texts::<FETCH>(instance, &mut values.strings)?;
@@ -144,30 +144,30 @@ impl Blocks {
         Ok(())
     }
 
-    /// Reads all of them; false if a real that goes to another unit is no number.
+    /// Reads all of them; false if a real is not finite.
     #[inline(always)]
     pub(crate) fn get(&self, instance: &mut Instance, values: &mut Values) -> Result<bool, Box<Error>> {
-        let Self { reals, integers, booleans, strings, mixed, connected } = self;
+        let Self { reals, integers, booleans, strings, mixed, .. } = self;
+        let mut finite = true;
         if !reals.is_empty() {
             let read = reals.within(&mut values.reals);
-            instance.get_real(&reals.references, read)?;
-            if read[..*connected].iter().any(|value| value.is_nan()) {
-                return Ok(false);
-            }
+            instance.read_real(&reals.references, read)?;
+            // Zero times what is not finite is NaN, which stays in the sum: one comparison for all of them.
+            finite = !read.iter().fold(0.0, |sum, value| sum + value * 0.0).is_nan();
         }
         if *mixed {
             let all = values.integers.as_mut_slice();
             if !integers.is_empty() {
-                instance.get_integer(&integers.references, integers.within(all))?;
+                instance.read_integer(&integers.references, integers.within(all))?;
             }
             if !booleans.is_empty() {
-                instance.get_boolean(&booleans.references, booleans.within(all))?;
+                instance.read_boolean(&booleans.references, booleans.within(all))?;
             }
             if !strings.is_empty() {
                 strings.get_texts(instance, &mut values.strings)?;
             }
         }
-        Ok(true)
+        Ok(finite)
     }
 }
 

@@ -141,6 +141,18 @@ pub enum Error {
         /// What the unit logged.
         log: Vec<LogLine>,
     },
+    /// The process of a unit that had one of its own ended.
+    #[error("unit {unit}: in {function}{} its process {post_mortem}", at(*time))]
+    Died {
+        /// Name in the scenario.
+        unit: String,
+        /// The function that was under way.
+        function: &'static str,
+        /// Simulated time in s, if there was one.
+        time: Option<f64>,
+        /// How it ended, and what it was at.
+        post_mortem: Box<PostMortem>,
+    },
     /// A unit ended a step early.
     #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help{}",
             reached(*last), tail(log))]
@@ -156,20 +168,31 @@ pub enum Error {
         /// What the unit logged.
         log: Vec<LogLine>,
     },
-    /// A unit delivered no number.
-    #[error("{variable} is NaN at t = {time} s; the run stops before another unit gets it{}", tail(log))]
-    NotANumber {
+    /// A unit wants the run to end: it discarded a step and says `fmi2Terminated`. To a run this is a regular end,
+    /// [`crate::Ended::ByUnit`].
+    #[error("unit {unit}: it wants the run to end at t = {time} s")]
+    Terminated {
+        /// Name in the scenario.
+        unit: String,
+        /// How far it came in s.
+        time: f64,
+    },
+    /// A unit delivered no finite number.
+    #[error("{variable} is {value} at t = {time} s; the run stops before another unit gets it{}", tail(log))]
+    NotFinite {
         /// `unit.variable`.
         variable: String,
+        /// NaN or an infinity.
+        value: f64,
         /// Simulated time in s.
         time: f64,
         /// What the unit logged.
         log: Vec<LogLine>,
     },
-    /// A loop of direct dependencies has no solution that fixed-point iteration finds.
+    /// A loop of direct dependencies has no solution that iteration or Newton's method finds.
     #[error(
         "algebraic loop at initialisation: {path}: no fixed point after {iterations} iterations (last change of \
-         {variable}: {change}); give one of its connections a delay, or declare the dependencies that don't exist"
+         {variable}: {change}), nor by Newton's method; give one of its connections a delay, or declare the dependencies that don't exist"
     )]
     Loop {
         /// The loop, variable by variable.
@@ -190,6 +213,14 @@ pub enum Error {
         place: Place,
         /// All of them.
         times: String,
+    },
+    /// A checkpoint can't be used.
+    #[error("{}: {reason}; without --resume the run begins anew", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
     },
     /// Results can't be written.
     #[error("cannot write results{}: {source}", target.as_ref().map_or_else(String::new, |path| format!(" to {}", path.display())))]
@@ -215,6 +246,9 @@ impl Error {
                 | Self::Description { .. }
                 | Self::Library { .. }
                 | Self::Tick { .. }
+                | Self::Checkpoint { .. }
+                // The disk is full, or the folder is not to be written: somebody can make room or choose another.
+                | Self::Record { .. }
                 | Self::Loop { .. }
                 | Self::Call { time: None, .. }
         )
@@ -223,7 +257,7 @@ impl Error {
     /// An error with `time` put in, where a call during a step failed.
     #[cold]
     pub(crate) fn during(mut self: Box<Self>, now: f64) -> Box<Self> {
-        if let Self::Call { time: time @ None, .. } = &mut *self {
+        if let Self::Call { time: time @ None, .. } | Self::Died { time: time @ None, .. } = &mut *self {
             *time = Some(now);
         }
         self
@@ -236,6 +270,30 @@ fn at(time: Option<f64>) -> String {
 
 fn reached(last: Option<f64>) -> String {
     last.map_or_else(String::new, |last| format!(" by the unit, which reached t = {last} s"))
+}
+
+/// How the process of a unit ended, and what it was at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostMortem {
+    /// Completes "its process ...".
+    pub how: String,
+    /// What the unit was given last: `variable = value`.
+    pub inputs: Vec<String>,
+    /// The last calls, the one under way last.
+    pub calls: Vec<String>,
+    /// What the unit logged.
+    pub log: Vec<LogLine>,
+}
+
+impl fmt::Display for PostMortem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { how, inputs, calls, log } = self;
+        write!(f, "{how}{}{}{}", listed("last inputs", inputs), listed("last calls", calls), tail(log))
+    }
+}
+
+fn listed(what: &str, items: &[String]) -> String {
+    if items.is_empty() { String::new() } else { format!("\n  {what}: {}", items.join(", ")) }
 }
 
 /// The last lines of a log, each on its own line.

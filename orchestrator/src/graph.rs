@@ -130,6 +130,17 @@ mod tests {
     }
 
     #[test]
+    fn value_a_node_comes_after_all_that_it_depends_on_in_whatever_order_they_are_named() {
+        // 1 depends on 3 and 0, named out of order; 3 depends on 2, which nobody has visited by then.
+        for first in [vec![3, 0], vec![0, 3]] {
+            let dependencies = vec![vec![], first, vec![], vec![2]];
+            let order: Vec<usize> = ordered(&dependencies).into_iter().flat_map(|c| c.nodes).collect();
+            let place = |node| order.iter().position(|n| *n == node).expect("listed");
+            assert!(place(0) < place(1) && place(3) < place(1) && place(2) < place(3), "{order:?}");
+        }
+    }
+
+    #[test]
     fn law_a_long_chain_needs_no_stack() {
         let dependencies: Vec<Vec<usize>> = (0..200_000)
             .map(|node: usize| node.checked_add(1).filter(|next| *next < 200_000).into_iter().collect())

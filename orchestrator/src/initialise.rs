@@ -1,8 +1,10 @@
 //! The start: parameters, then initialisation mode, in which values go along the dependencies that the units
-//! declare (`InitialUnknowns`), variable by variable; loops are solved by fixed-point iteration.
+//! declare (`InitialUnknowns`), variable by variable; loops are solved by fixed-point iteration, and where that does not
+//! converge by Newton's method.
 
 use crate::error::Error;
 use crate::graph;
+use crate::newton;
 use crate::recorder::Slot;
 use crate::system::{Link, Point, System, feed_into};
 use crate::value::{Kind, Value};
@@ -11,6 +13,9 @@ use std::collections::HashMap;
 
 /// Iterations after which a loop is given up. A contraction by 0.75 a round gets from 1 to 1e-12 in these.
 const ITERATIONS: u32 = 100;
+
+/// Rounds in a row that change the values more than the one before, after which Newton's method takes over.
+const RISING: u32 = 3;
 
 /// A loop is solved when no value changes by more than this, relative to the larger of it and one: some thousand
 /// rounding errors, so that a loop of many units still settles.
@@ -79,6 +84,7 @@ pub(crate) fn initialise(
     for (unit, sets) in system.units.iter_mut().zip(sets) {
         let instance = &mut unit.instance;
         instance.reset()?;
+        unit.not_finite.clear();
         for (reference, value) in sets {
             instance.set(*reference, value)?;
         }
@@ -107,10 +113,12 @@ pub(crate) fn initialise(
         unit.instance.exit_initialization()?;
     }
     for unit in &mut system.units {
+        let mut finite = true;
         for blocks in [&unit.inputs, &unit.outputs, &unit.fixed] {
-            if !blocks.get(&mut unit.instance, &mut system.values).map_err(|error| *error)? {
-                return Err(System::not_a_number(unit, &system.values, start.time));
-            }
+            finite &= blocks.get(&mut unit.instance, &mut system.values).map_err(|error| *error)?;
+        }
+        if !finite {
+            unit.not_finite(&system.values, start.time).map_err(|error| *error)?;
         }
     }
     system.rewind(start);
@@ -142,8 +150,11 @@ fn pass(system: &mut System, node: &Node, start: Point, replaced: &mut Vec<Strin
             value
         }
     };
-    if matches!(now, Value::Real(value) if value.is_nan()) {
-        return Err(Error::NotANumber { variable: node.name.clone(), time: start.time, log: instance.log() });
+    if let Value::Real(value) = now
+        && !value.is_finite()
+    {
+        let (variable, log) = (node.name.clone(), instance.log());
+        return Err(Error::NotFinite { variable, value, time: start.time, log });
     }
     system.values.put(node.slot, &now);
     let change = match (&before, &now) {
@@ -168,8 +179,11 @@ fn solve(
     for output in group.nodes.iter().filter(|node| node.link.is_none()) {
         pass(system, output, start, &mut Vec::new())?;
     }
+    let first = group.real_inputs(system);
     let mut worst = (f64::INFINITY, "");
+    let mut rising = 0;
     for iteration in 1..=ITERATIONS {
+        let before = worst.0;
         worst = (0.0, "");
         // Only the first round replaces start values; later changes are the iteration's own.
         let mut changed = Vec::new();
@@ -187,7 +201,44 @@ fn solve(
                 || format!("algebraic loop {path} at initialisation: solved in {iteration} iterations");
             return Ok((iteration > 2).then(solved));
         }
+        rising = if worst.0 >= before { rising + 1 } else { 0 };
+        if rising == RISING {
+            break;
+        }
+    }
+    let mut found = first;
+    if let Some(steps) = newton::solve(&mut found, SETTLED, |x| group.answers(system, start, x))? {
+        let solved = format!("solved in {steps} steps of Newton's method, since iterating does not converge");
+        return Ok(Some(format!("algebraic loop {path} at initialisation: {solved}")));
     }
     let (change, variable) = (worst.0, worst.1.to_owned());
     Err(Error::Loop { path: path.into(), iterations: ITERATIONS, variable, change })
+}
+
+impl Group {
+    /// The loop is cut at these for Newton's method.
+    fn cuts(&self) -> impl Iterator<Item = (&Node, &Link, usize)> {
+        self.nodes.iter().filter_map(|node| match (&node.link, node.slot) {
+            (Some(link), Slot::Real(at)) => Some((node, link, at as usize)),
+            _ => None,
+        })
+    }
+
+    fn real_inputs(&self, system: &System) -> Vec<f64> {
+        self.cuts().map(|(.., at)| system.values.reals[at]).collect()
+    }
+
+    /// What the loop answers to values of its real inputs. Values of other types go round with them.
+    fn answers(&self, system: &mut System, start: Point, x: &[f64]) -> Result<Vec<f64>, Error> {
+        for ((node, _, at), x) in self.cuts().zip(x) {
+            system.units[node.unit].instance.set_real(&[node.reference], &[*x])?;
+            system.values.reals[at] = *x;
+        }
+        let cut = |node: &&Node| node.link.is_none() || !matches!(node.slot, Slot::Real(_));
+        for node in self.nodes.iter().filter(cut) {
+            pass(system, node, start, &mut Vec::new())?;
+        }
+        let answer = |link: &Link| link.convert(system.values.get(link.from)).as_f64().unwrap_or(f64::NAN);
+        Ok(self.cuts().map(|(_, link, _)| answer(link)).collect())
+    }
 }

@@ -52,7 +52,8 @@
 //!
 //! All times are whole multiples of one exact tick ([`time`]). A unit with interval h steps from start + k·h to
 //! start + (k+1)·h; it gets the doubles nearest to the exact begin and interval, as `float(Fraction)` gives them in
-//! Python. A unit whose interval doesn't divide the run ends at its last point before the stop; nothing is shortened.
+//! Python. A unit whose interval doesn't divide the run takes a shorter last step to the stop, if its description says
+//! that its steps may differ; else it ends at its last point before the stop. Either is among the notices.
 //! At each point the master algorithm ([`scenario::Scenario::algorithm`]) steps the units that are due. With
 //! Gauss-Seidel, inputs and sources are those at the end of the step; with Jacobi those at its begin. In neither does
 //! a unit get a value that is later than the point, or that does not exist yet. A delayed connection delivers, exactly
@@ -62,21 +63,29 @@
 //! step (with Jacobi, between the points of a slow unit, the one it uses for the step under way).
 //!
 //! A warning is counted and the run goes on ([`Simulation::notices`]); a discarded step, an error, an unknown status,
-//! or a NaN in a value for another unit ends it with an error that names unit, variable and time.
+//! or a NaN or infinity for another unit ends it with an error that names unit, variable and time.
+
+//!
+//! A unit can have a process of its own ([`Isolation`]); a program that allows it begins its `main` with [`host_units`]. For
+//! one that runs units in its own process, [`Guard`] says which unit took it down, and saves its rows.
 
 mod algorithm;
 mod blocks;
+mod checkpoint;
 mod error;
 pub mod fmu;
 mod graph;
+mod guard;
 mod initialise;
+mod isolation;
+mod newton;
 mod progress;
 mod recorder;
 mod run;
 pub mod scenario;
 mod simulation;
 mod source;
-mod suggest;
+pub mod suggest;
 mod system;
 mod text;
 pub mod time;
@@ -85,13 +94,19 @@ mod value;
 mod wiring;
 
 pub use algorithm::names as algorithms;
-pub use error::{Error, Place};
+pub use checkpoint::{Checkpoint, Checkpoints};
+pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;
+#[cfg(unix)]
+pub use guard::exit_at_once;
+pub use guard::{Guard, give_up};
+pub use isolation::{Isolation, host_units};
 pub use progress::{Progress, Quiet};
-pub use recorder::{Cell, Column, CsvRecorder, MemoryRecorder, NoRecorder, Recorder, Row};
+pub use recorder::{Cell, Column, CsvRecorder, MemoryRecorder, NoRecorder, Position, Recorder, Row, Twice};
 pub use run::{Comparison, Ended};
 pub use scenario::Scenario;
 pub use simulation::Simulation;
 pub use source::smooth_step;
+pub use suggest::nearest;
 pub use unit_path::UnitPath;
 pub use value::{Kind, Value};

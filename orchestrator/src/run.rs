@@ -1,6 +1,8 @@
 //! The loop of a run: step, record, look at the stop conditions, tell how far it is.
 
+use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::Error;
+use crate::guard::{Rescue, Rescued};
 use crate::progress::Progress;
 use crate::recorder::{Recorder, Slot};
 use crate::simulation::{Phase, Simulation};
@@ -16,6 +18,13 @@ pub enum Ended {
     When {
         /// The condition, e.g. `plant.contact > 0.5`.
         condition: String,
+        /// Simulated time in s.
+        time: f64,
+    },
+    /// A unit ended it: it discarded a step and said `fmi2Terminated`. What it reached is the last row.
+    ByUnit {
+        /// Name in the scenario.
+        unit: String,
         /// Simulated time in s.
         time: f64,
     },
@@ -102,13 +111,36 @@ pub(crate) fn run(
     recorder: &mut dyn Recorder,
     progress: &mut dyn Progress,
 ) -> Result<Ended, Error> {
+    run_on(simulation, None, None, recorder, progress)
+}
+
+pub(crate) fn run_on(
+    simulation: &mut Simulation,
+    from: Option<&Checkpoint>,
+    checkpoints: Option<&Checkpoints>,
+    recorder: &mut dyn Recorder,
+    progress: &mut dyn Progress,
+) -> Result<Ended, Error> {
+    if checkpoints.is_some() {
+        simulation.can_checkpoint()?;
+    }
     simulation.reset();
     simulation.initialize()?;
-    recorder.begin(simulation.columns())?;
+    match from {
+        Some(checkpoint) => simulation.restore(checkpoint)?,
+        None => recorder.begin(simulation.columns())?,
+    }
     let (start, stop) = simulation.span();
     progress.begin(start, stop);
-    let mut pace = Pace::new(start);
-    let result = go(simulation, recorder, progress, &mut pace);
+    let mut pace = Pace::new(simulation.now.time);
+    let mut saving = Saving::new(checkpoints, start, simulation.now.time);
+    let rescued = Rescued::new(Rescue { rows: recorder.rescue(), time: &raw const simulation.now.time });
+    let first = from.is_none().then(|| recorder.row(simulation.now.time, simulation.row()));
+    let result = match first {
+        Some(Err(error)) => Err(error),
+        _ => go(simulation, recorder, progress, &mut pace, &mut saving),
+    };
+    drop(rescued);
     simulation.phase = Phase::Over;
     // What was recorded before a failure is handed over too; the failure is what counts.
     let ended = recorder.end();
@@ -122,25 +154,38 @@ fn go(
     recorder: &mut dyn Recorder,
     progress: &mut dyn Progress,
     pace: &mut Pace,
+    saving: &mut Saving<'_>,
 ) -> Result<Ended, Error> {
-    recorder.row(simulation.now.time, simulation.row())?;
     // Where nobody looks at the values, the points up to the next look at the clock are made in one go.
-    let unseen = simulation.stops.is_empty() && !recorder.records();
+    let unseen = simulation.stops.is_empty() && !recorder.records() && saving.to.is_none();
     loop {
         if unseen {
-            let made = simulation.advance_by(pace.left)?;
-            if made < pace.left {
-                return Ok(Ended::AtStop);
+            match simulation.advance_by(pace.left) {
+                Err(Error::Terminated { unit, time }) => return Ok(Ended::ByUnit { unit, time }),
+                Err(error) => return Err(error),
+                Ok(made) if made < pace.left => return Ok(Ended::AtStop),
+                Ok(_) => pace.left = 0,
             }
-            pace.left = 0;
         } else {
             if let Some(ended) = simulation.stopped() {
                 return Ok(ended);
             }
-            if simulation.advance_by(1)? == 0 {
-                return Ok(Ended::AtStop);
+            let before = simulation.now.time;
+            match simulation.advance_by(1) {
+                Err(Error::Terminated { unit, time }) => {
+                    if time > before {
+                        recorder.row(time, simulation.row())?;
+                    }
+                    return Ok(Ended::ByUnit { unit, time });
+                }
+                Err(error) => return Err(error),
+                Ok(0) => return Ok(Ended::AtStop),
+                Ok(_) => {}
             }
             recorder.row(simulation.now.time, simulation.row())?;
+            if simulation.now.time >= saving.next {
+                saving.save(simulation, recorder)?;
+            }
             pace.left -= 1;
         }
         if pace.left == 0 {
@@ -149,6 +194,37 @@ fn go(
                 return Ok(Ended::Interrupted { time });
             }
         }
+    }
+}
+
+/// When the next checkpoint is due, and where it goes.
+struct Saving<'a> {
+    to: Option<&'a Checkpoints>,
+    start: f64,
+    next: f64,
+}
+
+impl<'a> Saving<'a> {
+    fn new(to: Option<&'a Checkpoints>, start: f64, now: f64) -> Self {
+        let mut saving = Self { to, start, next: f64::INFINITY };
+        saving.plan(now);
+        saving
+    }
+
+    fn plan(&mut self, now: f64) {
+        if let Some(to) = self.to {
+            self.next = self.start + (((now - self.start) / to.every).floor() + 1.0) * to.every;
+        }
+    }
+
+    #[cold]
+    fn save(&mut self, simulation: &mut Simulation, recorder: &mut dyn Recorder) -> Result<(), Error> {
+        if let Some(to) = self.to {
+            let position = recorder.position()?;
+            simulation.checkpoint(position)?.save(&to.file)?;
+        }
+        self.plan(simulation.now.time);
+        Ok(())
     }
 }
 

@@ -1,8 +1,10 @@
 //! A scenario that was built: run it, step it, look into it, run it again with other values.
 
 use crate::algorithm::{self, Algorithm};
+use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::Error;
 use crate::fmu::{Causality, Description, Initial, Variability};
+use crate::guard;
 use crate::initialise::initialise;
 use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
@@ -12,7 +14,7 @@ use crate::system::Point;
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Variable, Wiring, start_value};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where a simulation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +84,31 @@ impl Simulation {
         crate::run::run(self, recorder, progress)
     }
 
+    /// As [`Simulation::run`], with a checkpoint each time that a number of simulated seconds is full, and from one on.
+    /// The recorder must keep its place: [`crate::CsvRecorder::resume`].
+    ///
+    /// # Errors
+    /// As [`Simulation::run`]; if a unit can't save its state; if the checkpoint belongs to another run.
+    pub fn run_on(
+        &mut self,
+        from: Option<&Checkpoint>,
+        checkpoints: Option<&Checkpoints>,
+        recorder: &mut dyn Recorder,
+        progress: &mut dyn Progress,
+    ) -> Result<crate::Ended, Error> {
+        crate::run::run_on(self, from, checkpoints, recorder, progress)
+    }
+
+    /// Notices and replaced start values, for a checkpoint.
+    pub(crate) fn told(&self) -> (Vec<String>, Vec<String>) {
+        (self.notices.clone(), self.replaced_starts.clone())
+    }
+
+    /// The same, from a checkpoint.
+    pub(crate) fn tell_again(&mut self, notices: &[String], replaced_starts: &[String]) {
+        (self.notices, self.replaced_starts) = (notices.to_vec(), replaced_starts.to_vec());
+    }
+
     /// Back to before the start. Values set for the start stay as they are.
     pub fn reset(&mut self) {
         self.phase = Phase::Ready;
@@ -121,17 +148,39 @@ impl Simulation {
         if self.phase == Phase::Over {
             return Ok(None);
         }
-        Ok((self.advance_by(1)? == 1).then_some(self.now.time))
+        match self.advance_by(1) {
+            Err(Error::Terminated { .. }) => Ok(None),
+            made => Ok((made? == 1).then_some(self.now.time)),
+        }
     }
 
     /// Goes over the next points, at most so many; fewer than these if there are no more.
     pub(crate) fn advance_by(&mut self, most: u32) -> Result<u32, Error> {
         let Wiring { system, clock, .. } = &mut self.wiring;
         let made = self.algorithm.advance(system, clock, &mut self.now, most);
-        if made.is_err() {
-            self.phase = Phase::Over;
+        guard::leave();
+        let Err(mut error) = made else { return made.map_err(|error| *error) };
+        self.phase = Phase::Over;
+        if let Error::Terminated { time, .. } = &mut *error {
+            // Others may have gone on to the point already; what they show is not earlier than that.
+            let reached = self.wiring.system.units.iter().map(|unit| unit.begin);
+            *time = reached.fold(*time, f64::max);
+            self.now.time = *time;
         }
-        made.map_err(|error| *error)
+        Err(*error)
+    }
+
+    /// Tells all units that the run is over, which units do at the latest when they are dropped; what they answer is
+    /// among the notices. Only a reset leads on.
+    pub fn terminate(&mut self) {
+        self.phase = Phase::Over;
+        for unit in &mut self.wiring.system.units {
+            if unit.instance.is_stepping()
+                && let Err(error) = unit.instance.terminate()
+            {
+                self.notices.push(error.to_string());
+            }
+        }
     }
 
     /// Goes on to the last communication point that is not later than a time in s.
@@ -197,9 +246,12 @@ impl Simulation {
         let variable = self.wiring.names.named(name)?;
         let description = self.wiring.names.variable(variable);
         let wrong = |expected: String| Error::Value { name: name.into(), value: value.to_string(), expected };
-        let typed = value
-            .cast(description.kind)
-            .ok_or_else(|| wrong(format!("it is of type {}", description.kind)))?;
+        let by_name = || match &value {
+            Value::String(name) => wiring::item(description, name),
+            _ => None,
+        };
+        let typed = value.cast(description.kind).or_else(by_name);
+        let typed = typed.ok_or_else(|| wrong(wiring::expected(description)))?;
         start_value(description, &typed).map_err(wrong)?;
         if self.phase != Phase::Running {
             let settable = self.wiring.names.settable(variable.0, &description.name);
@@ -263,12 +315,18 @@ impl Simulation {
                     .map_or_else(String::new, |line| format!("; last log line: {line}"));
                 format!("unit {} answered {} calls with a warning{last}", unit.name, unit.instance.warnings())
             });
-        self.wiring.notices.iter().chain(&self.notices).cloned().chain(warnings).collect()
+        let strange = self.wiring.system.units.iter().flat_map(|unit| &unit.not_finite).map(|(_, told)| told);
+        self.wiring.notices.iter().chain(&self.notices).chain(strange).cloned().chain(warnings).collect()
     }
 
     /// The names of the units with their descriptions, in the order of the scenario.
     pub fn units(&self) -> impl Iterator<Item = (&str, &Description)> {
         self.wiring.names.units.iter().map(|(name, fmu)| (name.as_str(), fmu.description()))
+    }
+
+    /// The files of the units, in the order of the scenario.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.wiring.files.iter().map(PathBuf::as_path)
     }
 
     /// The scenario it was built from.

@@ -1,7 +1,7 @@
 //! "Did you mean …": the known names nearest to one that isn't.
 
 /// Text to put after an error: the nearest names, or all of them where they are few.
-pub(crate) fn nearest<'a>(wrong: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub fn nearest<'a>(wrong: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<&str> = known.collect();
     let limit = (wrong.chars().count() / 3).max(2);
     // Of names equally near, those that begin alike come first.

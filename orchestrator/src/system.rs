@@ -4,10 +4,11 @@
 use crate::blocks::Blocks;
 use crate::error::Error;
 use crate::fmu::{Instance, Status};
+use crate::guard;
 use crate::recorder::Slot;
 use crate::source::Signal;
 use crate::text::Text;
-use crate::value::Value;
+use crate::value::{Kind, Value};
 use std::collections::VecDeque;
 
 /// A point in time: exact, and as the units get it.
@@ -100,9 +101,14 @@ pub(crate) struct Feed {
 pub(crate) struct Unit {
     pub(crate) name: String,
     pub(crate) instance: Instance,
-    /// Communication interval, and as the unit gets it.
+    /// Communication interval in ticks.
     pub(crate) interval: i64,
+    /// The step under way: its ticks, and as the unit gets it. Only the last one may differ from the interval.
+    pub(crate) step: i64,
     pub(crate) size: f64,
+    /// All steps but perhaps the last, and the last one where the unit goes on to a stop between its points.
+    pub(crate) whole: f64,
+    pub(crate) last: Option<(i64, f64)>,
     /// Where its next step begins, as the unit gets it.
     pub(crate) begin: f64,
     /// Connections that are no plain copies (these are in `inputs`), lines by number, and signals.
@@ -115,6 +121,8 @@ pub(crate) struct Unit {
     pub(crate) outputs: Blocks,
     /// What is read at initialisation only: recorded parameters and unconnected inputs.
     pub(crate) fixed: Blocks,
+    /// Reals that go to no other unit and were not finite at some time: reference and what to tell.
+    pub(crate) not_finite: Vec<(u32, String)>,
     /// Copies are all there is to gather, and no line begins here.
     pub(crate) plain: bool,
 }
@@ -170,7 +178,7 @@ impl System {
         let (values, stop) = (&mut self.values, self.stop);
         let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
         for (index, unit) in self.units.iter_mut().enumerate() {
-            if ends[index] != i64::MAX && ends[index] - unit.interval == point.ticks {
+            if ends[index] != i64::MAX && ends[index] - unit.step == point.ticks {
                 work(Due { unit, index, ends, lines, values, stop, point });
             }
         }
@@ -187,24 +195,14 @@ impl System {
         self.ends.clear();
         for unit in &mut self.units {
             unit.begin = start.time;
-            self.ends.push(first_end(start.ticks, unit.interval, self.stop));
+            (unit.step, unit.size) = (unit.interval, unit.whole);
+            self.ends.push(unit.end_of_next(start.ticks, self.stop));
         }
         self.next = self.ends.iter().copied().min().unwrap_or(i64::MAX);
         for line in &mut self.lines {
             line.queue.clear();
             line.push(&self.values, &self.ends, start.ticks);
         }
-    }
-
-    #[cold]
-    pub(crate) fn not_a_number(unit: &Unit, values: &Values, time: f64) -> Error {
-        let outputs = &unit.outputs.reals;
-        let wrong = outputs.of(&values.reals).iter().position(|value| value.is_nan());
-        let reference = wrong.map(|at| outputs.references[at]);
-        let variables = &unit.instance.fmu().description().variables;
-        // Of several names for one reference the first is as good as any.
-        let name = variables.iter().find(|v| Some(v.reference) == reference).map_or("?", |v| v.name.as_str());
-        Error::NotANumber { variable: format!("{}.{name}", unit.name), time, log: unit.instance.log() }
     }
 }
 
@@ -237,7 +235,7 @@ impl Due<'_> {
     fn stepped<const FETCH: bool>(self) -> Result<(), Box<Error>> {
         let Self { unit, index, ends, lines, values, stop, point } = self;
         unit.exchange::<FETCH>(values, point.time)?;
-        ends[index] = first_end(point.ticks, unit.interval, stop);
+        ends[index] = unit.end_of_next(point.ticks, stop);
         if !unit.plain {
             unit.lines_out.iter().for_each(|line| lines[*line].push(values, ends, point.ticks));
         }
@@ -251,15 +249,65 @@ impl Unit {
     #[inline(always)]
     fn exchange<const FETCH: bool>(&mut self, values: &mut Values, time: f64) -> Result<(), Box<Error>> {
         let begin = self.begin;
+        guard::enter(self.instance.label());
         self.inputs.set::<FETCH>(&mut self.instance, values).map_err(|error| error.during(begin))?;
-        let status = self.instance.do_step(begin, self.size, true);
+        let status = self.instance.step(begin, self.size, true);
         if status != Status::Ok {
-            not_ok(self, status)?;
+            not_ok(self, status, values)?;
         }
         if !self.outputs.get(&mut self.instance, values).map_err(|error| error.during(time))? {
-            return Err(Box::new(System::not_a_number(self, values, time)));
+            self.not_finite(values, time)?;
         }
         self.begin = time;
+        Ok(())
+    }
+}
+
+impl Unit {
+    /// Where the step ends that begins at `from`; never, if that is past the stop.
+    #[inline]
+    fn end_of_next(&mut self, from: i64, stop: i64) -> i64 {
+        // Both lie within half of the range (`wiring::clock`), so that neither difference nor sum overflows.
+        if self.interval > stop - from { self.end_of_last(from, stop) } else { from + self.interval }
+    }
+
+    #[cold]
+    fn end_of_last(&mut self, from: i64, stop: i64) -> i64 {
+        match self.last {
+            Some((step, size)) if from < stop => {
+                (self.step, self.size) = (step, size);
+                stop
+            }
+            _ => i64::MAX,
+        }
+    }
+
+    /// A real that was read is not finite: an error where it goes to another unit; else it is kept for the notices, once a
+    /// variable.
+    #[cold]
+    pub(crate) fn not_finite(&mut self, values: &Values, time: f64) -> Result<(), Box<Error>> {
+        for blocks in [&self.outputs, &self.inputs, &self.fixed] {
+            for (place, value) in blocks.reals.of(&values.reals).iter().enumerate() {
+                if value.is_finite() {
+                    continue;
+                }
+                let reference = blocks.reals.references[place];
+                let name = || {
+                    let variables = &self.instance.fmu().description().variables;
+                    // Of several names for one reference the first is as good as any.
+                    let named = variables.iter().find(|v| v.kind == Kind::Real && v.reference == reference);
+                    format!("{}.{}", self.name, named.map_or("?", |v| v.name.as_str()))
+                };
+                if place < blocks.connected {
+                    let (variable, log) = (name(), self.instance.log());
+                    return Err(Box::new(Error::NotFinite { variable, value: *value, time, log }));
+                }
+                if !self.not_finite.iter().any(|(known, _)| *known == reference) {
+                    let told = format!("{} is {value} at t = {time} s, for the first time", name());
+                    self.not_finite.push((reference, told));
+                }
+            }
+        }
         Ok(())
     }
 }
@@ -304,12 +352,17 @@ impl Line {
 }
 
 #[cold]
-fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
+fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Error> {
     if unit.instance.note(status) {
         return Ok(());
     }
     if status == Status::Discard {
         let last = unit.instance.last_successful_time();
+        if unit.instance.wants_to_end() {
+            // What it reached is the last row.
+            unit.outputs.get(&mut unit.instance, values).map_err(|error| *error)?;
+            return Err(Error::Terminated { unit: unit.name.clone(), time: last.unwrap_or(unit.begin) });
+        }
         let log = unit.instance.log();
         return Err(Error::Discarded {
             unit: unit.name.clone(),
@@ -320,13 +373,6 @@ fn not_ok(unit: &mut Unit, status: Status) -> Result<(), Error> {
         });
     }
     Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
-}
-
-/// Where the step ends that begins at `from`; never, if that is past the stop.
-#[inline]
-fn first_end(from: i64, interval: i64, stop: i64) -> i64 {
-    // Both lie within half of the range (`wiring::clock`), so that neither difference nor sum overflows.
-    if interval > stop - from { i64::MAX } else { from + interval }
 }
 
 /// Writes a signal's value at a time into its slot.

@@ -49,9 +49,33 @@ impl Rational {
         if value.is_finite() { Self::parse(&format!("{value:e}")) } else { None }
     }
 
+    /// Reads a decimal or a fraction. A decimal with so many digits that a program must have printed it is taken for the
+    /// simple fraction that it came from, if there is one: 0.0016666666666666668 and 0.00166666666666667 give 1/600. Tells
+    /// whether it was.
+    pub fn recover(text: &str) -> Option<(Self, bool)> {
+        let exact = Self::parse(text);
+        match simplest(text) {
+            // Better the fraction that rounds to the same double than none.
+            Some((simple, printed)) if (printed || exact.is_none()) && exact != Some(simple) => {
+                Some((simple, true))
+            }
+            _ => exact.map(|exact| (exact, false)),
+        }
+    }
+
     /// The double nearest to the exact value (ties to even).
     pub fn to_f64(self) -> f64 {
         quotient(self.numerator, self.denominator)
+    }
+
+    /// Above the line, in lowest terms.
+    pub fn numerator(self) -> i64 {
+        self.numerator
+    }
+
+    /// Below the line, in lowest terms; positive.
+    pub fn denominator(self) -> i64 {
+        self.denominator
     }
 
     /// Greater than zero.
@@ -111,6 +135,43 @@ fn decimal(text: &str) -> Option<Rational> {
     } else {
         Rational::new(sign * number.checked_mul(power)?, 1)
     }
+}
+
+/// So many digits nobody types; a double that is no short decimal is printed with 13 to 17.
+const PRINTED: usize = 13;
+
+/// The fraction with the smallest denominator that is printed as this decimal or rounds to its double, and whether the
+/// decimal stands for it: it has as many digits as programs print, and its denominator is so small that it is met by
+/// chance once in a thousand at most (of d digits, within half of the last one lie q²/10ᵈ fractions up to q).
+fn simplest(text: &str) -> Option<(Rational, bool)> {
+    let text = text.trim();
+    let value: f64 = text.parse().ok().filter(|value: &f64| value.is_finite() && *value != 0.0)?;
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
+    let fraction = mantissa.split_once('.').map_or("", |(_, fraction)| fraction);
+    let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let places = i32::try_from(fraction.len()).ok()?.checked_sub(exponent.parse().ok()?)?;
+    let number: i128 = digits.parse().ok()?;
+    let power = 10i128.checked_pow(u32::try_from(places).ok()?)?;
+    let significant = digits.trim_start_matches('0').len();
+    let chance = 10i128.checked_pow(u32::try_from(significant).ok()?.saturating_sub(3))?;
+    let sign = if value < 0.0 { -1 } else { 1 };
+    // Convergents of the continued fraction: p/q of each is nearer than any fraction with a smaller denominator.
+    let (mut over, mut under) = (number, power);
+    let (mut p, mut q) = ((0i128, 1i128), (1i128, 0i128));
+    while under != 0 {
+        let whole = over / under;
+        (over, under) = (under, over % under);
+        p = (p.1, whole.checked_mul(p.1)?.checked_add(p.0)?);
+        q = (q.1, whole.checked_mul(q.1)?.checked_add(q.0)?);
+        let found = Rational::new(sign * p.1, q.1)?;
+        let off = p.1.checked_mul(power)?.checked_sub(number.checked_mul(q.1)?)?.checked_abs()?;
+        if found.to_f64() == value || off.checked_mul(2)? <= q.1 {
+            let printed =
+                significant >= PRINTED && q.1.checked_mul(q.1).is_some_and(|square| square <= chance);
+            return Some((found, printed));
+        }
+    }
+    None
 }
 
 fn gcd(mut a: u128, mut b: u128) -> u128 {
@@ -234,6 +295,37 @@ mod tests {
         }
         assert_eq!(Rational::from_f64(0.1), Some(rational("1/10")));
         assert_eq!(Rational::from_f64(f64::NAN), None);
+    }
+
+    #[test]
+    fn value_decimals_that_a_float_printed_are_the_fractions_they_came_from() {
+        for (text, fraction) in [
+            ("0.0003333333333333333", "1/3000"),
+            ("0.0016666666666666668", "1/600"),
+            ("1.6666666666666668e-3", "1/600"),
+            ("0.00166666666666667", "1/600"),
+            ("0.03333333333333333", "1/30"),
+            ("0.14285714285714285", "1/7"),
+            ("-2.3333333333333335", "-7/3"),
+        ] {
+            assert_eq!(Rational::recover(text), Some((rational(fraction), true)), "{text}");
+        }
+        for exact in ["0.001", "0.333333", "0.1234567890123", "1/30", "12", "0", "0.5000000000000001"] {
+            assert_eq!(Rational::recover(exact), Some((rational(exact), false)), "{exact}");
+        }
+        // Python's Fraction.limit_denominator finds the same; no exact decimal of it fits.
+        let (near, noted) = Rational::recover("3.141592653589793e-3").expect("some fraction rounds to it");
+        assert!(noted || near == rational("3.141592653589793e-3"));
+        assert_eq!(near.to_f64(), 3.141592653589793e-3);
+        for wrong in ["", "x", "nan", "inf", "1e400"] {
+            assert_eq!(Rational::recover(wrong), None, "{wrong}");
+        }
+        // Every n-th that a float can print comes back.
+        for under in 1..2000 {
+            let text = format!("{:?}", 1.0 / f64::from(under));
+            let (found, _) = Rational::recover(&text).expect("read");
+            assert_eq!(found, Rational::new(1, i128::from(under)).expect("fits"), "{text}");
+        }
     }
 
     #[test]

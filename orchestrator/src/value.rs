@@ -27,7 +27,7 @@ impl fmt::Display for Kind {
 }
 
 /// Value of a variable.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Value {
     /// `fmi2Real`
     Real(f64),

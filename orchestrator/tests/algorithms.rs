@@ -193,8 +193,8 @@ fn every_run_gives_the_same_bytes() {
 }
 
 #[test]
-fn every_algorithm_reads_sources_at_its_time_and_ends_before_the_stop() {
-    // 0.4 s divides neither the run nor the points of the table; the last step ends at 0.8 s.
+fn every_algorithm_reads_sources_at_its_time_and_shortens_the_last_step_where_it_can() {
+    // 0.4 s divides neither the run nor the points of the table; the last step has 0.2 s, or there is none.
     let scenario = r#"
         format = 1
         experiment = { stop = 1 }
@@ -212,12 +212,64 @@ fn every_algorithm_reads_sources_at_its_time_and_ends_before_the_stop() {
         kind = "hold"
         points = [[0, 0], [0.4, 3]]
     "#;
-    every_algorithm(&Units::new(), scenario, |algorithm, results| {
-        let jacobi = algorithm == "jacobi";
-        assert_eq!(results.times(), [0.0, 0.4, 0.8]);
-        // 1 + 0.4 / 0.5 is exactly representable up to one rounding of the quotient.
-        assert_eq!(series(results, "a.y1"), if jacobi { [1.0, 1.0, 1.8] } else { [1.0, 1.8, 2.0] });
-        assert_eq!(series(results, "a.i_out"), if jacobi { [1.0, 1.0, 4.0] } else { [1.0, 4.0, 4.0] });
+    let units = Units::new();
+    let check = |rows: usize| {
+        every_algorithm(&units, scenario, |algorithm, results| {
+            let jacobi = algorithm == "jacobi";
+            assert_eq!(results.times(), &[0.0, 0.4, 0.8, 1.0][..rows]);
+            // 1 + 0.4 / 0.5 is exactly representable up to one rounding of the quotient.
+            let y1 = if jacobi { [1.0, 1.0, 1.8, 2.0] } else { [1.0, 1.8, 2.0, 2.0] };
+            assert_eq!(series(results, "a.y1"), &y1[..rows]);
+            let i_out = if jacobi { [1.0, 1.0, 4.0, 4.0] } else { [1.0, 4.0, 4.0, 4.0] };
+            assert_eq!(series(results, "a.i_out"), &i_out[..rows]);
+        });
+        let scenario = Scenario::parse(scenario, "test.toml").expect("a scenario");
+        Simulation::new(&scenario, &units.unit_path()).expect("builds").notices()
+    };
+    let off = "unit a: its interval of 2/5 s does not divide the run up to 1 s: its last";
+    assert_eq!(check(4), [format!("{off} step has 1/5 s")]);
+    let fixed = common::description(common::FEEDTHROUGH)
+        .replace("canHandleVariableCommunicationStepSize=\"true\"", "");
+    units.pack("feedthrough.fmu", &fixed, &common::library());
+    assert_eq!(check(3), [format!("{off} point lies 1/5 s before the stop, since its steps can't differ")]);
+}
+
+#[test]
+fn every_algorithm_reads_decimals_that_a_float_printed() {
+    // 1/600 and 1/30 as Python prints them: read as decimals they would have no common tick, and no row at the stop.
+    let scenario = RATES.replace("0.001", "0.0016666666666666668").replace("\"1/30\"", "0.03333333333333333");
+    every_algorithm(&Units::new(), &scenario, |_, results| {
+        assert_eq!(results.times()[1], 1.0 / 600.0);
+        assert_eq!(results.times().last(), Some(&0.5));
+        assert_eq!(
+            *series(results, "fast.y2").last().expect("rows"),
+            1.0 / 600.0,
+            "the last step is a whole one"
+        );
+    });
+    let mut scenario = Scenario::parse(&scenario, "test.toml").expect("a scenario");
+    scenario.set_stop("0.3333333333333333").expect("a time");
+    let simulation = Simulation::new(&scenario, &Units::new().unit_path()).expect("builds");
+    let notices: Vec<String> = simulation.notices();
+    for expected in [
+        "test.toml:7: interval = 0.0016666666666666668 is read as 1/600",
+        "test.toml:17: interval = 0.03333333333333333 is read as 1/30",
+        "stop = 0.3333333333333333 is read as 1/3",
+    ] {
+        assert!(notices.iter().any(|notice| notice == expected), "{expected}\n{notices:#?}");
+    }
+}
+
+#[test]
+fn every_algorithm_ends_at_a_stop_between_two_points() {
+    // 0.55 s are eleven steps of 1/20 s; the row at the stop is the last one.
+    let scenario = RATES.replace("0.001", "\"1/20\"").replace("\"1/2\"", "0.55");
+    every_algorithm(&Units::new(), &scenario, |_, results| {
+        let last = results.times().len() - 1;
+        assert_eq!(results.times()[last], 0.55);
+        // The clock adds begin and size, each rounded once.
+        assert!((series(results, "fast.y1")[last] - 0.55).abs() <= 1.2e-16);
+        assert!(results.times()[last - 1] < 0.55);
     });
 }
 

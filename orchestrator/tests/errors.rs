@@ -102,6 +102,8 @@ fn every_mistake_in_a_scenario_is_named() {
         ),
         (source("kind = \"cubic\""), "test.toml:13: kind = \"cubic\": constant, hold, linear, smooth or csv"),
         (source("kind = \"linear\""), "test.toml:11: a source of kind \"linear\": it needs points"),
+        (source("kind = \"constant\"\nvalue = nan"), "test.toml:11: value = nan: a finite number"),
+        (source("kind = \"constant\"\nvalue = -inf"), "test.toml:11: value = -inf: a finite number"),
         (
             source("kind = \"linear\"\npoints = [[0, 0]]\nvalue = 1"),
             "test.toml:11: a source of kind \"linear\": it has no key value",
@@ -199,6 +201,7 @@ fn every_status_is_handled() {
         (5, "unit a: fmi2DoStep at t = 0.125 s answered pending\n"),
         (42, "unit a: fmi2DoStep at t = 0.125 s answered unknown status 42\n"),
         (7, "a.y1 is NaN at t = 0.25 s; the run stops before another unit gets it"),
+        (16, "a.y1 is inf at t = 0.25 s; the run stops before another unit gets it"),
     ] {
         let (result, last) = run(fault);
         let error = result.expect_err("stops");
@@ -221,7 +224,13 @@ fn every_broken_unit_is_named() {
     units.pack("index.fmu", &good.replace("index=\"9\"", "index=\"99\""), &library);
     units.pack("exchange.fmu", &good.replace("CoSimulation", "ModelExchange"), &library);
     units.pack("open.fmu", "<fmiModelDescription fmiVersion=\"2.0\">\n<a>\n", &library);
-    units.pack("name.fmu", &good.replace("\"unit\"", "\"other\""), &library);
+    units.pack_files(
+        "name.fmu",
+        &good.replace("\"unit\"", "\"other\""),
+        &[("binaries/linux64/unit.so", &library), ("binaries/linux64/more.so", &library)],
+    );
+    units.pack("outside.fmu", &good.replace("\"unit\"", "\"../../elsewhere/probe\""), &library);
+    units.pack("absolute.fmu", &good.replace("\"unit\"", "\"/elsewhere/probe\""), &library);
     units.pack("noelf.fmu", &good, b"no library");
     units.add(Fixture { name: "guid.fmu", guid: "{other}", ..FEEDTHROUGH });
     for (name, expected) in [
@@ -231,10 +240,15 @@ fn every_broken_unit_is_named() {
             "version.fmu",
             "version.fmu: modelDescription.xml:4: fmiVersion is \"3.0\"; this master runs FMI \"2.0\"",
         ),
-        ("index.fmu", "index.fmu: modelDescription.xml:39: index 99 in ModelStructure is not within 1..15"),
+        ("index.fmu", "index.fmu: modelDescription.xml:40: index 99 in ModelStructure is not within 1..15"),
         ("exchange.fmu", "there is no <CoSimulation>; a unit for model exchange can't be stepped"),
         ("open.fmu", "open.fmu: modelDescription.xml:3: "),
         ("name.fmu", "name.fmu: it holds no binaries/linux64/other.so (platforms inside: linux64)"),
+        (
+            "outside.fmu",
+            "modelDescription.xml:6: modelIdentifier=\"../../elsewhere/probe\" is no C identifier",
+        ),
+        ("absolute.fmu", "modelDescription.xml:6: modelIdentifier=\"/elsewhere/probe\" is no C identifier"),
         ("noelf.fmu", "noelf.fmu: "),
         (
             "guid.fmu",

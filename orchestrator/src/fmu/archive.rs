@@ -3,20 +3,28 @@
 //! Only what a run needs is unpacked: the description, the resources and this platform's binaries.
 
 use crate::error::Error;
+use crate::fmu::limits::{self, Limits};
+use crate::fmu::workshop::Bench;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
-/// Folder under `binaries/` for this platform (FMI 2.0 section 2.3).
-pub(crate) const PLATFORM: &str = if cfg!(target_os = "windows") {
-    if cfg!(target_pointer_width = "64") { "win64" } else { "win32" }
+/// Folders under `binaries/` for this platform, the best first. FMI 2.0.5 section 2.3 names those of x86 and asks for
+/// FMI 3.0's tuples elsewhere; tools older than that put 64-bit ARM into `linux64` and `darwin64`, too.
+pub(crate) const PLATFORMS: &[&str] = if cfg!(all(target_os = "windows", target_arch = "aarch64")) {
+    &["aarch64-windows"]
+} else if cfg!(target_os = "windows") {
+    if cfg!(target_pointer_width = "64") { &["win64", "x86_64-windows"] } else { &["win32"] }
+} else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
+    &["aarch64-darwin", "darwin64"]
 } else if cfg!(target_os = "macos") {
-    "darwin64"
+    &["darwin64", "x86_64-darwin"]
+} else if cfg!(target_arch = "aarch64") {
+    &["aarch64-linux", "linux64"]
 } else if cfg!(target_pointer_width = "64") {
-    "linux64"
+    &["linux64", "x86_64-linux"]
 } else {
-    "linux32"
+    &["linux32"]
 };
 
 /// File extension of a shared library.
@@ -25,7 +33,7 @@ pub(crate) const EXTENSION: &str = std::env::consts::DLL_EXTENSION;
 /// An unpacked unit. Dropping it deletes the folder.
 #[derive(Debug)]
 pub(crate) struct Archive {
-    folder: TempDir,
+    folder: Bench,
     /// Text of `modelDescription.xml`.
     pub(crate) description: String,
     /// Platforms for which the archive holds binaries.
@@ -37,7 +45,13 @@ impl Archive {
         let file = File::open(path).map_err(|source| Error::File { path: path.into(), source })?;
         let broken = |reason: String| Error::Archive { path: path.into(), reason };
         let mut zip = zip::ZipArchive::new(io::BufReader::new(file)).map_err(|e| broken(e.to_string()))?;
-        let folder = TempDir::with_prefix("fmu-").map_err(|e| broken(format!("no temporary folder: {e}")))?;
+        let limits = Limits::from_environment()?;
+        if zip.len() as u64 > limits.entries {
+            let what = format!("the number of its entries, {},", zip.len());
+            return Err(broken(limits::exceeded(&what, limits.entries, limits::ENTRIES)));
+        }
+        let folder = Bench::new().map_err(|e| broken(format!("no temporary folder: {e}")))?;
+        let mut left = limits.unpacked;
         let mut description = None;
         let mut platforms = Vec::new();
         for index in 0..zip.len() {
@@ -49,7 +63,13 @@ impl Archive {
             let Some(name) = entry.enclosed_name() else { continue };
             if name == Path::new("modelDescription.xml") {
                 let mut bytes = Vec::new();
-                entry.read_to_end(&mut bytes).map_err(|e| broken(format!("modelDescription.xml: {e}")))?;
+                // One byte more than allowed tells a file that is longer.
+                let read = entry.by_ref().take(limits.description.saturating_add(1)).read_to_end(&mut bytes);
+                if read.map_err(|e| broken(format!("modelDescription.xml: {e}")))? as u64 > limits.description
+                {
+                    let (what, limit) = ("modelDescription.xml", limits.description);
+                    return Err(broken(limits::exceeded(what, limit, limits::DESCRIPTION)));
+                }
                 description =
                     Some(String::from_utf8(bytes).map_err(|e| broken(format!("modelDescription.xml: {e}")))?);
                 continue;
@@ -61,13 +81,18 @@ impl Archive {
                     if !platforms.iter().any(|known| known == platform) {
                         platforms.push(platform.to_owned());
                     }
-                    platform == PLATFORM
+                    PLATFORMS.contains(&platform)
                 }
                 _ => false,
             };
             if wanted {
-                write(&folder.path().join(&name), &mut entry)
-                    .map_err(|e| broken(format!("{}: {e}", name.display())))?;
+                let written =
+                    write(&folder.path().join(&name), &mut entry.by_ref().take(left.saturating_add(1)))
+                        .map_err(|e| broken(format!("{}: {e}", name.display())))?;
+                left = left.checked_sub(written).ok_or_else(|| {
+                    let what = format!("what it unpacks to, as far as {},", name.display());
+                    broken(limits::exceeded(&what, limits.unpacked, limits::UNPACKED))
+                })?;
             }
         }
         // The standard hands out the folder whether the unit has resources or not.
@@ -76,9 +101,29 @@ impl Archive {
         Ok(Self { folder, description, platforms })
     }
 
-    /// Where the library of a model lies.
-    pub(crate) fn library(&self, model_identifier: &str) -> PathBuf {
-        self.folder.path().join("binaries").join(PLATFORM).join(format!("{model_identifier}.{EXTENSION}"))
+    /// Where the library of a model lies; if it is not there and another one is the only one, that one, and a word
+    /// about it.
+    pub(crate) fn library(&self, model_identifier: &str) -> (PathBuf, Option<String>) {
+        let binaries = self.folder.path().join("binaries");
+        let held = PLATFORMS.iter().find(|platform| binaries.join(platform).is_dir());
+        let folder = binaries.join(held.unwrap_or(&PLATFORMS[0]));
+        let named = folder.join(format!("{model_identifier}.{EXTENSION}"));
+        if named.exists() {
+            return (named, None);
+        }
+        let files = fs::read_dir(&folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let libraries: Vec<PathBuf> =
+            files.filter(|file| file.extension().is_some_and(|known| known == EXTENSION)).collect();
+        match libraries.as_slice() {
+            [only] => {
+                let name = only.file_name().unwrap_or_default().to_string_lossy();
+                let note = format!(
+                    "its library is called {name}, not {model_identifier}.{EXTENSION}; it is the only one"
+                );
+                (only.clone(), Some(note))
+            }
+            _ => (named, None),
+        }
     }
 
     /// The `fmuResourceLocation` of `fmi2Instantiate`.
@@ -101,10 +146,9 @@ impl Archive {
     }
 }
 
-fn write(path: &Path, from: &mut impl Read) -> io::Result<()> {
+fn write(path: &Path, from: &mut impl Read) -> io::Result<u64> {
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent)?;
     }
-    io::copy(from, &mut File::create(path)?)?;
-    Ok(())
+    io::copy(from, &mut File::create(path)?)
 }

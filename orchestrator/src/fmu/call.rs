@@ -1,8 +1,9 @@
 //! Reading and writing variables of an instance, many at a time. Lengths are checked before anything is called.
 
 use crate::error::Error;
-use crate::fmu::Instance;
 use crate::fmu::library::Functions;
+use crate::fmu::{Function, Instance};
+use crate::guard;
 use crate::text::Text;
 use std::ffi::c_char;
 use std::ptr;
@@ -21,10 +22,22 @@ macro_rules! function {
 }
 
 macro_rules! access {
-    ($get:ident, $set:ident, $type:ty, $need:ident, $get_name:literal, $set_name:literal) => {
+    ($get:ident, $set:ident, $type:ty, $need:ident, $get_name:literal, $set_name:literal, $get_function:ident,
+     $set_function:ident, $read:ident, $write:ident) => {
         #[doc = concat!("`", $get_name, "`; as many values as references.")]
-        #[inline]
         pub fn $get(&mut self, references: &[u32], values: &mut [$type]) -> Result<(), Error> {
+            self.entered(|instance| instance.$read(references, values))
+        }
+
+        #[doc = concat!("`", $set_name, "`; as many values as references.")]
+        pub fn $set(&mut self, references: &[u32], values: &[$type]) -> Result<(), Error> {
+            self.entered(|instance| instance.$write(references, values))
+        }
+
+        #[doc = concat!("As [`Instance::", stringify!($get), "`] of a unit that was entered.")]
+        #[inline]
+        pub(crate) fn $read(&mut self, references: &[u32], values: &mut [$type]) -> Result<(), Error> {
+            guard::calls(Function::$get_function);
             let functions: &Functions = &self.functions;
             let function = function!(functions, $need, $get, self, $get_name);
             if references.len() != values.len() {
@@ -37,9 +50,10 @@ macro_rules! access {
             self.checked($get_name, status)
         }
 
-        #[doc = concat!("`", $set_name, "`; as many values as references.")]
+        #[doc = concat!("As [`Instance::", stringify!($set), "`] of a unit that was entered.")]
         #[inline]
-        pub fn $set(&mut self, references: &[u32], values: &[$type]) -> Result<(), Error> {
+        pub(crate) fn $write(&mut self, references: &[u32], values: &[$type]) -> Result<(), Error> {
+            guard::calls(Function::$set_function);
             let functions: &Functions = &self.functions;
             let function = function!(functions, $need, $set, self, $set_name);
             if references.len() != values.len() {
@@ -57,15 +71,48 @@ macro_rules! access {
 const FEW: usize = 8;
 
 impl Instance {
-    access!(get_real, set_real, f64, needed, "fmi2GetReal", "fmi2SetReal");
-    access!(get_integer, set_integer, i32, optional, "fmi2GetInteger", "fmi2SetInteger");
-    access!(get_boolean, set_boolean, i32, optional, "fmi2GetBoolean", "fmi2SetBoolean");
+    access!(
+        get_real,
+        set_real,
+        f64,
+        needed,
+        "fmi2GetReal",
+        "fmi2SetReal",
+        GetReal,
+        SetReal,
+        read_real,
+        write_real
+    );
+    access!(
+        get_integer,
+        set_integer,
+        i32,
+        optional,
+        "fmi2GetInteger",
+        "fmi2SetInteger",
+        GetInteger,
+        SetInteger,
+        read_integer,
+        write_integer
+    );
+    access!(
+        get_boolean,
+        set_boolean,
+        i32,
+        optional,
+        "fmi2GetBoolean",
+        "fmi2SetBoolean",
+        GetBoolean,
+        SetBoolean,
+        read_boolean,
+        write_boolean
+    );
 
     /// `fmi2GetString`; as many values as references. The texts are copied, since the unit owns its own only until
     /// the next call.
     pub fn get_string(&mut self, references: &[u32], values: &mut [String]) -> Result<(), Error> {
         let mut texts = vec![Text::default(); values.len()];
-        self.get_texts(references, &mut texts)?;
+        self.entered(|instance| instance.get_texts(references, &mut texts))?;
         values.iter_mut().zip(&texts).for_each(|(value, text)| text.as_str().clone_into(value));
         Ok(())
     }
@@ -73,7 +120,7 @@ impl Instance {
     /// `fmi2SetString`; as many values as references. A zero byte inside a text is left out.
     pub fn set_string(&mut self, references: &[u32], values: &[String]) -> Result<(), Error> {
         let texts: Vec<Text> = values.iter().map(|text| Text::from(text.as_str())).collect();
-        self.set_texts(references, &texts)
+        self.entered(|instance| instance.set_texts(references, &texts))
     }
 
     /// As [`Instance::get_string`], without making anything new where a text is as it was.
@@ -104,6 +151,7 @@ impl Instance {
         if references.len() != values.len() {
             return Err(self.lengths("fmi2GetString", references.len(), values.len()));
         }
+        guard::calls(Function::GetString);
         // SAFETY: both slices have the length that is given.
         let status = unsafe {
             function(self.component(), references.as_ptr(), references.len(), pointers.as_mut_ptr())
@@ -147,6 +195,7 @@ impl Instance {
         for (pointer, value) in pointers.iter_mut().zip(values) {
             *pointer = value.as_ptr();
         }
+        guard::calls(Function::SetString);
         // SAFETY: both slices have the length that is given; the texts end in zero and live over the call.
         let status =
             unsafe { function(self.component(), references.as_ptr(), references.len(), pointers.as_ptr()) };
@@ -168,7 +217,7 @@ impl Instance {
             }
         }
         // SAFETY: all slices have the length that is given.
-        let status = unsafe {
+        let status = guard::around(self.label(), Function::SetRealInputDerivatives, || unsafe {
             function(
                 self.component(),
                 references.as_ptr(),
@@ -176,7 +225,7 @@ impl Instance {
                 orders.as_ptr(),
                 values.as_ptr(),
             )
-        };
+        });
         self.checked(NAME, status)
     }
 
@@ -195,7 +244,7 @@ impl Instance {
             }
         }
         // SAFETY: all slices have the length that is given.
-        let status = unsafe {
+        let status = guard::around(self.label(), Function::GetRealOutputDerivatives, || unsafe {
             function(
                 self.component(),
                 references.as_ptr(),
@@ -203,7 +252,7 @@ impl Instance {
                 orders.as_ptr(),
                 values.as_mut_ptr(),
             )
-        };
+        });
         self.checked(NAME, status)
     }
 
@@ -224,7 +273,7 @@ impl Instance {
             return Err(self.lengths(NAME, unknowns.len(), result.len()));
         }
         // SAFETY: all slices have the lengths that are given.
-        let status = unsafe {
+        let status = guard::around(self.label(), Function::GetDirectionalDerivative, || unsafe {
             function(
                 self.component(),
                 unknowns.as_ptr(),
@@ -234,7 +283,7 @@ impl Instance {
                 seed.as_ptr(),
                 result.as_mut_ptr(),
             )
-        };
+        });
         self.checked(NAME, status)
     }
 

@@ -5,7 +5,8 @@
 
 use crate::fmu::read;
 use crate::value::{Kind, Value};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// What a variable is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +68,8 @@ pub struct Variable {
     pub initial: Option<Initial>,
     /// Type. An enumeration is an Integer to the calls.
     pub kind: Kind,
+    /// The names and values of an enumeration.
+    pub items: Option<Arc<[(String, i32)]>>,
     /// Start value.
     pub start: Option<Value>,
     /// Name of the physical unit.
@@ -182,6 +185,7 @@ pub struct Description {
     /// Names of the log categories.
     pub log_categories: Vec<String>,
     pub(super) names: HashMap<String, usize>,
+    pub(super) repeated: HashSet<String>,
 }
 
 impl Description {
@@ -198,6 +202,11 @@ impl Description {
     /// Place of a variable in [`Description::variables`].
     pub fn place(&self, name: &str) -> Option<usize> {
         self.names.get(name).copied()
+    }
+
+    /// Whether several variables have the name, or none has one: whoever names it may mean another one.
+    pub fn is_ambiguous(&self, name: &str) -> bool {
+        name.is_empty() || self.repeated.contains(name)
     }
 
     /// The definition of a physical unit.

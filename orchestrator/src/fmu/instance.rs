@@ -3,10 +3,14 @@
 use crate::error::Error;
 use crate::fmu::library::{Callbacks, Component, Functions};
 use crate::fmu::logger::{LogLine, Sink, calloc, free, orchestrator_logger};
-use crate::fmu::{Fmu, Status};
+use crate::fmu::{Fmu, Function, Status};
+use crate::guard::{self, Label};
+use crate::isolation::Isolation;
+#[cfg(isolation)]
+use crate::isolation::Remote;
 use crate::value::{Kind, Value};
-use std::ffi::{CString, c_char, c_int};
-use std::ptr;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::sync::Arc;
 
 /// Where an instance is in the state machine of FMI 2.0 section 4.2.4, as far as freeing it needs to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +24,9 @@ enum Phase {
     Dead,
 }
 
+/// A component with what goes with it.
+type Made = (Component, Functions, Arc<Sink>, Option<Box<Callbacks>>);
+
 /// An instance of a unit. Dropping it terminates and frees it.
 pub struct Instance {
     component: Component,
@@ -27,9 +34,10 @@ pub struct Instance {
     phase: Phase,
     warnings: u64,
     name: String,
-    sink: Box<Sink>,
-    // Read by the unit through the pointer it was given; never moved.
-    _callbacks: Box<Callbacks>,
+    label: &'static Label,
+    sink: Arc<Sink>,
+    // Read by the unit through the pointer it was given; never moved. None for a unit in another process.
+    _callbacks: Option<Box<Callbacks>>,
     // Last, so that the library outlives everything above.
     fmu: Fmu,
 }
@@ -40,21 +48,42 @@ unsafe impl Send for Instance {}
 
 impl Instance {
     pub(super) fn new(fmu: Fmu, name: &str) -> Result<Self, Error> {
+        let label = guard::label(name);
+        let (component, functions, sink, callbacks) = match fmu.isolation() {
+            Some(isolation) => Self::made_elsewhere(&fmu, name, isolation)?,
+            None => Self::made_here(&fmu, name, label)?,
+        };
+        let mut instance = Self {
+            component,
+            functions,
+            phase: Phase::Instantiated,
+            warnings: 0,
+            name: name.into(),
+            label,
+            sink,
+            _callbacks: callbacks,
+            fmu,
+        };
+        instance.quieten();
+        Ok(instance)
+    }
+
+    fn made_here(fmu: &Fmu, name: &str, label: &'static Label) -> Result<Made, Error> {
         let functions = fmu.library()?.functions;
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
         let (instance_name, guid) = (text(name), text(&fmu.description().guid));
-        let resources = text(&fmu.inner.archive.resource_uri());
-        let sink = Sink::new();
+        let resources = text(&fmu.resource_uri());
+        let sink = Sink::new(functions.instantiate as *const c_void);
         let callbacks = Box::new(Callbacks {
             logger: orchestrator_logger,
             allocate: calloc,
             free,
             step_finished: None,
-            environment: ptr::from_ref(&*sink).cast_mut().cast(),
+            environment: sink.environment() as *mut c_void,
         });
         const CO_SIMULATION: c_int = 1;
         // SAFETY: all strings end in zero and live over the call; callbacks and sink outlive the instance.
-        let component = unsafe {
+        let component = guard::around(label, Function::Instantiate, || unsafe {
             (functions.instantiate)(
                 instance_name.as_ptr(),
                 CO_SIMULATION,
@@ -64,22 +93,43 @@ impl Instance {
                 0,
                 1,
             )
-        };
+        });
         if component.is_null() {
             return Err(Error::Instantiate { unit: name.into(), path: fmu.path().into(), log: sink.lines() });
         }
-        let mut instance = Self {
-            component,
-            functions,
-            phase: Phase::Instantiated,
-            warnings: 0,
-            name: name.into(),
-            sink,
-            _callbacks: callbacks,
-            fmu,
-        };
-        instance.quieten();
-        Ok(instance)
+        Ok((component, functions, sink, Some(callbacks)))
+    }
+
+    #[cfg(isolation)]
+    fn made_elsewhere(fmu: &Fmu, name: &str, isolation: &Isolation) -> Result<Made, Error> {
+        let sink = Sink::new(std::ptr::null());
+        let (component, functions) = Remote::start(fmu, name, isolation, sink.clone())?;
+        Ok((component, functions, sink, None))
+    }
+
+    #[cfg(not(isolation))]
+    fn made_elsewhere(fmu: &Fmu, _: &str, _: &Isolation) -> Result<Made, Error> {
+        let reason = "units in processes of their own need 64-bit Linux".into();
+        Err(Error::Library { path: fmu.path().into(), reason })
+    }
+
+    /// The other process, if there is one.
+    #[cfg(isolation)]
+    fn remote(&mut self) -> Option<&mut Remote> {
+        // SAFETY: without callbacks the component is what `Remote::start` made, alive until it is freed.
+        self._callbacks.is_none().then(|| unsafe { &mut *self.component.cast::<Remote>() })
+    }
+
+    /// What stands for the unit while it is called.
+    #[inline(always)]
+    pub(crate) fn label(&self) -> &'static Label {
+        self.label
+    }
+
+    /// Something done with the unit, which is said to be called meanwhile.
+    #[inline(always)]
+    pub(super) fn entered<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        guard::within(self.label, || work(self))
     }
 
     /// Asks for errors and warnings only, where the unit tells them apart: logging every call would cost more
@@ -93,7 +143,9 @@ impl Instance {
         let pointers: Vec<*const c_char> = wanted.iter().map(|name| name.as_ptr()).collect();
         // SAFETY: the pointers are to terminated strings that live over the call. The status says only how much is
         // logged, so it doesn't matter.
-        unsafe { set(self.component, 1, pointers.len(), pointers.as_ptr()) };
+        guard::around(self.label, Function::SetDebugLogging, || unsafe {
+            set(self.component, 1, pointers.len(), pointers.as_ptr());
+        });
     }
 
     /// Name in the scenario.
@@ -121,6 +173,11 @@ impl Instance {
         self.warnings
     }
 
+    /// As many as at a checkpoint.
+    pub(crate) fn set_warnings(&mut self, warnings: u64) {
+        self.warnings = warnings;
+    }
+
     pub(super) fn component(&self) -> Component {
         self.component
     }
@@ -145,6 +202,10 @@ impl Instance {
             Status::Ok => return true,
             Status::Warning => {
                 self.warnings += 1;
+                #[cfg(isolation)]
+                if let Some(remote) = self.remote() {
+                    self.warnings += remote.take_warned();
+                }
                 return true;
             }
             Status::Fatal => self.phase = Phase::Dead,
@@ -156,14 +217,25 @@ impl Instance {
 
     /// The error for a call that failed.
     #[cold]
-    pub(crate) fn failure(&self, function: &'static str, status: Status, time: Option<f64>) -> Error {
+    pub(crate) fn failure(&mut self, function: &'static str, status: Status, time: Option<f64>) -> Error {
+        #[cfg(isolation)]
+        let function = match self.remote() {
+            Some(remote) => {
+                let function = remote.take_failed().map_or(function, Function::name);
+                if let Some(death) = remote.death().cloned() {
+                    return death.error(&self.name, function, time, self.sink.lines());
+                }
+                function
+            }
+            None => function,
+        };
         Error::Call { unit: self.name.clone(), function, status, time, log: self.sink.lines() }
     }
 
     /// `fmi2SetupExperiment`.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
         // SAFETY: plain values.
-        let status = unsafe {
+        let status = guard::around(self.label, Function::SetupExperiment, || unsafe {
             (self.functions.setup_experiment)(
                 self.component,
                 0,
@@ -172,14 +244,15 @@ impl Instance {
                 c_int::from(stop.is_some()),
                 stop.unwrap_or(0.0),
             )
-        };
+        });
         self.checked("fmi2SetupExperiment", status)
     }
 
     /// `fmi2EnterInitializationMode`.
     pub fn enter_initialization(&mut self) -> Result<(), Error> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.enter_initialization)(self.component) };
+        let call = || unsafe { (self.functions.enter_initialization)(self.component) };
+        let status = guard::around(self.label, Function::EnterInitializationMode, call);
         self.checked("fmi2EnterInitializationMode", status)?;
         self.phase = Phase::Initialising;
         Ok(())
@@ -188,15 +261,22 @@ impl Instance {
     /// `fmi2ExitInitializationMode`.
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.exit_initialization)(self.component) };
+        let call = || unsafe { (self.functions.exit_initialization)(self.component) };
+        let status = guard::around(self.label, Function::ExitInitializationMode, call);
         self.checked("fmi2ExitInitializationMode", status)?;
         self.phase = Phase::Stepping;
         Ok(())
     }
 
     /// `fmi2DoStep`. The status is returned as it is, since a discarded step is the master's business.
-    #[inline]
     pub fn do_step(&mut self, from: f64, size: f64, no_return: bool) -> Status {
+        self.entered(|instance| instance.step(from, size, no_return))
+    }
+
+    /// As [`Instance::do_step`] of a unit that was entered.
+    #[inline]
+    pub(crate) fn step(&mut self, from: f64, size: f64, no_return: bool) -> Status {
+        guard::calls(Function::DoStep);
         // SAFETY: plain values.
         let status = unsafe { (self.functions.do_step)(self.component, from, size, c_int::from(no_return)) };
         if status == 0 { Status::Ok } else { Status::from(status) }
@@ -205,9 +285,15 @@ impl Instance {
     /// `fmi2Terminate`.
     pub fn terminate(&mut self) -> Result<(), Error> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.terminate)(self.component) };
+        let call = || unsafe { (self.functions.terminate)(self.component) };
+        let status = guard::around(self.label, Function::Terminate, call);
         self.phase = Phase::Terminated;
         self.checked("fmi2Terminate", status)
+    }
+
+    /// Whether it was initialised and is neither terminated nor broken.
+    pub(crate) fn is_stepping(&self) -> bool {
+        self.phase == Phase::Stepping
     }
 
     /// `fmi2Reset`: back to the state after instantiation. A unit that can't is replaced by a fresh instance.
@@ -221,7 +307,8 @@ impl Instance {
             && let Some(reset) = self.functions.reset
         {
             // SAFETY: the component is alive.
-            let status = Status::from(unsafe { reset(self.component) });
+            let call = || unsafe { reset(self.component) };
+            let status = Status::from(guard::around(self.label, Function::Reset, call));
             if matches!(status, Status::Ok | Status::Warning) {
                 self.phase = Phase::Instantiated;
                 return Ok(());
@@ -237,9 +324,22 @@ impl Instance {
         const LAST_SUCCESSFUL_TIME: c_int = 2;
         let mut time = f64::NAN;
         // SAFETY: the pointer is to a value that lives over the call.
-        let status =
-            unsafe { (self.functions.get_real_status?)(self.component, LAST_SUCCESSFUL_TIME, &mut time) };
+        let function = self.functions.get_real_status?;
+        let status = guard::around(self.label, Function::GetRealStatus, || unsafe {
+            function(self.component, LAST_SUCCESSFUL_TIME, &mut time)
+        });
         (status == 0 && time.is_finite()).then_some(time)
+    }
+
+    /// Whether a discarded step means that the unit wants the run to end (`fmi2Terminated`).
+    pub fn wants_to_end(&mut self) -> bool {
+        const TERMINATED: c_int = 3;
+        let Some(function) = self.functions.get_boolean_status else { return false };
+        let mut wants = 0;
+        // SAFETY: the pointer is to a value that lives over the call.
+        let call = || unsafe { function(self.component, TERMINATED, &mut wants) };
+        let status = guard::around(self.label, Function::GetBooleanStatus, call);
+        status == 0 && wants != 0
     }
 
     /// Reads one variable.
@@ -282,15 +382,17 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if self.phase == Phase::Dead {
+        // After a fatal status a unit must not be called; what stands for one in another process knows that.
+        if self.phase == Phase::Dead && self._callbacks.is_some() {
             return;
         }
+        let Functions { terminate, free_instance, .. } = self.functions;
         // SAFETY: the component is alive and not used afterwards; its answer to the last call changes nothing.
         unsafe {
             if self.phase == Phase::Stepping {
-                (self.functions.terminate)(self.component);
+                guard::around(self.label, Function::Terminate, || terminate(self.component));
             }
-            (self.functions.free_instance)(self.component);
+            guard::around(self.label, Function::FreeInstance, || free_instance(self.component));
         }
     }
 }

@@ -88,6 +88,7 @@ functions! {
             unsafe extern "C" fn(Component, *const c_uint, usize, *const c_int, *const f64) -> c_int;
         get_output_derivatives = "fmi2GetRealOutputDerivatives":
             unsafe extern "C" fn(Component, *const c_uint, usize, *const c_int, *mut f64) -> c_int;
+        get_boolean_status = "fmi2GetBooleanStatus": unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int;
         get_real_status = "fmi2GetRealStatus": unsafe extern "C" fn(Component, c_int, *mut f64) -> c_int;
     }
 }

@@ -1,18 +1,26 @@
-/* The variadic half of the logger callback: formats the message, then hands it to Rust (logger.rs). */
+/* The variadic half of the logger callback: formats the message, then hands it to Rust (logger.rs). Neither half reads
+   what the environment points to: some units log with a pointer of their own. */
 #include <stdarg.h>
 #include <stdio.h>
 
-struct sink { void (*line)(const void *sink, int status, const char *category, const char *text); };
+typedef void (*receiver)(const void *environment, const void *caller, int status, const char *category, const char *text);
+
+static receiver receive;
+
+void orchestrator_logger_receiver(receiver with) { receive = with; }
 
 void orchestrator_logger(void *environment, const char *instance, int status, const char *category,
                          const char *message, ...) {
-    const struct sink *sink = environment;
     char text[4096];
     va_list arguments;
     (void)instance;
-    if (!sink || !message) return;
+    if (!receive || !message) return;
     va_start(arguments, message);
     vsnprintf(text, sizeof text, message, arguments);
     va_end(arguments);
-    sink->line(sink, status, category, text);
+#if defined(__GNUC__)
+    receive(environment, __builtin_return_address(0), status, category, text);
+#else
+    receive(environment, 0, status, category, text);
+#endif
 }

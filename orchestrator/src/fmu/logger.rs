@@ -1,10 +1,11 @@
 //! Collects what a unit logs. The C half (`logger.c`) formats; this half keeps the newest lines.
 
 use crate::fmu::Status;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fmt;
-use std::sync::Mutex;
+use std::ptr;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 /// How many lines are kept per instance; older ones are dropped so that a chatty unit doesn't fill the memory.
 const KEPT: usize = 256;
@@ -29,45 +30,121 @@ impl fmt::Display for LogLine {
     }
 }
 
-/// What `componentEnvironment` points to. The C half knows only the first field.
-#[repr(C)]
+/// The log of one instance. Its address is the `componentEnvironment` that the unit gets, and is only ever compared:
+/// some units log with a pointer of their own.
 pub(crate) struct Sink {
-    line: extern "C" fn(*const Sink, c_int, *const c_char, *const c_char),
+    /// Where the unit's library lies in memory; 0 if that is not known.
+    home: usize,
     lines: Mutex<VecDeque<LogLine>>,
 }
 
+/// The logs of all live instances by their addresses.
+static SINKS: Mutex<BTreeMap<usize, Weak<Sink>>> = Mutex::new(BTreeMap::new());
+
+/// Where all lines go in a process that only serves a unit.
+static FORWARD: OnceLock<fn(&LogLine)> = OnceLock::new();
+
+/// Has all lines of this process handed on.
+#[cfg(isolation)]
+pub(crate) fn forward_to(forward: fn(&LogLine)) {
+    FORWARD.get_or_init(|| forward);
+}
+
 impl Sink {
-    pub(crate) fn new() -> Box<Self> {
-        Box::new(Self { line: receive, lines: Mutex::new(VecDeque::new()) })
+    /// A log for an instance of the library that holds a function.
+    pub(crate) fn new(function: *const c_void) -> Arc<Self> {
+        // SAFETY: the C half keeps the pointer to a function that lives as long as the program.
+        unsafe { orchestrator_logger_receiver(receive) };
+        let sink = Arc::new(Self { home: home_of(function), lines: Mutex::new(VecDeque::new()) });
+        locked(&SINKS).insert(sink.environment(), Arc::downgrade(&sink));
+        sink
+    }
+
+    /// The `componentEnvironment`.
+    pub(crate) fn environment(self: &Arc<Self>) -> usize {
+        Arc::as_ptr(self) as usize
     }
 
     /// The lines that are kept, oldest first.
     pub(crate) fn lines(&self) -> Vec<LogLine> {
-        self.lock().iter().cloned().collect()
+        locked(&self.lines).iter().cloned().collect()
     }
 
     /// Takes the lines away.
     pub(crate) fn take(&self) -> Vec<LogLine> {
-        self.lock().drain(..).collect()
+        locked(&self.lines).drain(..).collect()
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, VecDeque<LogLine>> {
-        self.lines.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    /// Keeps a line, or hands it on.
+    pub(crate) fn push(&self, line: LogLine) {
+        if let Some(forward) = FORWARD.get() {
+            return forward(&line);
+        }
+        let mut lines = locked(&self.lines);
+        if lines.len() == KEPT {
+            lines.pop_front();
+        }
+        lines.push_back(line);
     }
 }
 
-extern "C" fn receive(sink: *const Sink, status: c_int, category: *const c_char, text: *const c_char) {
-    if sink.is_null() {
-        return;
+impl Drop for Sink {
+    fn drop(&mut self) {
+        locked(&SINKS).remove(&(ptr::from_ref(self) as usize));
     }
-    // SAFETY: the environment given to fmi2Instantiate is a boxed `Sink` that outlives the instance.
-    let sink = unsafe { &*sink };
-    let line = LogLine { status: Status::from(status), category: owned(category), text: owned(text) };
-    let mut lines = sink.lock();
-    if lines.len() == KEPT {
-        lines.pop_front();
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where the library that holds an address lies in memory; 0 if that is not known.
+fn home_of(address: *const c_void) -> usize {
+    #[cfg(unix)]
+    {
+        // SAFETY: the structure is plain data that the call fills; any address may be asked for.
+        let (found, library) = unsafe {
+            let mut library: libc::Dl_info = std::mem::zeroed();
+            (libc::dladdr(address, &mut library), library)
+        };
+        if found != 0 { library.dli_fbase as usize } else { 0 }
     }
-    lines.push_back(line);
+    #[cfg(not(unix))]
+    {
+        let _ = address;
+        0
+    }
+}
+
+/// A line from a unit. One with an environment that is nobody's goes to all instances of the library that sent it, or to
+/// every instance if that is not known either: better told twice than lost.
+extern "C" fn receive(
+    environment: *const c_void,
+    caller: *const c_void,
+    status: c_int,
+    category: *const c_char,
+    text: *const c_char,
+) {
+    let mut line = LogLine { status: Status::from(status), category: owned(category), text: owned(text) };
+    // Let go before the lines are kept: the last owner of a log takes it off this list.
+    let all: Vec<(usize, Arc<Sink>)> = {
+        let sinks = locked(&SINKS);
+        match sinks.get(&(environment as usize)).and_then(Weak::upgrade) {
+            Some(sink) => vec![(environment as usize, sink)],
+            None => sinks.iter().filter_map(|(key, sink)| Some((*key, sink.upgrade()?))).collect(),
+        }
+    };
+    if let [(key, sink)] = all.as_slice()
+        && *key == environment as usize
+    {
+        return sink.push(line);
+    }
+    line.text.insert_str(0, "unknown instance: ");
+    let home = home_of(caller);
+    let known = home != 0 && all.iter().any(|(_, sink)| sink.home == home);
+    for (_, sink) in all.iter().filter(|(_, sink)| !known || sink.home == home) {
+        sink.push(line.clone());
+    }
 }
 
 /// A C string as text; null gives an empty one, bytes that are no UTF-8 are replaced.
@@ -79,7 +156,11 @@ pub(crate) fn owned(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
+type Receiver = extern "C" fn(*const c_void, *const c_void, c_int, *const c_char, *const c_char);
+
 unsafe extern "C" {
+    /// Tells `logger.c` where formatted lines go.
+    fn orchestrator_logger_receiver(receive: Receiver);
     /// `fmi2CallbackLogger`, defined in `logger.c`.
     pub(crate) fn orchestrator_logger(
         environment: *mut c_void,

@@ -6,22 +6,29 @@
 mod archive;
 mod call;
 mod description;
+mod doubts;
+mod function;
 mod instance;
-mod library;
-mod logger;
+pub(crate) mod library;
+mod limits;
+pub(crate) mod logger;
 mod read;
 mod state;
+mod workshop;
 mod xml;
 
 pub use description::{
     BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,
     Variability, Variable,
 };
+pub(crate) use function::Function;
 pub use instance::Instance;
 pub use logger::LogLine;
 pub use state::SavedState;
+pub use workshop::discard_unpacked;
 
 use crate::error::Error;
+use crate::isolation::Isolation;
 use archive::Archive;
 use library::Library;
 use std::ffi::c_int;
@@ -80,11 +87,14 @@ impl fmt::Display for Status {
 #[derive(Clone)]
 pub struct Fmu {
     inner: Arc<Inner>,
+    isolation: Option<Arc<Isolation>>,
 }
 
 pub(crate) struct Inner {
     path: PathBuf,
     description: Description,
+    /// What a person should know of the library.
+    note: OnceLock<String>,
     // Dropped before the archive that holds its file.
     library: OnceLock<Library>,
     archive: Archive,
@@ -107,8 +117,31 @@ impl Fmu {
         let description = Description::parse(&archive.description)
             .map_err(|(line, what)| Error::Description { path: path.into(), line, what })?;
         Ok(Self {
-            inner: Arc::new(Inner { path: path.into(), description, library: OnceLock::new(), archive }),
+            inner: Arc::new(Inner {
+                path: path.into(),
+                description,
+                note: OnceLock::new(),
+                library: OnceLock::new(),
+                archive,
+            }),
+            isolation: None,
         })
+    }
+
+    /// The same unit, whose instances run in processes of their own.
+    #[must_use]
+    pub fn isolated(&self, isolation: Isolation) -> Self {
+        Self { inner: self.inner.clone(), isolation: Some(Arc::new(isolation)) }
+    }
+
+    /// Whether instances run in processes of their own, and how.
+    pub(crate) fn isolation(&self) -> Option<&Isolation> {
+        self.isolation.as_deref()
+    }
+
+    /// The `fmuResourceLocation` of `fmi2Instantiate`.
+    pub(crate) fn resource_uri(&self) -> String {
+        self.inner.archive.resource_uri()
     }
 
     /// The file.
@@ -126,6 +159,11 @@ impl Fmu {
         &self.inner.archive.description
     }
 
+    /// What is odd but stops nothing: in the description, and in the library once it was loaded.
+    pub fn doubts(&self) -> Vec<String> {
+        self.inner.note.get().cloned().into_iter().chain(doubts::of(self.description())).collect()
+    }
+
     /// Makes an instance. Errors and warnings that the unit logs are collected.
     ///
     /// # Errors
@@ -139,11 +177,18 @@ impl Fmu {
         if let Some(library) = inner.library.get() {
             return Ok(library);
         }
-        let path = inner.archive.library(&inner.description.co_simulation.model_identifier);
+        let library = Library::load(&self.library_file()?, &inner.path)?;
+        Ok(inner.library.get_or_init(|| library))
+    }
+
+    /// The unpacked library.
+    pub(crate) fn library_file(&self) -> Result<PathBuf, Error> {
+        let inner = &*self.inner;
+        let (path, note) = inner.archive.library(&inner.description.co_simulation.model_identifier);
         if !path.exists() {
             let reason = format!(
                 "it holds no binaries/{}/{} (platforms inside: {})",
-                archive::PLATFORM,
+                archive::PLATFORMS[0],
                 path.file_name().unwrap_or_default().to_string_lossy(),
                 if inner.archive.platforms.is_empty() {
                     "none".into()
@@ -153,7 +198,10 @@ impl Fmu {
             );
             return Err(Error::Library { path: inner.path.clone(), reason });
         }
-        let library = Library::load(&path, &inner.path)?;
-        Ok(inner.library.get_or_init(|| library))
+        if let Some(note) = note {
+            // Set before, it is the same.
+            let _ = inner.note.set(note);
+        }
+        Ok(path)
     }
 }

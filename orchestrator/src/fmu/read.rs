@@ -6,14 +6,42 @@ use crate::fmu::description::{
 };
 use crate::fmu::xml::Element;
 use crate::value::{Kind, Value};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// The elements that are read; all others are passed over with what is in them.
+const KNOWN: &[&str] = &[
+    "fmiModelDescription",
+    "CoSimulation",
+    "UnitDefinitions",
+    "Unit",
+    "BaseUnit",
+    "DisplayUnit",
+    "TypeDefinitions",
+    "SimpleType",
+    "Real",
+    "Integer",
+    "Boolean",
+    "String",
+    "Enumeration",
+    "Item",
+    "LogCategories",
+    "Category",
+    "DefaultExperiment",
+    "ModelVariables",
+    "ScalarVariable",
+    "ModelStructure",
+    "Outputs",
+    "InitialUnknowns",
+    "Unknown",
+];
 
 /// Line, what is wrong.
 type Fault = (usize, String);
 
 /// Reads a description; an error is the line and what is wrong there.
 pub(super) fn description(text: &str) -> Result<Description, Fault> {
-    let root = Element::parse(text)?;
+    let root = Element::parse_known(text, KNOWN)?;
     if root.name != "fmiModelDescription" {
         return Err((root.line, format!("the root is <{}>, not <fmiModelDescription>", root.name)));
     }
@@ -33,8 +61,11 @@ pub(super) fn description(text: &str) -> Result<Description, Fault> {
         variables.push(variable(element, types)?);
     }
     let mut names = HashMap::with_capacity(variables.len());
+    let mut repeated = HashSet::new();
     for (place, variable) in variables.iter().enumerate() {
-        names.insert(variable.name.clone(), place);
+        if names.insert(variable.name.clone(), place).is_some() {
+            repeated.insert(variable.name.clone());
+        }
     }
     let structure = |list: &str| -> Result<Vec<Unknown>, Fault> {
         let Some(structure) = root.child("ModelStructure") else { return Ok(Vec::new()) };
@@ -60,6 +91,7 @@ pub(super) fn description(text: &str) -> Result<Description, Fault> {
         outputs,
         initial_unknowns,
         names,
+        repeated,
     })
 }
 
@@ -91,8 +123,16 @@ const INTEGER: &str = "an integer";
 
 fn co_simulation(element: &Element) -> Result<CoSimulation, Fault> {
     let flag = |name| flag(element, name).map(Option::unwrap_or_default);
+    let identifier = required(element, "modelIdentifier")?;
+    // It becomes the name of a file, which nobody shall lead out of the archive.
+    let begins = identifier.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
+    if !begins || !identifier.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
+        let expected = "letters, digits and underscores, a digit not first";
+        let what = format!("modelIdentifier=\"{identifier}\" is no C identifier: {expected}");
+        return Err((element.line, what));
+    }
     Ok(CoSimulation {
-        model_identifier: required(element, "modelIdentifier")?.to_owned(),
+        model_identifier: identifier.to_owned(),
         needs_execution_tool: flag("needsExecutionTool")?,
         can_handle_variable_step: flag("canHandleVariableCommunicationStepSize")?,
         can_interpolate_inputs: flag("canInterpolateInputs")?,
@@ -202,6 +242,7 @@ fn variable(element: &Element, types: &[Element]) -> Result<Variable, Fault> {
         variability,
         initial: initial(element, causality, variability)?,
         kind,
+        items: declared.filter(|declared| declared.name == "Enumeration").map(items).transpose()?,
         start,
         unit: text("unit"),
         display_unit: text("displayUnit"),
@@ -211,6 +252,18 @@ fn variable(element: &Element, types: &[Element]) -> Result<Variable, Fault> {
         derivative_of: parsed::<usize>(typed, "derivative", INTEGER)?.and_then(|index| index.checked_sub(1)),
         name,
     })
+}
+
+/// The names and values of an enumeration.
+fn items(declared: &Element) -> Result<Arc<[(String, i32)]>, Fault> {
+    let items = declared.children.iter().filter(|child| child.name == "Item");
+    items
+        .map(|item| {
+            let value = parsed(item, "value", INTEGER)?;
+            let missing = || (item.line, "<Item> lacks the attribute value".to_owned());
+            Ok((required(item, "name")?.to_owned(), value.ok_or_else(missing)?))
+        })
+        .collect()
 }
 
 fn kind_of(element: &str) -> Option<Kind> {

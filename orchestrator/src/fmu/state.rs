@@ -1,8 +1,9 @@
 //! Saved states of an instance: `fmi2GetFMUstate` and its family.
 
 use crate::error::Error;
-use crate::fmu::Instance;
 use crate::fmu::library::State;
+use crate::fmu::{Function, Instance};
+use crate::guard;
 use std::ptr;
 
 /// A state of one instance, kept inside the unit. Give it back with [`Instance::free_state`]; a state that is only
@@ -23,7 +24,9 @@ impl Instance {
         let Some(function) = self.functions.get_state else { return Err(self.missing(NAME)) };
         let mut state: State = ptr::null_mut();
         // SAFETY: a null state asks for a new one.
-        let status = unsafe { function(self.component(), &mut state) };
+        let status = guard::around(self.label(), Function::GetFMUstate, || unsafe {
+            function(self.component(), &mut state)
+        });
         self.checked(NAME, status)?;
         Ok(SavedState { state })
     }
@@ -33,7 +36,9 @@ impl Instance {
         const NAME: &str = "fmi2SetFMUstate";
         let Some(function) = self.functions.set_state else { return Err(self.missing(NAME)) };
         // SAFETY: the state came from this unit.
-        let status = unsafe { function(self.component(), saved.state) };
+        let status = guard::around(self.label(), Function::SetFMUstate, || unsafe {
+            function(self.component(), saved.state)
+        });
         self.checked(NAME, status)
     }
 
@@ -42,7 +47,9 @@ impl Instance {
         const NAME: &str = "fmi2FreeFMUstate";
         let Some(function) = self.functions.free_state else { return Err(self.missing(NAME)) };
         // SAFETY: the state came from this unit and is used no more.
-        let status = unsafe { function(self.component(), &mut saved.state) };
+        let status = guard::around(self.label(), Function::FreeFMUstate, || unsafe {
+            function(self.component(), &mut saved.state)
+        });
         self.checked(NAME, status)
     }
 
@@ -55,11 +62,15 @@ impl Instance {
         };
         let mut size = 0;
         // SAFETY: the state came from this unit.
-        let status = unsafe { size_of(self.component(), saved.state, &mut size) };
+        let status = guard::around(self.label(), Function::SerializedFMUstateSize, || unsafe {
+            size_of(self.component(), saved.state, &mut size)
+        });
         self.checked("fmi2SerializedFMUstateSize", status)?;
         let mut bytes = vec![0u8; size];
         // SAFETY: the buffer has the size that the unit asked for.
-        let status = unsafe { function(self.component(), saved.state, bytes.as_mut_ptr().cast(), size) };
+        let status = guard::around(self.label(), Function::SerializeFMUstate, || unsafe {
+            function(self.component(), saved.state, bytes.as_mut_ptr().cast(), size)
+        });
         self.checked(NAME, status)?;
         Ok(bytes)
     }
@@ -70,7 +81,9 @@ impl Instance {
         let Some(function) = self.functions.deserialize_state else { return Err(self.missing(NAME)) };
         let mut state: State = ptr::null_mut();
         // SAFETY: the buffer has the length that is given.
-        let status = unsafe { function(self.component(), bytes.as_ptr().cast(), bytes.len(), &mut state) };
+        let status = guard::around(self.label(), Function::DeSerializeFMUstate, || unsafe {
+            function(self.component(), bytes.as_ptr().cast(), bytes.len(), &mut state)
+        });
         self.checked(NAME, status)?;
         Ok(SavedState { state })
     }

@@ -13,19 +13,31 @@ pub(crate) struct Element {
 }
 
 impl Element {
-    /// Parses a document and returns its root; an error is (line, what).
-    pub(crate) fn parse(text: &str) -> Result<Self, (usize, String)> {
+    /// Parses a document and returns its root, without elements (and what is in them) whose names are not listed; an
+    /// error is (line, what). The root is kept whatever its name is.
+    pub(crate) fn parse_known(text: &str, known: &[&str]) -> Result<Self, (usize, String)> {
         // A byte order mark is legal before the declaration.
         let text = text.trim_start_matches('\u{feff}');
         let mut reader = quick_xml::Reader::from_str(text);
         let mut open: Vec<Element> = Vec::new();
         let mut lines = Lines { text: text.as_bytes(), at: 0, line: 1 };
+        // How many elements are open that are not kept; they may nest as deep as they like.
+        let mut passed_over = 0u64;
         loop {
             let event = reader.read_event();
             let line = lines.at(reader.buffer_position() as usize);
             match event.map_err(|e| (line, e.to_string()))? {
-                Event::Start(start) => open.push(element(&start, line)?),
-                Event::Empty(start) => {
+                Event::Start(_) if passed_over > 0 => passed_over += 1,
+                Event::End(_) if passed_over > 0 => passed_over -= 1,
+                Event::Empty(_) if passed_over > 0 => {}
+                Event::Start(start) => match open.is_empty() || is_known(&start, known) {
+                    true if open.len() == DEEPEST => {
+                        return Err((line, format!("elements nest more than {DEEPEST} deep")));
+                    }
+                    true => open.push(element(&start, line)?),
+                    false => passed_over = 1,
+                },
+                Event::Empty(start) if open.is_empty() || is_known(&start, known) => {
                     let done = element(&start, line)?;
                     match open.last_mut() {
                         Some(parent) => parent.children.push(done),
@@ -61,6 +73,14 @@ impl Element {
     pub(crate) fn list(&self, name: &str) -> &[Element] {
         self.child(name).map_or(&[], |child| &child.children)
     }
+}
+
+/// Elements of a description nest five deep. Dropping a tree goes as deep as the tree.
+const DEEPEST: usize = 100;
+
+fn is_known(start: &BytesStart<'_>, known: &[&str]) -> bool {
+    let name: &str = start.name().local_name().into_inner();
+    known.contains(&name)
 }
 
 fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, (usize, String)> {

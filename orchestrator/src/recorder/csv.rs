@@ -3,11 +3,12 @@
 //! Numbers are the shortest ones that read back to the same bits; Booleans are 0 and 1. Only whole rows are handed
 //! to the system, at the latest when a simulated second is full, so that a killed run leaves a readable file.
 
-use super::{Cell, Column, Recorder, Row};
+use super::{Cell, Column, Position, Recorder, Row, Waiting};
 use crate::error::Error;
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
+use std::ptr;
 
 /// Rows are handed over when this many bytes wait, or when a simulated second is full.
 const WAITING: usize = 1 << 16;
@@ -17,6 +18,10 @@ pub struct CsvRecorder<W: Write> {
     sink: W,
     path: Option<PathBuf>,
     waiting: Vec<u8>,
+    /// Of the file, if it is one.
+    descriptor: Option<i32>,
+    /// Bytes that were handed over.
+    written: u64,
     /// Simulated time at which the next second is full.
     next_second: f64,
     number: zmij::Buffer,
@@ -29,9 +34,36 @@ impl CsvRecorder<File> {
     /// If the file can't be made.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let sink =
-            File::create(path).map_err(|source| Error::Record { target: Some(path.into()), source })?;
-        Ok(Self { path: Some(path.into()), ..Self::new(sink) })
+        let sink = File::create(path);
+        Self::to(path, sink.map_err(|source| Error::Record { target: Some(path.into()), source })?)
+    }
+
+    /// Goes on with a file where a checkpoint was made; what came after that is cut off.
+    ///
+    /// # Errors
+    /// If the file isn't there any more, or is shorter than it was.
+    pub fn resume(path: impl AsRef<Path>, position: Position) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let open = || {
+            let mut sink = File::options().write(true).open(path)?;
+            if sink.metadata()?.len() < position.bytes {
+                return Err(io::Error::other("it is shorter than at the checkpoint"));
+            }
+            sink.set_len(position.bytes)?;
+            sink.seek(io::SeekFrom::End(0))?;
+            Ok(sink)
+        };
+        let sink = open().map_err(|source| Error::Record { target: Some(path.into()), source })?;
+        let Position { bytes, next_second } = position;
+        Self::to(path, sink).map(|recorder| Self { written: bytes, next_second, ..recorder })
+    }
+
+    fn to(path: &Path, sink: File) -> Result<Self, Error> {
+        #[cfg(unix)]
+        let descriptor = Some(std::os::fd::AsRawFd::as_raw_fd(&sink));
+        #[cfg(not(unix))]
+        let descriptor = None;
+        Ok(Self { path: Some(path.into()), descriptor, ..Self::new(sink) })
     }
 }
 
@@ -41,6 +73,8 @@ impl<W: Write> CsvRecorder<W> {
         Self {
             sink,
             path: None,
+            descriptor: None,
+            written: 0,
             waiting: Vec::with_capacity(WAITING + 4096),
             next_second: f64::NEG_INFINITY,
             number: zmij::Buffer::new(),
@@ -55,6 +89,18 @@ impl<W: Write> CsvRecorder<W> {
     #[cold]
     fn hand_over(&mut self) -> Result<(), Error> {
         let result = self.sink.write_all(&self.waiting).and_then(|()| self.sink.flush());
+        match result {
+            Ok(()) => self.written += self.waiting.len() as u64,
+            #[cfg(unix)]
+            Err(_) => {
+                if let (Some(descriptor), Ok(length)) = (self.descriptor, i64::try_from(self.written)) {
+                    // Half a row is none. SAFETY: plain values; if it can't be done, half a row stays.
+                    unsafe { libc::ftruncate(descriptor, length) };
+                }
+            }
+            #[cfg(not(unix))]
+            Err(_) => {}
+        }
         self.waiting.clear();
         result.map_err(|source| self.failed(source))
     }
@@ -97,9 +143,40 @@ impl<W: Write> Recorder for CsvRecorder<W> {
         Ok(())
     }
 
+    fn position(&mut self) -> Result<Position, Error> {
+        self.hand_over()?;
+        #[cfg(unix)]
+        if let Some(descriptor) = self.descriptor {
+            // SAFETY: takes a number. The rows must be on the disk before the checkpoint that counts on them.
+            if unsafe { libc::fdatasync(descriptor) } != 0 {
+                return Err(self.failed(io::Error::last_os_error()));
+            }
+        }
+        Ok(Position { bytes: self.written, next_second: self.next_second })
+    }
+
+    #[cfg(unix)]
+    fn rescue(&self) -> Option<Waiting> {
+        self.descriptor?;
+        Some(Waiting { write: write_waiting::<W>, recorder: ptr::from_ref(self).cast() })
+    }
+
     fn end(&mut self) -> Result<(), Error> {
         self.hand_over()
     }
+}
+
+/// Writes what waits. Rows are whole, since no unit is called while one is put together.
+///
+/// # Safety
+/// The pointer is to a recorder for `W` that is not being used.
+#[cfg(unix)]
+unsafe fn write_waiting<W: Write>(recorder: *const ()) {
+    // SAFETY: as promised.
+    let recorder = unsafe { &*recorder.cast::<CsvRecorder<W>>() };
+    let (Some(descriptor), waiting) = (recorder.descriptor, &recorder.waiting) else { return };
+    // SAFETY: the bytes are there; what can't be written is lost.
+    unsafe { libc::write(descriptor, waiting.as_ptr().cast(), waiting.len()) };
 }
 
 impl<W: Write> CsvRecorder<W> {

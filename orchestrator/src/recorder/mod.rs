@@ -76,6 +76,22 @@ impl From<Cell<'_>> for Value {
     }
 }
 
+/// How far results were written.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Position {
+    /// Bytes of the file.
+    pub(crate) bytes: u64,
+    /// Simulated time in s at which rows are handed over next.
+    pub(crate) next_second: f64,
+}
+
+/// Rows that wait to be written: a function that a signal handler may call, and its argument.
+#[derive(Clone, Copy)]
+pub struct Waiting {
+    pub(crate) write: unsafe fn(*const ()),
+    pub(crate) recorder: *const (),
+}
+
 /// Takes results as they come: one row per communication point of any unit, the start included.
 pub trait Recorder {
     /// Before the first row.
@@ -88,6 +104,17 @@ pub trait Recorder {
 
     /// The values at a simulated time in s.
     fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), Error>;
+
+    /// Has everything written for good, and tells how far it came.
+    fn position(&mut self) -> Result<Position, Error> {
+        Ok(Position::default())
+    }
+
+    /// What to do with rows that wait, should a unit end the process.
+    #[doc(hidden)]
+    fn rescue(&self) -> Option<Waiting> {
+        None
+    }
 
     /// After the last row, also when the run ended early.
     fn end(&mut self) -> Result<(), Error> {
@@ -110,5 +137,37 @@ impl Recorder for NoRecorder {
 
     fn row(&mut self, _: f64, _: Row<'_>) -> Result<(), Error> {
         Ok(())
+    }
+}
+
+/// Two recorders that get the same rows. The first one says where it is.
+pub struct Twice<'a>(pub &'a mut dyn Recorder, pub &'a mut dyn Recorder);
+
+impl Recorder for Twice<'_> {
+    fn begin(&mut self, columns: &[Column]) -> Result<(), Error> {
+        self.0.begin(columns)?;
+        self.1.begin(columns)
+    }
+
+    fn records(&self) -> bool {
+        self.0.records() || self.1.records()
+    }
+
+    fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), Error> {
+        self.0.row(time, row)?;
+        self.1.row(time, row)
+    }
+
+    fn position(&mut self) -> Result<Position, Error> {
+        self.0.position()
+    }
+
+    fn rescue(&self) -> Option<Waiting> {
+        self.0.rescue()
+    }
+
+    fn end(&mut self) -> Result<(), Error> {
+        let first = self.0.end();
+        self.1.end().and(first)
     }
 }

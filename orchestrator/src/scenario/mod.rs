@@ -5,12 +5,16 @@
 //! description = "text"             # optional
 //! [experiment]
 //! start = 0.0                      # optional
-//! stop = 30.0                      # times: a number or a text such as "1/3", taken exactly
+//! stop = 30.0                      # times: a number or a text such as "1/3", taken exactly; a decimal as long as
+//!                                  # 0.0016666666666666668 for the fraction that it came from, 1/600
 //! algorithm = "gauss-seidel"       # or "jacobi"; optional
 //! [[units]]                        # Gauss-Seidel steps units in this order
 //! name = "plant"
 //! fmu = "acrobot_plant.fmu"        # beside the scenario file, then in the folders of the unit path
 //! interval = "1/600"               # communication interval in s
+//! isolate = true                   # optional: the unit runs in a process of its own, where
+//! step_limit = 30                  # a call may take so many seconds,
+//! memory_limit = 1024              # and the process may have so many MiB
 //! [units.set]                      # start values and parameters, by bare name
 //! q1_0 = -0.05
 //! [[connections]]
@@ -37,6 +41,7 @@ pub(crate) mod write;
 pub(crate) use write::resolved;
 
 use crate::error::{Error, Place};
+use crate::isolation::Isolation;
 use crate::suggest::nearest;
 use crate::time::Rational;
 use std::path::{Path, PathBuf};
@@ -66,6 +71,8 @@ pub struct Scenario {
     pub report: toml::Table,
     /// Line 1 of the file.
     pub(crate) place: Place,
+    /// What was read otherwise than it was written.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Something and where it was written.
@@ -86,6 +93,8 @@ pub struct UnitEntry {
     pub fmu: Placed<String>,
     /// Communication interval in s.
     pub interval: Rational,
+    /// A process of its own, and its limits.
+    pub isolation: Option<Isolation>,
     /// Start values and parameters: name and value, each name once.
     pub set: Vec<(String, Placed<Given>)>,
     /// Where the entry begins.
@@ -203,18 +212,37 @@ impl Scenario {
         }
     }
 
+    /// Takes away the connection or source that drives an input, so that whoever steps the simulation can set it.
+    ///
+    /// # Errors
+    /// If nothing drives it.
+    pub fn release(&mut self, input: &str) -> Result<(), Error> {
+        let driven = self.connections.iter().map(|entry| entry.to.as_str());
+        let driven: Vec<&str> = driven.chain(self.sources.iter().map(|entry| entry.to.as_str())).collect();
+        if !driven.contains(&input) {
+            let expected = nearest(input, driven.into_iter());
+            return Err(Error::Name { what: "driven input", name: input.into(), expected });
+        }
+        self.connections.retain(|entry| entry.to != input);
+        self.sources.retain(|entry| entry.to != input);
+        Ok(())
+    }
+
     /// Replaces the stop time: a number or a fraction, in s.
     ///
     /// # Errors
     /// If it is no time or lies before the start.
     pub fn set_stop(&mut self, stop: &str) -> Result<(), Error> {
         let wrong = |expected: String| Error::Value { name: "stop".into(), value: stop.into(), expected };
-        let time =
-            Rational::parse(stop).ok_or_else(|| wrong("a time in s, such as 30, 0.5 or 1/3".into()))?;
+        let (time, recovered) =
+            Rational::recover(stop).ok_or_else(|| wrong("a time in s, such as 30, 0.5 or 1/3".into()))?;
         if time < self.start {
             return Err(wrong(format!("not before the start, {} s", self.start)));
         }
         self.stop = time;
+        if recovered {
+            self.notes.push(format!("stop = {stop} is read as {time}"));
+        }
         Ok(())
     }
 

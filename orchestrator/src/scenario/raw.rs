@@ -2,12 +2,15 @@
 
 use super::{ConnectionEntry, Given, Placed, Scenario, Shape, SignalEntry, SourceEntry, UnitEntry};
 use crate::error::{Error, Place};
+use crate::isolation::Isolation;
 use crate::time::Rational;
 use serde::Deserialize;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -41,6 +44,10 @@ struct Unit {
     name: Spanned<String>,
     fmu: Spanned<String>,
     interval: Spanned<toml::Value>,
+    #[serde(default)]
+    isolate: bool,
+    step_limit: Option<Spanned<f64>>,
+    memory_limit: Option<Spanned<u64>>,
     #[serde(default)]
     set: BTreeMap<String, Spanned<toml::Value>>,
 }
@@ -94,6 +101,8 @@ impl From<Number> for f64 {
 struct Text<'a> {
     text: &'a str,
     file: Arc<str>,
+    /// What was read otherwise than it was written.
+    notes: RefCell<Vec<String>>,
 }
 
 impl Text<'_> {
@@ -109,15 +118,20 @@ impl Text<'_> {
 
     fn time(&self, key: &str, value: &Spanned<toml::Value>) -> Result<Rational, Error> {
         let time = match value.get_ref() {
-            toml::Value::Integer(number) => Rational::new(i128::from(*number), 1),
-            toml::Value::Float(number) => Rational::from_f64(*number),
-            toml::Value::String(text) => Rational::parse(text),
+            toml::Value::Integer(number) => Rational::new(i128::from(*number), 1).map(|time| (time, false)),
+            toml::Value::Float(number) => Rational::recover(zmij::Buffer::new().format(*number)),
+            toml::Value::String(text) => Rational::recover(text),
             _ => None,
         };
-        time.ok_or_else(|| {
+        let (time, recovered) = time.ok_or_else(|| {
             let expected = "a time in s that fits 64-bit fractions, such as 0.001, 5e-3 or \"1/30\"";
             self.wrong(value.span(), format!("{key} = {}", value.get_ref()), expected)
-        })
+        })?;
+        if recovered {
+            let place = self.place(value.span());
+            self.notes.borrow_mut().push(format!("{place}: {key} = {} is read as {time}", value.get_ref()));
+        }
+        Ok(time)
     }
 
     fn positive(&self, key: &str, value: &Spanned<toml::Value>, or_zero: bool) -> Result<Rational, Error> {
@@ -131,7 +145,7 @@ impl Text<'_> {
 }
 
 pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
-    let at = Text { text, file: origin.to_string_lossy().into() };
+    let at = Text { text, file: origin.to_string_lossy().into(), notes: RefCell::default() };
     let raw: Raw = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         at.wrong(span, "not a scenario", error.message().replace('\n', " "))
@@ -151,7 +165,7 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
         None => Placed { place: at.place(0..0), value: "gauss-seidel".into() },
     };
     let placed = |text: Spanned<String>| Placed { place: at.place(text.span()), value: text.into_inner() };
-    Ok(Scenario {
+    let mut scenario = Scenario {
         origin: origin.into(),
         description: raw.description,
         start,
@@ -167,7 +181,10 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
         record: raw.record.map(|record| record.variables.into_iter().map(placed).collect()),
         report: raw.report,
         place: at.place(0..0),
-    })
+        notes: Vec::new(),
+    };
+    scenario.notes = at.notes.take();
+    Ok(scenario)
 }
 
 fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
@@ -184,6 +201,7 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
             let expected = format!("the first one is at {}", first.place);
             return Err(at.wrong(unit.name.span(), format!("a second unit {name:?}"), expected));
         }
+        let isolation = isolation(at, &unit)?;
         let set = (unit.set.into_iter())
             .map(|(name, value)| {
                 let place = at.place(value.span());
@@ -194,11 +212,39 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
             interval: at.positive("interval", &unit.interval, false)?,
             fmu: Placed { place: at.place(unit.fmu.span()), value: unit.fmu.into_inner() },
             name: unit.name.into_inner(),
+            isolation,
             set,
             place,
         });
     }
     Ok(units)
+}
+
+/// Whether a unit has a process of its own.
+fn isolation(at: &Text<'_>, unit: &Unit) -> Result<Option<Isolation>, Error> {
+    let mut isolation = Isolation::default();
+    let keys = [
+        ("step_limit", unit.step_limit.as_ref().map(Spanned::span)),
+        ("memory_limit", unit.memory_limit.as_ref().map(Spanned::span)),
+    ];
+    if let (false, Some((key, Some(span)))) =
+        (unit.isolate, keys.into_iter().find(|(_, span)| span.is_some()))
+    {
+        return Err(at.wrong(span, key, "it goes with isolate = true"));
+    }
+    if let Some(limit) = &unit.step_limit {
+        let wrong =
+            || at.wrong(limit.span(), format!("step_limit = {}", limit.get_ref()), "seconds, above zero");
+        let duration = Duration::try_from_secs_f64(*limit.get_ref()).ok().filter(|limit| !limit.is_zero());
+        isolation.step_limit = duration.ok_or_else(wrong)?;
+    }
+    if let Some(limit) = &unit.memory_limit {
+        let wrong =
+            || at.wrong(limit.span(), format!("memory_limit = {}", limit.get_ref()), "MiB, above zero");
+        let bytes = limit.get_ref().checked_mul(1 << 20).filter(|limit| *limit > 0);
+        isolation.memory_limit = Some(bytes.ok_or_else(wrong)?);
+    }
+    Ok(unit.isolate.then_some(isolation))
 }
 
 fn connection(at: &Text<'_>, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {

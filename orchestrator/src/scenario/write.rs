@@ -24,6 +24,13 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
         line(&mut out, "name", &entry.name);
         line(&mut out, "fmu", &unit.fmu);
         line(&mut out, "interval", &entry.interval.to_string());
+        if let Some(isolation) = &entry.isolation {
+            put(&mut out, "isolate", &Toml::Boolean(true));
+            put(&mut out, "step_limit", &Toml::Float(isolation.step_limit.as_secs_f64()));
+            if let Some(limit) = isolation.memory_limit {
+                put(&mut out, "memory_limit", &Toml::Integer((limit >> 20).cast_signed()));
+            }
+        }
         out.push_str("[units.set]\n");
         for (name, value) in &unit.values {
             put(&mut out, name, &toml_of(value));

@@ -8,9 +8,10 @@ use crate::system::Conversion;
 use crate::value::{Kind, Value};
 use std::path::Path;
 
-/// A TOML value as one of a type: an integer also serves as a Real.
-pub(super) fn from_toml(kind: Kind, value: &toml::Value) -> Option<Value> {
-    Some(match (kind, value) {
+/// A TOML value as one of a variable's type: an integer also serves as a Real, a name as an item of an enumeration.
+pub(super) fn from_toml(variable: &fmu::Variable, value: &toml::Value) -> Option<Value> {
+    Some(match (variable.kind, value) {
+        (Kind::Integer, toml::Value::String(name)) => return item(variable, name),
         (Kind::Real, toml::Value::Float(value)) => Value::Real(*value),
         (Kind::Real, toml::Value::Integer(value)) => Value::Real(*value as f64),
         (Kind::Integer, toml::Value::Integer(value)) => Value::Integer(i32::try_from(*value).ok()?),
@@ -20,9 +21,38 @@ pub(super) fn from_toml(kind: Kind, value: &toml::Value) -> Option<Value> {
     })
 }
 
+/// A value as a person types it.
+pub(super) fn from_text(variable: &fmu::Variable, text: &str) -> Option<Value> {
+    Value::parse(variable.kind, text).or_else(|| item(variable, text.trim()))
+}
+
+/// The value of an enumeration's item by its name.
+pub(crate) fn item(variable: &fmu::Variable, name: &str) -> Option<Value> {
+    let items = variable.items.as_deref()?;
+    items.iter().find(|(known, _)| known == name).map(|(_, value)| Value::Integer(*value))
+}
+
+/// What would have been of a variable's type.
+pub(crate) fn expected(variable: &fmu::Variable) -> String {
+    match variable.items.as_deref() {
+        Some(items) => one_of(items),
+        None => format!("it is of type {}", variable.kind),
+    }
+}
+
+fn one_of(items: &[(String, i32)]) -> String {
+    let items: Vec<String> = items.iter().map(|(name, value)| format!("{name} ({value})")).collect();
+    format!("one of {}", items.join(", "))
+}
+
 /// Whether a start value lies where the description allows it; an error is what would be right.
 pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(), String> {
     let Some(number) = value.as_f64() else { return Ok(()) };
+    if let (Some(items), Value::Integer(value)) = (variable.items.as_deref(), value)
+        && !items.iter().any(|(_, known)| known == value)
+    {
+        return Err(one_of(items));
+    }
     let inside = variable.min.is_none_or(|min| number >= min) && variable.max.is_none_or(|max| number <= max);
     if number.is_finite() && inside {
         return Ok(());
@@ -32,7 +62,8 @@ pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(),
         (Some(min), Some(max)) => format!("a number from {min} to {max}{unit}"),
         (Some(min), None) => format!("a number of {min}{unit} or more"),
         (None, Some(max)) => format!("a number of {max}{unit} or less"),
-        (None, None) => "a finite number".into(),
+        (None, None) if unit.is_empty() => "a finite number".into(),
+        (None, None) => format!("a finite number in{unit}"),
     })
 }
 
@@ -95,23 +126,25 @@ fn exponents(unit: &BaseUnit) -> String {
     if powers.is_empty() { "1".into() } else { powers.join(".") }
 }
 
-/// A signal for an input of a type.
-pub(super) fn signal(entry: &SignalEntry, kind: Kind, folder: &Path) -> Result<Signal, Wrong> {
+/// A signal for an input; `constant` is its value, if it has but one.
+pub(super) fn signal(
+    entry: &SignalEntry,
+    variable: &fmu::Variable,
+    constant: Option<&Value>,
+    folder: &Path,
+) -> Result<Signal, Wrong> {
+    let kind = variable.kind;
     let (shape, points) = match entry {
-        SignalEntry::Constant(value) => {
-            let number = match value {
-                toml::Value::Integer(value) => *value as f64,
-                toml::Value::Float(value) => *value,
-                toml::Value::Boolean(value) => f64::from(u8::from(*value)),
-                _ => f64::NAN,
-            };
+        SignalEntry::Constant(_) => {
+            let number = constant.and_then(Value::as_f64).unwrap_or(f64::NAN);
             (Shape::Hold, vec![(f64::NEG_INFINITY, number)])
         }
         SignalEntry::Table { shape, points } => (*shape, points.clone()),
         SignalEntry::Csv { file, column, shape } => (*shape, read_csv(&folder.join(file), column)?),
     };
-    let whole = |(_, value): &(f64, f64)| match kind {
-        Kind::Boolean => *value == 0.0 || *value == 1.0,
+    let whole = |(_, value): &(f64, f64)| match (kind, variable.items.as_deref()) {
+        (Kind::Boolean, _) => *value == 0.0 || *value == 1.0,
+        (_, Some(items)) => items.iter().any(|(_, known)| f64::from(*known) == *value),
         _ => value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX),
     };
     match kind {
@@ -127,10 +160,11 @@ pub(super) fn signal(entry: &SignalEntry, kind: Kind, folder: &Path) -> Result<S
         }
         _ => {
             if let Some((time, value)) = points.iter().find(|point| !whole(point)) {
-                return Err((
-                    format!("the value {value} at {time} s"),
-                    format!("the input is of type {kind}"),
-                ));
+                let expected = match variable.items {
+                    Some(_) => expected(variable),
+                    None => format!("the input is of type {kind}"),
+                };
+                return Err((format!("the value {value} at {time} s"), expected));
             }
         }
     }

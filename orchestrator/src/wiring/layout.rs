@@ -117,13 +117,16 @@ impl Layout {
 }
 
 impl UnitBlocks {
-    pub(super) fn unit(self, instance: Instance, interval: i64, size: f64) -> Unit {
+    pub(super) fn unit(self, instance: Instance, interval: i64, size: f64, last: Option<(i64, f64)>) -> Unit {
         let Self { name, inputs, outputs, fixed } = self;
         Unit {
             name,
             instance,
             interval,
+            step: interval,
             size,
+            whole: size,
+            last,
             begin: 0.0,
             links: Vec::new(),
             lines_in: Vec::new(),
@@ -132,6 +135,7 @@ impl UnitBlocks {
             inputs,
             outputs,
             fixed,
+            not_finite: Vec::new(),
             plain: false,
         }
     }

@@ -5,15 +5,15 @@ mod layout;
 mod names;
 mod record;
 
-pub(crate) use check::start_value;
+pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
 
 use crate::error::{Error, Place};
-use crate::fmu::Fmu;
+use crate::fmu::{Description, Fmu};
 use crate::graph;
 use crate::initialise::Plan;
 use crate::recorder::{Column, Slot};
-use crate::scenario::{Given, Scenario, SignalEntry};
+use crate::scenario::{Given, Scenario, SignalEntry, UnitEntry};
 use crate::source::Signal;
 use crate::system::{Conversion, Line, Link, Point, System};
 use crate::time::{Clock, Rational};
@@ -78,12 +78,13 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         values,
         stop: ticks.stop,
     };
+    notices.extend(scenario.notes.iter().cloned());
     for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
-        system.units.push(blocks.unit(
-            instance,
-            ticks.intervals[unit],
-            scenario.units[unit].interval.to_f64(),
-        ));
+        let (entry, interval) = (&scenario.units[unit], ticks.intervals[unit]);
+        let last = ticks.last(unit, instance.fmu().description(), &clock);
+        notices.extend(last_point(scenario, entry, last));
+        let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
+        system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), last));
     }
     lay_connections(&mut system, &connections, &slots, &clock);
     for Source { to, signal } in sources {
@@ -94,6 +95,9 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
             && unit.lines_in.is_empty()
             && unit.feeds.is_empty()
             && unit.lines_out.is_empty();
+    }
+    for (name, fmu) in &names.units {
+        notices.extend(fmu.doubts().into_iter().map(|doubt| format!("unit {name}: {doubt}")));
     }
     notices.extend(loops_while_stepping(&names, &connections));
     Ok(Wiring {
@@ -119,6 +123,11 @@ fn open(scenario: &Scenario, path: &UnitPath) -> Result<(Vec<Fmu>, Vec<PathBuf>)
     for unit in &scenario.units {
         let file = path.find(&unit.fmu.value, scenario.folder(), &unit.fmu.place)?;
         let mut fmu = path.open(&file)?;
+        if let Some(isolation) = &unit.isolation {
+            fmus.push(fmu.isolated(isolation.clone()));
+            files.push(file);
+            continue;
+        }
         // A unit that can live only once in a process gets a copy of its library for each instance.
         if fmu.description().co_simulation.only_one_instance && files.contains(&file) {
             fmu = Fmu::open(&file)?;
@@ -133,6 +142,38 @@ struct Ticks {
     start: i64,
     stop: i64,
     intervals: Vec<i64>,
+}
+
+/// What is left between the last whole step of a unit and the stop.
+#[derive(Clone, Copy)]
+struct Last {
+    ticks: i64,
+    size: Rational,
+    /// The unit takes a shorter step to get there.
+    reaches_stop: bool,
+}
+
+impl Ticks {
+    /// `None` where the stop is one of the unit's own points.
+    fn last(&self, unit: usize, description: &Description, clock: &Clock) -> Option<Last> {
+        let ticks = (self.stop - self.start) % self.intervals[unit];
+        let tick = clock.tick();
+        let size =
+            Rational::new(i128::from(ticks) * i128::from(tick.numerator()), i128::from(tick.denominator()))?;
+        let reaches_stop = description.co_simulation.can_handle_variable_step;
+        (ticks > 0).then_some(Last { ticks, size, reaches_stop })
+    }
+}
+
+/// What a person should know of a stop that is none of a unit's points.
+fn last_point(scenario: &Scenario, entry: &UnitEntry, last: Option<Last>) -> Option<String> {
+    let Last { size, reaches_stop, .. } = last?;
+    let (name, interval, stop) = (&entry.name, entry.interval, scenario.stop);
+    let off = format!("unit {name}: its interval of {interval} s does not divide the run up to {stop} s:");
+    Some(match reaches_stop {
+        true => format!("{off} its last step has {size} s"),
+        false => format!("{off} its last point lies {size} s before the stop, since its steps can't differ"),
+    })
 }
 
 fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
@@ -172,11 +213,11 @@ fn start_values(scenario: &Scenario, names: &Names) -> Result<Vec<Vec<(usize, Va
             let place = names.settable(unit, name).map_err(|(what, expected)| wrong(what, expected))?;
             let variable = names.variable((unit, place));
             let (value, shown) = match &given.value {
-                Given::Toml(value) => (check::from_toml(variable.kind, value), value.to_string()),
-                Given::Text(text) => (Value::parse(variable.kind, text), text.clone()),
+                Given::Toml(value) => (check::from_toml(variable, value), value.to_string()),
+                Given::Text(text) => (check::from_text(variable, text), text.clone()),
             };
             let named = || format!("{}.{name} = {shown}", entry.name);
-            let value = value.ok_or_else(|| wrong(named(), format!("it is of type {}", variable.kind)))?;
+            let value = value.ok_or_else(|| wrong(named(), check::expected(variable)))?;
             start_value(variable, &value).map_err(|expected| wrong(named(), expected))?;
             sets.retain(|(known, _)| *known != place);
             sets.push((place, value));
@@ -231,19 +272,29 @@ fn sources(
         let wrong = |(what, expected)| Error::Scenario { place: entry.place.clone(), what, expected };
         let to = names.input(&entry.to).map_err(wrong)?;
         drive(driven, names, to, &entry.place)?;
-        let kind = names.variable(to).kind;
+        let variable = names.variable(to);
+        let kind = variable.kind;
+        let mut constant = None;
         if let SignalEntry::Constant(value) = &entry.signal {
-            let typed = check::from_toml(kind, value).ok_or_else(|| {
-                wrong((format!("value = {value}"), format!("{} is of type {kind}", entry.to)))
-            })?;
+            let expected = || match variable.items {
+                Some(_) => check::expected(variable),
+                None => format!("{} is of type {kind}", entry.to),
+            };
+            let typed = check::from_toml(variable, value)
+                .ok_or_else(|| wrong((format!("value = {value}"), expected())))?;
+            if typed.as_f64().is_some_and(|number| !number.is_finite()) {
+                return Err(wrong((format!("value = {value}"), "a finite number".into())));
+            }
             // The start value holds for ever, since nothing else drives the input.
             sets[to.0].retain(|(known, _)| *known != to.1);
+            constant = Some(typed.clone());
             sets[to.0].push((to.1, typed));
             if kind == Kind::String {
                 continue;
             }
         }
-        let signal = check::signal(&entry.signal, kind, scenario.folder()).map_err(wrong)?;
+        let signal = check::signal(&entry.signal, variable, constant.as_ref(), scenario.folder());
+        let signal = signal.map_err(wrong)?;
         all.push(Source { to, signal });
     }
     Ok(all)

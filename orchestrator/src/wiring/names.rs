@@ -77,6 +77,9 @@ impl Names {
     ) -> Result<usize, Wrong> {
         let (unit, fmu) = &self.units[unit];
         let description = fmu.description();
+        if description.is_ambiguous(name) && description.place(name).is_some() {
+            return Err(ambiguous(unit, name));
+        }
         description.place(name).ok_or_else(|| {
             let known = description.variables.iter().filter(|v| likely(v)).map(|v| v.name.as_str());
             (format!("unit {unit} has no variable {name:?}"), nearest(name, known))
@@ -181,6 +184,18 @@ impl Names {
     pub(crate) fn named(&self, full: &str) -> Result<Variable, Error> {
         self.find(full).map_err(|(_, expected)| Error::Name { what: "variable", name: full.into(), expected })
     }
+}
+
+/// A name that several variables have, or an empty one.
+pub(super) fn ambiguous(unit: &str, name: &str) -> Wrong {
+    let what = match name.is_empty() {
+        true => format!("unit {unit} has a variable without a name"),
+        false => format!("unit {unit} has several variables called {name:?}"),
+    };
+    (
+        what,
+        "mend its modelDescription.xml, or record and connect others: it is not clear which is meant".into(),
+    )
 }
 
 fn may_be_set(variable: &fmu::Variable) -> bool {

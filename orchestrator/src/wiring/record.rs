@@ -1,13 +1,27 @@
 //! What is recorded.
 
-use super::names::{Names, Variable};
+use super::names::{self, Names, Variable};
 use crate::error::Error;
 use crate::fmu::Causality;
 use crate::scenario::Scenario;
 
+/// The recorded variables; an error where one can't be told from another by its name.
+pub(super) fn variables(scenario: &Scenario, names: &Names) -> Result<Vec<Variable>, Error> {
+    let chosen = chosen(scenario, names)?;
+    for &(unit, place) in &chosen {
+        let (name, fmu) = &names.units[unit];
+        let variable = &fmu.description().variables[place].name;
+        if fmu.description().is_ambiguous(variable) {
+            let (what, expected) = names::ambiguous(name, variable);
+            return Err(Error::Scenario { place: scenario.units[unit].place.clone(), what, expected });
+        }
+    }
+    Ok(chosen)
+}
+
 /// The recorded variables in the order of the columns: as the patterns come, each in the order of units and
 /// descriptions.
-pub(super) fn variables(scenario: &Scenario, names: &Names) -> Result<Vec<Variable>, Error> {
+fn chosen(scenario: &Scenario, names: &Names) -> Result<Vec<Variable>, Error> {
     let all = || {
         let count = |unit: usize| names.units[unit].1.description().variables.len();
         (0..names.units.len()).flat_map(move |unit| (0..count(unit)).map(move |place| (unit, place)))

@@ -45,13 +45,16 @@ impl Units {
 
     /// Packs any description with any library as the model `unit`.
     pub fn pack(&self, name: &str, description: &str, library: &[u8]) -> PathBuf {
+        self.pack_files(name, description, &[("binaries/linux64/unit.so", library)])
+    }
+
+    /// Packs any description with any files.
+    pub fn pack_files(&self, name: &str, description: &str, files: &[(&str, &[u8])]) -> PathBuf {
         let path = self.folder.path().join(name);
         let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).expect("writable"));
         let options = zip::write::SimpleFileOptions::default();
-        for (name, bytes) in
-            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/unit.so", library)]
-        {
-            zip.start_file(name, options).expect("a new entry");
+        for (name, bytes) in [("modelDescription.xml", description.as_bytes())].iter().chain(files) {
+            zip.start_file(*name, options).expect("a new entry");
             zip.write_all(bytes).expect("written");
         }
         zip.finish().expect("finished");
@@ -72,7 +75,7 @@ impl Units {
 pub fn compile(source: &str) -> Vec<u8> {
     let folder = TempDir::new().expect("a temporary folder");
     let library = folder.path().join("unit.so");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(source);
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../orchestrator/tests/fixtures").join(source);
     let status = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
         .args([&library, &source])
@@ -99,13 +102,14 @@ pub fn description(fixture: Fixture) -> String {
 <!-- what the standard allows and importers stumble over: xsi, annotations, flags of the last maintenance release -->
 <fmiModelDescription xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="x.xsd"
     fmiVersion="2.0" modelName="fixture" guid="{guid}" description="a &quot;fixture&quot; &amp; more">
-  <CoSimulation modelIdentifier="unit" canHandleVariableCommunicationStepSize="true"
+  <CoSimulation modelIdentifier="unit" canGetAndSetFMUstate="true" canSerializeFMUstate="true" canHandleVariableCommunicationStepSize="true"
       canHandleMultipleSetPerTimeInstant="true"><SourceFiles><File name="unit.c"/></SourceFiles></CoSimulation>
   <UnitDefinitions>
     <Unit name="rad"><BaseUnit rad="1"/><DisplayUnit name="turn" factor="0.15915494309189535"/></Unit>
     <Unit name="deg"><BaseUnit rad="1" factor="0.0174532925199432957"/></Unit>
     <Unit name="K"><BaseUnit K="1"/></Unit>
     <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+    <Unit name="degF"><BaseUnit K="1" factor="0.5555555555555556" offset="255.37222222222223"/></Unit>
     <Unit name="m"><BaseUnit m="1"/></Unit>
     <Unit name="apples"/>
   </UnitDefinitions>

@@ -1,0 +1,243 @@
+//! Checkpoints: the whole state of a run in a file, from which it goes on to the same bytes.
+//!
+//! A file is written beside the old one and takes its place in one go, so that whenever the process is killed there is a
+//! whole one. It holds what the run was built from, the clock, all values, what is on its way, the units' own states and
+//! how far the results were written.
+
+use crate::error::Error;
+use crate::recorder::Position;
+use crate::simulation::{Phase, Simulation};
+use crate::system::Point;
+use crate::text::Text;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Begins every file; the number is that of the format.
+const MAGIC: &[u8] = b"acroscope checkpoint 1\n";
+
+/// Where checkpoints go, and how often they are made.
+#[derive(Debug, Clone)]
+pub struct Checkpoints {
+    /// The file, of which there is only the newest.
+    pub file: PathBuf,
+    /// Simulated time between two in s.
+    pub every: f64,
+}
+
+/// The state of a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The resolved scenario and the units' GUIDs: only the same run can go on.
+    identity: String,
+    ticks: i64,
+    time: f64,
+    pub(crate) position: Position,
+    reals: Vec<f64>,
+    integers: Vec<i32>,
+    strings: Vec<String>,
+    ends: Vec<i64>,
+    next: i64,
+    units: Vec<UnitState>,
+    lines: Vec<Vec<(i64, Value)>>,
+    notices: Vec<String>,
+    replaced_starts: Vec<String>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct UnitState {
+    begin: f64,
+    step: i64,
+    size: f64,
+    warnings: u64,
+    not_finite: Vec<(u32, String)>,
+    state: Vec<u8>,
+}
+
+impl Checkpoint {
+    /// Simulated time in s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// How many bytes of results belong to it.
+    pub fn position(&self) -> Position {
+        self.position
+    }
+
+    /// Reads the newest checkpoint; `None` where there is none.
+    ///
+    /// # Errors
+    /// If the file can't be read or is damaged.
+    pub fn load(path: &Path) -> Result<Option<Self>, Error> {
+        let bytes = match std::fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(Error::File { path: path.into(), source }),
+        };
+        let wrong = |reason: &str| Error::Checkpoint { path: path.into(), reason: reason.into() };
+        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("it is no checkpoint of this version"))?;
+        let (sum, body) = rest.split_at_checked(32).ok_or_else(|| wrong("it is cut off"))?;
+        if Sha256::digest(body).as_slice() != sum {
+            return Err(wrong("it is damaged"));
+        }
+        postcard::from_bytes(body).map(Some).map_err(|error| wrong(&error.to_string()))
+    }
+
+    /// Writes the file in place of the one before.
+    ///
+    /// # Errors
+    /// If it can't be written; the one before then stays.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        let body = postcard::to_allocvec(self)
+            .map_err(|error| Error::Checkpoint { path: path.into(), reason: error.to_string() })?;
+        let beside = path.with_extension("tmp");
+        let write = || {
+            let mut file = File::create(&beside)?;
+            file.write_all(MAGIC)?;
+            file.write_all(Sha256::digest(&body).as_slice())?;
+            file.write_all(&body)?;
+            file.sync_all()?;
+            std::fs::rename(&beside, path)
+        };
+        write().map_err(|source| Error::Record { target: Some(path.into()), source })
+    }
+}
+
+impl Simulation {
+    /// What a checkpoint belongs to.
+    fn identity(&self) -> String {
+        let guids: Vec<&str> = self.units().map(|(_, description)| description.guid.as_str()).collect();
+        // The description is words: it changes no row, and it would hide what does.
+        let resolved = self.resolved();
+        let told = |line: &&str| line.starts_with("description = ");
+        let words =
+            resolved.lines().take_while(|line| *line != "[experiment]").find(told).unwrap_or_default();
+        format!("{}\n{}", resolved.replacen(words, "", 1), guids.join("\n"))
+    }
+
+    /// Whether all units can save their states.
+    ///
+    /// # Errors
+    /// Names the first that can't.
+    pub(crate) fn can_checkpoint(&self) -> Result<(), Error> {
+        let cannot = |(_, description): &(&str, &crate::fmu::Description)| {
+            let flags = &description.co_simulation;
+            !(flags.can_get_and_set_state && flags.can_serialize_state)
+        };
+        match self.units().find(cannot) {
+            None => Ok(()),
+            Some((name, _)) => Err(Error::Value {
+                name: "checkpoint".into(),
+                value: format!("unit {name}"),
+                expected:
+                    "a unit that says canGetAndSetFMUstate and canSerializeFMUstate; this one can't be saved"
+                        .into(),
+            }),
+        }
+    }
+
+    /// The state now, to come back to with [`Simulation::go_back`].
+    ///
+    /// # Errors
+    /// If a unit can't save its state.
+    pub fn save(&mut self) -> Result<Checkpoint, Error> {
+        self.initialize()?;
+        self.can_checkpoint()?;
+        self.checkpoint(Position::default())
+    }
+
+    /// Back to a saved state of this simulation, or of another one of the same scenario; from there it goes on to the same
+    /// bits. Inputs and tunable parameters that were set while stepping are as they were then.
+    ///
+    /// # Errors
+    /// If the state belongs to another scenario, or a unit refuses it.
+    pub fn go_back(&mut self, to: &Checkpoint) -> Result<(), Error> {
+        if self.phase != Phase::Running {
+            self.reset();
+            self.initialize()?;
+        }
+        self.restore(to)
+    }
+
+    /// The state now, between two points.
+    pub(crate) fn checkpoint(&mut self, position: Position) -> Result<Checkpoint, Error> {
+        let mut units = Vec::new();
+        for unit in &mut self.wiring.system.units {
+            let saved = unit.instance.save_state()?;
+            let state = unit.instance.serialize_state(&saved);
+            unit.instance.free_state(saved)?;
+            units.push(UnitState {
+                begin: unit.begin,
+                step: unit.step,
+                size: unit.size,
+                warnings: unit.instance.warnings(),
+                not_finite: unit.not_finite.clone(),
+                state: state?,
+            });
+        }
+        let (notices, replaced_starts) = self.told();
+        let system = &self.wiring.system;
+        Ok(Checkpoint {
+            identity: self.identity(),
+            ticks: self.now.ticks,
+            time: self.now.time,
+            position,
+            reals: system.values.reals.clone(),
+            integers: system.values.integers.clone(),
+            strings: system.values.strings.iter().map(|text| text.as_str().to_owned()).collect(),
+            ends: system.ends.clone(),
+            next: system.next,
+            units,
+            lines: system.lines.iter().map(|line| line.queue.iter().cloned().collect()).collect(),
+            notices,
+            replaced_starts,
+        })
+    }
+
+    /// Puts an initialised simulation where a checkpoint was made.
+    pub(crate) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Error> {
+        if let Some(what) = difference(&checkpoint.identity, &self.identity()) {
+            return Err(Error::Value {
+                name: "resume".into(),
+                value: format!("from t = {} s", checkpoint.time),
+                expected: format!("the run that the checkpoint belongs to; this one differs: {what}"),
+            });
+        }
+        let system = &mut self.wiring.system;
+        for (unit, saved) in system.units.iter_mut().zip(&checkpoint.units) {
+            let state = unit.instance.deserialize_state(&saved.state)?;
+            unit.instance.restore_state(&state)?;
+            unit.instance.free_state(state)?;
+            unit.instance.set_warnings(saved.warnings);
+            (unit.begin, unit.step, unit.size) = (saved.begin, saved.step, saved.size);
+            unit.not_finite.clone_from(&saved.not_finite);
+        }
+        system.values.reals.clone_from(&checkpoint.reals);
+        system.values.integers.clone_from(&checkpoint.integers);
+        system.values.strings = checkpoint.strings.iter().map(|text| Text::from(text.as_str())).collect();
+        system.ends.clone_from(&checkpoint.ends);
+        system.next = checkpoint.next;
+        for (line, queue) in system.lines.iter_mut().zip(&checkpoint.lines) {
+            line.queue = queue.iter().cloned().collect();
+        }
+        self.now = Point { ticks: checkpoint.ticks, time: checkpoint.time };
+        self.tell_again(&checkpoint.notices, &checkpoint.replaced_starts);
+        Ok(())
+    }
+}
+
+/// The first line in which two runs differ.
+fn difference(saved: &str, now: &str) -> Option<String> {
+    if saved == now {
+        return None;
+    }
+    let differ = saved.lines().zip(now.lines()).find(|(saved, now)| saved != now);
+    Some(match differ {
+        Some((saved, now)) => format!("`{now}` instead of `{saved}`"),
+        None => "it has more or fewer lines".into(),
+    })
+}

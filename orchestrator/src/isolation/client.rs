@@ -1,0 +1,261 @@
+//! The master's side of a unit in another process: starts it, sends requests and waits for answers, and says how the
+//! process ended, if it did. `calls.rs` makes the requests.
+
+use super::death::{Death, Recorded};
+use super::memory::{Part, Shared, Side};
+use super::message::Reader;
+use super::{Isolation, server, table};
+use crate::error::Error;
+use crate::fmu::library::{Component, Functions};
+use crate::fmu::logger::{LogLine, Sink};
+use crate::fmu::{Fmu, Function, Status};
+use std::collections::VecDeque;
+use std::ffi::{CString, c_int};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What a call on a unit that has gone answers.
+pub(super) const FATAL: c_int = 4;
+/// A sleeping master looks this often whether the process is still there.
+const LOOK: Duration = Duration::from_millis(20);
+/// A process that is told to end has this long for it.
+const FAREWELL: Duration = Duration::from_secs(2);
+/// How many calls are remembered for those who ask how it ended.
+const REMEMBERED: usize = 12;
+
+/// A read that followed the last step.
+pub(super) struct Ask {
+    pub(super) function: Function,
+    pub(super) references: Vec<u32>,
+}
+
+/// A unit in another process.
+pub(crate) struct Remote {
+    pub(super) shared: Shared,
+    pub(super) child: Child,
+    pub(super) isolation: Isolation,
+    pub(super) fmu: Fmu,
+    pub(super) sink: Arc<Sink>,
+    /// Where the request under construction ends, and the calls in it.
+    pub(super) at: usize,
+    pub(super) sent: Vec<Function>,
+    /// Initialised: inputs may wait for the step.
+    pub(super) stepping: bool,
+    pub(super) asks: Vec<Ask>,
+    /// The next read in `asks`, how many of them were answered with the last step, and where the next answer lies.
+    pub(super) next: usize,
+    pub(super) answered: usize,
+    pub(super) answer_at: usize,
+    /// Reads are those after a step.
+    pub(super) following: bool,
+    pub(super) texts: Vec<CString>,
+    pub(super) calls: VecDeque<Recorded>,
+    pub(super) death: Option<Death>,
+    /// A call that was sent ahead and failed.
+    pub(super) failed: Option<Function>,
+    /// Calls that were sent ahead and answered with a warning.
+    pub(super) warned: u64,
+}
+
+impl Remote {
+    /// Starts the process and has it make the instance; the component and its functions.
+    pub(crate) fn start(
+        fmu: &Fmu,
+        name: &str,
+        isolation: &Isolation,
+        sink: Arc<Sink>,
+    ) -> Result<(Component, Functions), Error> {
+        let failed = |reason: String| Error::Library { path: fmu.path().into(), reason };
+        let (program, arguments) = super::host().map_err(failed)?;
+        let library = fmu.library_file()?;
+        let shared = Shared::new().map_err(|error| failed(format!("no shared memory: {error}")))?;
+        let mut command = Command::new(&program);
+        command.args(arguments).stdin(Stdio::piped()).env(server::MEMORY, shared.descriptor().to_string());
+        if let Some(limit) = isolation.memory_limit {
+            command.env(server::LIMIT, limit.to_string());
+        }
+        use std::os::unix::process::CommandExt as _;
+        let descriptor = shared.descriptor();
+        // A group of its own: keys and signals that are meant for the master don't reach it.
+        command.process_group(0);
+        // SAFETY: between fork and exec only a call that is allowed there.
+        unsafe {
+            command.pre_exec(move || match libc::fcntl(descriptor, libc::F_SETFD, 0) {
+                0 => Ok(()),
+                _ => Err(std::io::Error::last_os_error()),
+            })
+        };
+        let child = command.spawn();
+        let child =
+            child.map_err(|error| failed(format!("{} can't be started: {error}", program.display())))?;
+        let mut remote = Box::new(Self {
+            shared,
+            child,
+            isolation: isolation.clone(),
+            fmu: fmu.clone(),
+            sink,
+            at: 0,
+            sent: Vec::new(),
+            stepping: false,
+            asks: Vec::new(),
+            next: 0,
+            answered: 0,
+            answer_at: 0,
+            following: false,
+            texts: Vec::new(),
+            calls: VecDeque::with_capacity(REMEMBERED),
+            death: None,
+            failed: None,
+            warned: 0,
+        });
+        let guid = fmu.description().guid.clone();
+        let resources = fmu.resource_uri();
+        remote.begin(Function::Instantiate, |message| {
+            message.bytes(library.to_string_lossy().as_bytes());
+            message.bytes(name.as_bytes());
+            message.bytes(guid.as_bytes());
+            message.bytes(resources.as_bytes());
+        });
+        let answered = remote.exchange();
+        if let Some(death) = remote.death.take() {
+            return Err(death.error(name, Function::Instantiate.name(), None, remote.sink.lines()));
+        }
+        let nonsense = || failed("its process answered what makes no sense".into());
+        let mut answer = remote.answer();
+        match (answered, answer.number().ok_or_else(nonsense)?) {
+            (true, 1) if answer.number().ok_or_else(nonsense)? == 1 => {
+                let bits = answer.number().ok_or_else(nonsense)?;
+                Ok((Box::into_raw(remote).cast(), table::of(bits)))
+            }
+            (true, 1) => Err(Error::Instantiate {
+                unit: name.into(),
+                path: fmu.path().into(),
+                log: remote.sink.lines(),
+            }),
+            _ => Err(failed(String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?).into_owned())),
+        }
+    }
+
+    /// How the process ended, if it did; the function that was under way takes the place of the one that was called.
+    pub(crate) fn death(&self) -> Option<&Death> {
+        self.death.as_ref()
+    }
+
+    /// A call that was sent ahead and failed, in place of the one that brought it to light.
+    pub(crate) fn take_failed(&mut self) -> Option<Function> {
+        self.failed.take()
+    }
+
+    /// How many more calls than the one that says so answered with a warning.
+    pub(crate) fn take_warned(&mut self) -> u64 {
+        std::mem::take(&mut self.warned)
+    }
+
+    /// The last call. The process ends, if need be by force.
+    pub(super) fn free(mut self: Box<Self>) {
+        if self.death.is_none() {
+            self.isolation.step_limit = FAREWELL;
+            self.call(Function::FreeInstance, |_| ());
+            let limit = Instant::now() + FAREWELL;
+            while self.death.is_none() && Instant::now() < limit {
+                match self.child.try_wait() {
+                    Ok(None) => std::thread::sleep(Duration::from_millis(1)),
+                    _ => return,
+                }
+            }
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// Sends the request and waits for the answer; whether there is one.
+    pub(super) fn exchange(&mut self) -> bool {
+        if self.at == usize::MAX {
+            self.die("was to get more than can be sent to another process".into(), true);
+            return false;
+        }
+        self.shared.set_length(Part::Request, self.at);
+        self.shared.hand_to(Side::Server);
+        let mut limit = None;
+        while !self.shared.wait_for(Side::Client, LOOK) {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                // It may have answered before it went.
+                if self.shared.wait_for(Side::Client, Duration::ZERO) {
+                    break;
+                }
+                self.die(super::death::how(status, &self.isolation), false);
+                return false;
+            }
+            let limit = *limit.get_or_insert_with(|| Instant::now() + self.isolation.step_limit);
+            if Instant::now() >= limit {
+                let seconds = self.isolation.step_limit.as_secs_f64();
+                self.die(
+                    format!("was ended, since it did not come back within {seconds} s (step_limit)"),
+                    true,
+                );
+                return false;
+            }
+        }
+        self.collect_log();
+        (self.at, self.answer_at) = (0, 0);
+        true
+    }
+
+    pub(super) fn answer(&mut self) -> Reader<'_> {
+        self.sent.clear();
+        Reader::at(answer_of(&mut self.shared), 0)
+    }
+
+    pub(super) fn nonsense(&mut self) -> c_int {
+        self.die("answered what makes no sense, so its memory is spoilt".into(), true);
+        FATAL
+    }
+
+    #[cold]
+    fn die(&mut self, how: String, by_force: bool) {
+        if by_force {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+        self.collect_log();
+        let length = if self.at == usize::MAX { 0 } else { self.at };
+        let request = &self.shared.part(Part::Request)[..length];
+        let inputs = super::death::inputs(request, self.fmu.description());
+        self.death = Some(Death { how, inputs, calls: self.calls.iter().copied().collect() });
+    }
+
+    pub(super) fn remember(&mut self, function: Function, count: usize, from: f64, size: f64) {
+        if self.calls.len() == REMEMBERED {
+            self.calls.pop_front();
+        }
+        self.calls.push_back(Recorded { function, count, from, size });
+    }
+
+    #[inline]
+    fn collect_log(&mut self) {
+        let length = self.shared.length(Part::Log);
+        if length > 0 {
+            self.take_log(length);
+        }
+    }
+
+    #[cold]
+    fn take_log(&mut self, length: usize) {
+        let mut lines = Reader::at(&self.shared.part(Part::Log)[..length], 0);
+        let mut all = Vec::new();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        while let (Some(status), Some(category), Some(line)) = (lines.number(), lines.bytes(), lines.bytes())
+        {
+            let status = Status::from((status as u32).cast_signed());
+            all.push(LogLine { status, category: text(category), text: text(line) });
+        }
+        self.shared.set_length(Part::Log, 0);
+        all.into_iter().for_each(|line| self.sink.push(line));
+    }
+}
+
+pub(super) fn answer_of(shared: &mut Shared) -> &[u8] {
+    let length = shared.length(Part::Answer);
+    &shared.part(Part::Answer)[..length]
+}

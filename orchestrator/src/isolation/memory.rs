@@ -1,0 +1,165 @@
+//! Memory that two processes share, and whose turn it is in it. One side writes a request and hands over, the other one
+//! answers and hands back; who waits looks for a while before it sleeps, since most answers come within microseconds.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::ptr;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Who may write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub(super) enum Side {
+    /// The master.
+    Client,
+    /// The process of the unit.
+    Server,
+}
+
+#[repr(C)]
+struct Header {
+    turn: AtomicU32,
+    asleep: [AtomicU32; 2],
+    lengths: [AtomicU64; 3],
+}
+
+/// The parts of the memory. Only what is touched takes any.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Part {
+    /// What the unit logged since the client last looked.
+    Log,
+    /// From the client.
+    Request,
+    /// From the server.
+    Answer,
+}
+
+const LOG: usize = 1 << 16;
+/// A call with more bytes than this is not possible in another process.
+const BODY: usize = 1 << 30;
+const PARTS: [(usize, usize); 3] = [(4096, LOG), (4096 + LOG, BODY), (4096 + LOG + BODY, BODY)];
+const WHOLE: usize = 4096 + LOG + 2 * BODY;
+
+/// How often the turn is looked at before going to sleep: some 10 to 20 µs.
+const LOOKS: u32 = 400;
+
+/// The memory, mapped.
+pub(super) struct Shared {
+    base: *mut u8,
+    file: OwnedFd,
+    looks: u32,
+}
+
+// SAFETY: the mapping belongs to its owner and goes with it; each side writes only in its turn.
+unsafe impl Send for Shared {}
+
+impl Shared {
+    /// New memory; the client's turn.
+    pub(super) fn new() -> io::Result<Self> {
+        // SAFETY: the name ends in zero; a new descriptor is nobody else's.
+        let file = unsafe {
+            let descriptor = libc::memfd_create(c"unit".as_ptr(), libc::MFD_CLOEXEC);
+            if descriptor < 0 {
+                return Err(io::Error::last_os_error());
+            }
+            File::from(OwnedFd::from_raw_fd(descriptor))
+        };
+        file.set_len(WHOLE as u64)?;
+        Self::map(file.into())
+    }
+
+    /// Memory that the other process made.
+    pub(super) fn map(file: OwnedFd) -> io::Result<Self> {
+        // SAFETY: a new mapping of a file that has this length.
+        let base = unsafe {
+            let access = libc::PROT_READ | libc::PROT_WRITE;
+            let flags = libc::MAP_SHARED | libc::MAP_NORESERVE;
+            libc::mmap(ptr::null_mut(), WHOLE, access, flags, file.as_raw_fd(), 0)
+        };
+        if base == libc::MAP_FAILED {
+            return Err(io::Error::last_os_error());
+        }
+        // On one processor the other side can't answer while this one looks.
+        let alone = std::thread::available_parallelism().is_ok_and(|count| count.get() == 1);
+        Ok(Self { base: base.cast(), file, looks: if alone { 0 } else { LOOKS } })
+    }
+
+    /// The descriptor, for the other process.
+    pub(super) fn descriptor(&self) -> i32 {
+        self.file.as_raw_fd()
+    }
+
+    fn header(&self) -> &Header {
+        // SAFETY: a page of zeros at first, which is a header; all its fields are atomic.
+        unsafe { &*self.base.cast::<Header>() }
+    }
+
+    /// All of a part. Only to be used by the side whose turn it is.
+    pub(super) fn part(&mut self, part: Part) -> &mut [u8] {
+        let (at, length) = PARTS[part as usize];
+        // SAFETY: within the mapping, which this value owns.
+        unsafe { std::slice::from_raw_parts_mut(self.base.add(at), length) }
+    }
+
+    /// How much of a part is used; never more than it has.
+    pub(super) fn length(&self, part: Part) -> usize {
+        let said = self.header().lengths[part as usize].load(Ordering::Acquire);
+        usize::try_from(said).map_or(0, |said| said.min(PARTS[part as usize].1))
+    }
+
+    pub(super) fn set_length(&self, part: Part, length: usize) {
+        self.header().lengths[part as usize].store(length as u64, Ordering::Release);
+    }
+
+    /// Gives the turn to a side, and wakes it where it sleeps.
+    pub(super) fn hand_to(&self, side: Side) {
+        let header = self.header();
+        header.turn.store(side as u32, Ordering::SeqCst);
+        if header.asleep[side as usize].load(Ordering::SeqCst) != 0 {
+            // SAFETY: the address is that of a word of the mapping.
+            unsafe { libc::syscall(libc::SYS_futex, header.turn.as_ptr(), libc::FUTEX_WAKE, 1) };
+        }
+    }
+
+    /// Waits for the turn of a side, no longer than a while; whether it came.
+    pub(super) fn wait_for(&self, side: Side, at_most: Duration) -> bool {
+        let header = self.header();
+        let mine = || header.turn.load(Ordering::SeqCst) == side as u32;
+        for _ in 0..self.looks {
+            if mine() {
+                return true;
+            }
+            std::hint::spin_loop();
+        }
+        let asleep = &header.asleep[side as usize];
+        asleep.store(1, Ordering::SeqCst);
+        let other = 1 - side as u32;
+        if !mine() {
+            let limit = libc::timespec {
+                tv_sec: at_most.as_secs().cast_signed(),
+                tv_nsec: i64::from(at_most.subsec_nanos()),
+            };
+            // SAFETY: the address is that of a word of the mapping; sleeps only while the turn is the other's.
+            unsafe {
+                libc::syscall(
+                    libc::SYS_futex,
+                    header.turn.as_ptr(),
+                    libc::FUTEX_WAIT,
+                    other,
+                    &raw const limit,
+                );
+            }
+        }
+        asleep.store(0, Ordering::SeqCst);
+        mine()
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: mapped by this value, and used no more.
+        unsafe { libc::munmap(self.base.cast(), WHOLE) };
+    }
+}

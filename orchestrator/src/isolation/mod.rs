@@ -1,0 +1,67 @@
+//! Units in processes of their own: whatever such a unit does, the run goes on to a clear end. The price is one exchange
+//! through shared memory a step.
+//!
+//! The process is this very program, started again: its `main` begins with [`host_units`], which serves if the program was
+//! started for that, and says that it can be.
+
+#[cfg(isolation)]
+mod calls;
+#[cfg(isolation)]
+mod client;
+#[cfg(isolation)]
+mod death;
+#[cfg(isolation)]
+mod memory;
+#[cfg(isolation)]
+mod message;
+#[cfg(isolation)]
+mod server;
+#[cfg(isolation)]
+mod table;
+
+#[cfg(isolation)]
+pub(crate) use client::Remote;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// How a unit in a process of its own is kept within limits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Isolation {
+    /// Real time that a call may take; then the process is ended.
+    pub step_limit: Duration,
+    /// Bytes of memory that the process may have; `None`: as many as there are.
+    pub memory_limit: Option<u64>,
+}
+
+/// Half a minute a call: a step that takes longer is hardly one that comes back.
+impl Default for Isolation {
+    fn default() -> Self {
+        Self { step_limit: Duration::from_secs(30), memory_limit: None }
+    }
+}
+
+/// The program that serves units, and its arguments.
+static HOST: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
+
+/// Serves a unit and never returns, if this process was started for that. Else this program, started again with
+/// `arguments` that lead it here, will serve the units that are to be isolated. To be called first in `main`.
+pub fn host_units(arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    #[cfg(isolation)]
+    if let Some(descriptor) = std::env::var(server::MEMORY).ok().and_then(|text| text.parse().ok()) {
+        server::serve(descriptor);
+    }
+    if let Ok(program) = std::env::current_exe() {
+        let arguments = arguments.into_iter().map(Into::into).collect();
+        HOST.get_or_init(|| (program, arguments));
+    }
+}
+
+/// The program that serves units; an error is why there is none.
+fn host() -> Result<(PathBuf, Vec<OsString>), String> {
+    HOST.get().cloned().ok_or_else(|| {
+        "it is to run in a process of its own, but this program does not call orchestrator::host_units".into()
+    })
+}

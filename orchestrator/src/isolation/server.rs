@@ -1,0 +1,364 @@
+//! The process of a unit: loads its library, makes the calls that come through shared memory, and answers.
+
+use super::memory::{Part, Shared, Side};
+use super::message::{Reader, Writer};
+use crate::fmu::library::{Callbacks, Component, Functions, Library, State};
+use crate::fmu::logger::{self, LogLine, Sink, calloc, free, orchestrator_logger};
+use crate::fmu::{Function, Status};
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::io::Read as _;
+use std::os::fd::{FromRawFd, OwnedFd};
+use std::path::Path;
+use std::ptr;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
+
+/// Names the descriptor of the shared memory, in the environment of the process.
+pub(super) const MEMORY: &str = "ACROSCOPE_UNIT_MEMORY";
+/// Bytes that the process may have, if they are limited.
+pub(super) const LIMIT: &str = "ACROSCOPE_UNIT_MEMORY_LIMIT";
+
+/// The memory, for log lines: they must be there when the process ends in the middle of a call.
+static MEMORY_OF_LOG: OnceLock<Mutex<Shared>> = OnceLock::new();
+
+/// Serves the master until it has gone or frees the instance. Never returns.
+pub(super) fn serve(descriptor: i32) -> ! {
+    if let Some(limit) = std::env::var(LIMIT).ok().and_then(|text| text.parse().ok()) {
+        let limit = libc::rlimit { rlim_cur: limit, rlim_max: limit };
+        // SAFETY: plain data. Shared memory does not count as data.
+        unsafe { libc::setrlimit(libc::RLIMIT_DATA, &limit) };
+    }
+    // SAFETY: the master opened the descriptor for this process.
+    let file = unsafe { OwnedFd::from_raw_fd(descriptor) };
+    let again = file.try_clone();
+    let (Ok(mut shared), Ok(Ok(log))) = (Shared::map(file), again.map(Shared::map)) else {
+        std::process::exit(1)
+    };
+    MEMORY_OF_LOG.get_or_init(|| Mutex::new(log));
+    logger::forward_to(tell);
+    std::thread::spawn(end_with_the_master);
+    let mut unit = None;
+    loop {
+        while !shared.wait_for(Side::Server, Duration::from_secs(3600)) {}
+        let length = shared.length(Part::Request);
+        // Copied neither way: the request stays as it is while the answer is written beside it.
+        let request = ptr::slice_from_raw_parts(shared.part(Part::Request).as_ptr(), length);
+        let mut answer = Writer::at(shared.part(Part::Answer), 0);
+        // SAFETY: the parts don't overlap, and the client writes only in its own turn.
+        let mut reader = Reader::at(unsafe { &*request }, 0);
+        while !reader.is_empty() {
+            if answered(&mut unit, &mut reader, &mut answer).is_none_or(|status| status > 1) {
+                break;
+            }
+        }
+        let end = answer.end().unwrap_or(0);
+        shared.set_length(Part::Answer, end);
+        shared.hand_to(Side::Client);
+        if matches!(unit, Some(Unit { component, .. }) if component.is_null()) {
+            std::process::exit(0);
+        }
+    }
+}
+
+/// The master holds the other end of the standard input: when it has gone, nobody waits for this process.
+fn end_with_the_master() {
+    let _ = std::io::stdin().read(&mut [0]);
+    // SAFETY: ends the process without what a unit has registered for its end.
+    unsafe { libc::_exit(1) };
+}
+
+fn tell(line: &LogLine) {
+    let Some(shared) = MEMORY_OF_LOG.get() else { return };
+    let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    let at = shared.length(Part::Log);
+    let mut writer = Writer::at(shared.part(Part::Log), at);
+    writer.number(u64::from(line.status.number().cast_unsigned()));
+    writer.bytes(line.category.as_bytes());
+    writer.bytes(line.text.as_bytes());
+    // The first lines of a call that logs too much are kept.
+    if let Some(end) = writer.end() {
+        shared.set_length(Part::Log, end);
+    }
+}
+
+/// The instance; the pointer is null once it was freed.
+struct Unit {
+    component: Component,
+    functions: Functions,
+    _library: Library,
+    _callbacks: Box<Callbacks>,
+    _sink: Arc<Sink>,
+}
+
+/// Makes one call; what it answered. `None` where the request makes no sense.
+fn answered(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writer<'_>) -> Option<c_int> {
+    let function = Function::of(u8::try_from(request.number()?).ok()?)?;
+    if function == Function::Instantiate {
+        return instantiate(unit, request, answer);
+    }
+    let unit = unit.as_mut()?;
+    // SAFETY: the arguments are read as the client wrote them, with the lengths that are given.
+    let status = unsafe { call(unit, function, request, answer) };
+    if status.is_none() {
+        // Asked for what the library lacks, or in words that make no sense.
+        answer.number(u64::from(3u32));
+    }
+    status
+}
+
+fn instantiate(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writer<'_>) -> Option<c_int> {
+    let mut text = || Some(String::from_utf8_lossy(request.bytes()?).into_owned());
+    let (library, name, guid, resources) = (text()?, text()?, text()?, text()?);
+    let library = match Library::load(Path::new(&library), Path::new(&library)) {
+        Ok(library) => library,
+        Err(error) => {
+            answer.number(0);
+            answer.bytes(error.to_string().as_bytes());
+            return Some(0);
+        }
+    };
+    let functions = library.functions;
+    let sink = Sink::new(functions.instantiate as *const c_void);
+    let callbacks = Box::new(Callbacks {
+        logger: orchestrator_logger,
+        allocate: calloc,
+        free,
+        step_finished: None,
+        environment: sink.environment() as *mut c_void,
+    });
+    let text = |text: String| CString::new(text).unwrap_or_default();
+    let (name, guid, resources) = (text(name), text(guid), text(resources));
+    // SAFETY: all strings end in zero and live over the call; callbacks and log outlive the instance.
+    let component = unsafe {
+        (functions.instantiate)(name.as_ptr(), 1, guid.as_ptr(), resources.as_ptr(), &*callbacks, 0, 1)
+    };
+    answer.number(1);
+    answer.number(u64::from(!component.is_null()));
+    answer.number(super::table::optional(&functions));
+    *unit = Some(Unit { component, functions, _library: library, _callbacks: callbacks, _sink: sink });
+    Some(0)
+}
+
+macro_rules! get {
+    ($request:ident, $answer:ident, $component:expr, $function:expr, $type:ty) => {{
+        let count = $request.count()?;
+        let references: Vec<u32> = $request.values(count)?;
+        let mut values = vec![<$type>::default(); count];
+        let status = $function($component, references.as_ptr(), count, values.as_mut_ptr());
+        $answer.number(u64::from(status.cast_unsigned()));
+        $answer.slice(&values);
+        Some(status)
+    }};
+}
+
+macro_rules! set {
+    ($request:ident, $answer:ident, $component:expr, $function:expr, $type:ty) => {{
+        let count = $request.count()?;
+        let references: Vec<u32> = $request.values(count)?;
+        let values: Vec<$type> = $request.values(count)?;
+        let status = $function($component, references.as_ptr(), count, values.as_ptr());
+        $answer.number(u64::from(status.cast_unsigned()));
+        Some(status)
+    }};
+}
+
+/// # Safety
+/// The instance is alive, and the request is one of the client's.
+unsafe fn call(
+    unit: &mut Unit,
+    function: Function,
+    request: &mut Reader<'_>,
+    answer: &mut Writer<'_>,
+) -> Option<c_int> {
+    let Unit { component, functions: f, .. } = unit;
+    let c = *component;
+    let mut plain = |status: c_int| {
+        answer.number(u64::from(status.cast_unsigned()));
+        Some(status)
+    };
+    // SAFETY: as promised by the caller.
+    unsafe {
+        match function {
+            Function::Instantiate => None,
+            Function::FreeInstance => {
+                (f.free_instance)(c);
+                *component = ptr::null_mut();
+                plain(0)
+            }
+            Function::SetDebugLogging => {
+                let (on, names) = (request.number()? != 0, strings(request)?);
+                let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
+                plain(f.set_debug_logging?(c, c_int::from(on), pointers.len(), pointers.as_ptr()))
+            }
+            Function::SetupExperiment => {
+                let (with_tolerance, tolerance) = (request.number()? as c_int, request.real()?);
+                let (start, with_stop, stop) = (request.real()?, request.number()? as c_int, request.real()?);
+                plain((f.setup_experiment)(c, with_tolerance, tolerance, start, with_stop, stop))
+            }
+            Function::EnterInitializationMode => plain((f.enter_initialization)(c)),
+            Function::ExitInitializationMode => plain((f.exit_initialization)(c)),
+            Function::DoStep => {
+                plain((f.do_step)(c, request.real()?, request.real()?, request.number()? as c_int))
+            }
+            Function::Terminate => plain((f.terminate)(c)),
+            Function::Reset => plain(f.reset?(c)),
+            Function::GetReal => get!(request, answer, c, (f.get_real), f64),
+            Function::GetInteger => get!(request, answer, c, f.get_integer?, c_int),
+            Function::GetBoolean => get!(request, answer, c, f.get_boolean?, c_int),
+            Function::SetReal => set!(request, answer, c, (f.set_real), f64),
+            Function::SetInteger => set!(request, answer, c, f.set_integer?, c_int),
+            Function::SetBoolean => set!(request, answer, c, f.set_boolean?, c_int),
+            Function::GetString => {
+                let count = request.count()?;
+                let references: Vec<u32> = request.values(count)?;
+                let mut texts: Vec<*const c_char> = vec![ptr::null(); count];
+                let status = f.get_string?(c, references.as_ptr(), count, texts.as_mut_ptr());
+                answer.number(u64::from(status.cast_unsigned()));
+                texts.into_iter().for_each(|text| answer.bytes(logger::owned(text).as_bytes()));
+                Some(status)
+            }
+            Function::SetString => {
+                let count = request.count()?;
+                let references: Vec<u32> = request.values(count)?;
+                let texts = strings(request)?;
+                let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+                plain(f.set_string?(c, references.as_ptr(), count, pointers.as_ptr()))
+            }
+            Function::GetRealStatus => {
+                let mut value = f64::NAN;
+                let status = f.get_real_status?(c, request.number()? as c_int, &mut value);
+                answer.number(u64::from(status.cast_unsigned()));
+                answer.real(value);
+                Some(status)
+            }
+            Function::GetBooleanStatus => {
+                let mut value = 0;
+                let status = f.get_boolean_status?(c, request.number()? as c_int, &mut value);
+                answer.number(u64::from(status.cast_unsigned()));
+                answer.number(u64::from(value != 0));
+                Some(status)
+            }
+            _ => states_and_derivatives(f, c, function, request, answer),
+        }
+    }
+}
+
+/// # Safety
+/// As of [`call`].
+unsafe fn states_and_derivatives(
+    f: &Functions,
+    c: Component,
+    function: Function,
+    request: &mut Reader<'_>,
+    answer: &mut Writer<'_>,
+) -> Option<c_int> {
+    let mut with_number = |status: c_int, number: u64| {
+        answer.number(u64::from(status.cast_unsigned()));
+        answer.number(number);
+        Some(status)
+    };
+    // SAFETY: as promised by the caller. A state is the unit's own pointer, which the client only hands back.
+    unsafe {
+        match function {
+            Function::GetFMUstate => {
+                let mut state = request.number()? as State;
+                let status = f.get_state?(c, &mut state);
+                with_number(status, state as u64)
+            }
+            Function::SetFMUstate => {
+                let status = f.set_state?(c, request.number()? as State);
+                with_number(status, 0)
+            }
+            Function::FreeFMUstate => {
+                let mut state = request.number()? as State;
+                let status = f.free_state?(c, &mut state);
+                with_number(status, state as u64)
+            }
+            Function::SerializedFMUstateSize => {
+                let mut size = 0;
+                let status = f.state_size?(c, request.number()? as State, &mut size);
+                with_number(status, size as u64)
+            }
+            Function::SerializeFMUstate => {
+                let (state, size) = (request.number()? as State, request.count()?);
+                let mut bytes = vec![0u8; size];
+                let status = f.serialize_state?(c, state, bytes.as_mut_ptr().cast(), size);
+                answer.number(u64::from(status.cast_unsigned()));
+                answer.slice(&bytes);
+                Some(status)
+            }
+            Function::DeSerializeFMUstate => {
+                let bytes = request.bytes()?;
+                let mut state: State = ptr::null_mut();
+                let status = f.deserialize_state?(c, bytes.as_ptr().cast(), bytes.len(), &mut state);
+                with_number(status, state as u64)
+            }
+            Function::GetDirectionalDerivative => {
+                let (unknown, known) = (request.count()?, request.count()?);
+                let (unknowns, knowns): (Vec<u32>, Vec<u32>) =
+                    (request.values(unknown)?, request.values(known)?);
+                let seed: Vec<f64> = request.values(known)?;
+                let mut result = vec![0.0; unknown];
+                let status = f.directional_derivative?(
+                    c,
+                    unknowns.as_ptr(),
+                    unknown,
+                    knowns.as_ptr(),
+                    known,
+                    seed.as_ptr(),
+                    result.as_mut_ptr(),
+                );
+                answer.number(u64::from(status.cast_unsigned()));
+                answer.slice(&result);
+                Some(status)
+            }
+            Function::SetRealInputDerivatives => {
+                let count = request.count()?;
+                let (references, orders): (Vec<u32>, Vec<i32>) =
+                    (request.values(count)?, request.values(count)?);
+                let values: Vec<f64> = request.values(count)?;
+                let set = f.set_input_derivatives?;
+                let status = set(c, references.as_ptr(), count, orders.as_ptr(), values.as_ptr());
+                answer.number(u64::from(status.cast_unsigned()));
+                Some(status)
+            }
+            Function::GetRealOutputDerivatives => {
+                let count = request.count()?;
+                let (references, orders): (Vec<u32>, Vec<i32>) =
+                    (request.values(count)?, request.values(count)?);
+                let mut values = vec![0.0; count];
+                let get = f.get_output_derivatives?;
+                let status = get(c, references.as_ptr(), count, orders.as_ptr(), values.as_mut_ptr());
+                answer.number(u64::from(status.cast_unsigned()));
+                answer.slice(&values);
+                Some(status)
+            }
+            _ => None,
+        }
+    }
+}
+
+fn strings(request: &mut Reader<'_>) -> Option<Vec<CString>> {
+    let count = request.count()?;
+    let mut all = Vec::new();
+    for _ in 0..count {
+        let bytes: Vec<u8> = request.bytes()?.iter().copied().filter(|byte| *byte != 0).collect();
+        all.push(CString::new(bytes).ok()?);
+    }
+    Some(all)
+}
+
+/// For [`Status`] to be sent.
+impl Status {
+    fn number(self) -> c_int {
+        match self {
+            Self::Ok => 0,
+            Self::Warning => 1,
+            Self::Discard => 2,
+            Self::Error => 3,
+            Self::Fatal => 4,
+            Self::Pending => 5,
+            Self::Unknown(other) => other,
+        }
+    }
+}

@@ -2,9 +2,11 @@
 
 use crate::candidates::Candidate;
 use crate::correction::{Correction, wiring};
+use crate::dataset::DataSet;
 use crate::diagnosis::Effect;
 use crate::error::Error;
 use crate::model::Model;
+use crate::replay;
 use orchestrator::{Scenario, Simulation, UnitPath};
 
 /// The amended scenario, as text that `acroscope run` accepts.
@@ -12,6 +14,7 @@ use orchestrator::{Scenario, Simulation, UnitPath};
 /// # Errors
 /// The scenario can't be built with these values.
 pub fn amended(
+    data: &DataSet,
     model: &Model,
     list: &[Candidate],
     point: &[f64],
@@ -34,7 +37,21 @@ pub fn amended(
     if let Some(correction) = correction {
         wiring::insert(&mut scenario, correction);
     }
-    Ok(Simulation::new(&scenario, units).map_err(failed)?.resolved())
+    // It is another model now, and must not go under the nominal one's title.
+    let nominal = scenario.origin.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut named: Vec<&str> = effects.iter().map(|effect| effect.name.as_str()).collect();
+    named.extend(correction.map(|_| "a correction"));
+    if !named.is_empty() {
+        scenario.description = format!("{nominal}, amended by a diagnosis: {}", named.join(", "));
+    }
+    let plain = scenario.clone();
+    let text = |scenario: &Scenario| Ok(Simulation::new(scenario, units).map_err(failed)?.resolved());
+    let replayed = replay::insert(&mut scenario, data).and_then(|words| {
+        let text = text(&scenario).ok()?;
+        Some(format!("# The amended model, fed with {words}.\n{text}"))
+    });
+    // what can't be replayed, in a scenario with other units, keeps the scenario's own inputs
+    replayed.map_or_else(|| text(&plain), Ok)
 }
 
 /// A value as `scenario.set` reads it.

@@ -1,8 +1,9 @@
-//! What a diagnosis says: CONTRACT section 6, field by field.
+//! What a diagnosis says: docs/diagnosis-json.md, field by field.
 
 use crate::candidates::Candidate;
 use crate::correction::Correction;
 use crate::error::Notice;
+use crate::provenance::Provenance;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -37,8 +38,12 @@ pub struct Effect {
     pub members: Vec<Member>,
     /// What a person would call it.
     pub phrase: String,
+    /// Unit of the value; empty for a number without one.
+    pub unit: String,
     /// Value at which it is off in the nominal model.
     pub off: f64,
+    /// It stands at an end of the range that is searched: it may lie beyond.
+    pub at_end: bool,
 }
 
 /// One of the names that an effect may have.
@@ -68,7 +73,9 @@ impl Effect {
             ci95,
             probability,
             phrase: candidate.phrase.to_owned(),
+            unit: String::new(),
             off: candidate.value(candidate.off),
+            at_end: false,
         }
     }
 }
@@ -88,7 +95,7 @@ pub struct Where {
     pub region: String,
 }
 
-/// How far the gap closes on runs that the values were not fitted to.
+/// How far the gap closes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
     /// Root mean square of the nominal model's rest.
@@ -99,8 +106,10 @@ pub struct Gap {
     pub floor: f64,
     /// 1 - (after² - floor²)/(before² - floor²); nothing where no gap stands above the floor.
     pub closed: Option<f64>,
-    /// Runs that were left out, each in turn.
+    /// Runs (or stretches of the only one) that the model which is judged on them never saw: for each the search was repeated without it.
     pub held_out_runs: Vec<String>,
+    /// Where no search was repeated: runs that values were not fitted to, each in turn, while effects were chosen with all of them.
+    pub cross_validated: Vec<String>,
     /// What was compared.
     pub signal: String,
     /// Unit of the three.
@@ -108,7 +117,7 @@ pub struct Gap {
 }
 
 /// A rest that no candidate takes away.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Unknown {
     /// Where it shows.
     pub signal: String,
@@ -118,6 +127,10 @@ pub struct Unknown {
     pub shape: String,
     /// The listed effect that comes nearest, and why it is not that.
     pub nearest: String,
+    /// Its smoothed course over the first run: times in s and values; empty where only its shape is known.
+    pub trace: Vec<[f64; 2]>,
+    /// Unit of these values.
+    pub unit: String,
 }
 
 /// What a lab should do next.
@@ -154,6 +167,8 @@ pub struct Separation {
 /// `diagnosis.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Diagnosis {
+    /// Where it comes from.
+    pub provenance: Provenance,
     /// The answer in one word.
     pub verdict: Verdict,
     /// Effects in the order found.
@@ -173,6 +188,10 @@ pub struct Diagnosis {
     pub minimum_detectable: BTreeMap<String, f64>,
     /// The gap of each cut.
     pub gaps: Vec<Gap>,
+    /// The same by cross-validation.
+    pub cross_validation: Vec<Gap>,
+    /// What ended with what it had, since time was up.
+    pub ended_early: Vec<String>,
     /// What was found wrong with the data.
     pub notices: Vec<Notice>,
     /// The story, step by step, in words.
@@ -180,9 +199,15 @@ pub struct Diagnosis {
     /// The amended scenario.
     #[serde(skip)]
     pub amended: String,
+    /// Files that the amended scenario reads, by name.
+    #[serde(skip)]
+    pub attachments: Vec<(String, String)>,
     /// The next experiment's scenario.
     #[serde(skip)]
     pub experiment: Option<String>,
+    /// Units of the model's variables.
+    #[serde(skip)]
+    pub units: BTreeMap<String, String>,
     /// Pictures of the rest for the report.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -195,6 +220,8 @@ pub struct Trace {
     pub title: String,
     /// Unit.
     pub unit: String,
+    /// The link whose torque it is.
+    pub link: usize,
     /// Time since the first run's begin (runs one after the other), nominal rest.
     pub before: Vec<(f64, f64)>,
     /// The same with the amended model.

@@ -13,13 +13,31 @@ pub enum Error {
         /// What the system says.
         source: std::io::Error,
     },
-    /// `dataset.toml` doesn't say what CONTRACT section 5 asks for, or what is to be recorded isn't there.
+    /// `dataset.toml` or a log of it says something that can't be read, or what is to be recorded isn't there.
     #[error("{}:{line}: {problem}", path.display())]
     Manifest {
         /// The file.
         path: PathBuf,
         /// Line, counted from 1.
         line: usize,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+    /// The logs count otherwise than the model does, beyond doubt.
+    #[error("{}: {finding}", path.display())]
+    Implausible {
+        /// The data set.
+        path: PathBuf,
+        /// What was found, and the line that is missing.
+        finding: Box<crate::plausibility::Finding>,
+    },
+    /// An option that can't be.
+    #[error("{option} {given}: {problem}")]
+    Option {
+        /// As the command line has it.
+        option: &'static str,
+        /// As typed.
+        given: String,
         /// What is wrong and what would be right.
         problem: String,
     },

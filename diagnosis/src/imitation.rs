@@ -44,7 +44,7 @@ pub fn imitation(
     let names: Vec<&str> = study.active.iter().map(|index| candidates[*index].name).collect();
     let nearest = cancelled(&gram, &sizes, &names).or_else(|| mended(&gram, &sizes, &names))?;
     let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
-    Some(Unknown { signal, depends_on, shape, nearest })
+    Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }
 
 /// Effects that mostly take each other away.
@@ -97,7 +97,7 @@ pub fn anything(
         .find(|(_, count)| *count > 2 && *count as f64 > ANYTHING * seen)?;
     let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
     let nearest = format!("{} and {} others explain it equally well", candidates[index].name, count - 1);
-    Some(Unknown { signal, depends_on, shape, nearest })
+    Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }
 
 /// Where and how the nominal model misses the data.

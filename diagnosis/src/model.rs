@@ -24,6 +24,7 @@ pub struct Model {
     /// The camera on the bench, unless nobody looks.
     pub camera: Option<Arc<Bench>>,
     numbers: BTreeMap<String, f64>,
+    units: BTreeMap<String, String>,
     /// Residual units of the scenario, which are left out.
     left_out: Vec<String>,
 }
@@ -57,12 +58,15 @@ impl Model {
             other => model(other),
         })?;
         let mut numbers = BTreeMap::new();
-        let mut benches = BTreeMap::new();
+        let (mut benches, mut measures) = (BTreeMap::new(), BTreeMap::new());
         for unit in &scenario.units {
             let fmu = open(&unit.fmu.value, file.parent().unwrap_or(Path::new("")), units)?;
             for variable in &fmu.description().variables {
                 if let Some(start) = variable.start.as_ref().and_then(Value::as_f64) {
                     numbers.insert(format!("{}.{}", unit.name, variable.name), start);
+                }
+                if let Some(measure) = variable.unit.as_ref().filter(|measure| *measure != "1") {
+                    measures.insert(format!("{}.{}", unit.name, variable.name), measure.clone());
                 }
             }
             let mut values = BTreeMap::new();
@@ -89,7 +93,7 @@ impl Model {
         let plant = benches
             .remove("plant")
             .ok_or_else(|| Error::Nominal(format!("{} has no unit `plant`", file.display())))?;
-        Ok(Self { plant, camera: benches.remove("camera"), scenario, numbers, left_out })
+        Ok(Self { plant, camera: benches.remove("camera"), scenario, numbers, units: measures, left_out })
     }
 
     /// What a user should know of the nominal model.
@@ -148,6 +152,11 @@ impl Model {
         self.number("camera.interlaced").is_some_and(|value| value > 0.5)
     }
 
+    /// Units of all variables that have one.
+    pub fn units(&self) -> &BTreeMap<String, String> {
+        &self.units
+    }
+
     /// Nominal value of a variable, as a number.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers.get(name).copied()
@@ -155,14 +164,15 @@ impl Model {
 }
 
 /// A value of `[set]` as `Scenario::set` reads it.
-fn text(value: &toml::Value) -> String {
+pub(crate) fn text(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
         other => other.to_string(),
     }
 }
 
-fn model(error: orchestrator::Error) -> Error {
+/// What the orchestrator refused, as an error of ours.
+pub(crate) fn model(error: orchestrator::Error) -> Error {
     if error.is_input() { Error::Nominal(error.to_string()) } else { Error::Model(error.to_string()) }
 }
 
@@ -194,6 +204,7 @@ fn nominal(data: &Path, name: &str) -> Result<Scenario, Error> {
     })
 }
 
+/// Opens a unit: beside the scenario, then on the unit path.
 pub(crate) fn open(name: &str, beside: &Path, units: &UnitPath) -> Result<Fmu, Error> {
     let folders = std::iter::once(beside.to_owned()).chain(units.folders().iter().cloned());
     let found = folders.map(|folder| folder.join(name)).find(|path| path.is_file());

@@ -1,7 +1,7 @@
 //! `report.html`: the story with its numbers and pictures.
 
 use crate::correction::Correction;
-use crate::diagnosis::{Diagnosis, Effect, Member, NextExperiment, Trace, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Trace, Verdict};
 use crate::error::Error;
 use crate::story::brief;
 use report::{Axis, Cell, Graph, Line, Page, Table};
@@ -13,6 +13,7 @@ use report::{Axis, Cell, Graph, Line, Page, Table};
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
     page.text(&summary(diagnosis));
+    page.table(&provenance(diagnosis));
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
         page.table(&effects(diagnosis));
@@ -41,8 +42,15 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     for line in &diagnosis.story {
         page.text(line);
     }
-    page.heading("How the gap shrinks on runs left out");
-    page.table(&gaps(diagnosis));
+    page.heading("How the gap shrinks");
+    page.text(&judged(diagnosis));
+    page.table(&gaps(&diagnosis.gaps));
+    if !diagnosis.gap.held_out_runs.is_empty() {
+        page.text(
+            "By cross-validation (values fitted without each run in turn, effects chosen with all of them):",
+        );
+        page.table(&gaps(&diagnosis.cross_validation));
+    }
     for trace in &diagnosis.traces {
         if let Some(svg) = drawn(trace) {
             page.figure(
@@ -55,12 +63,21 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         page.heading("Where they disagree");
         page.table(&places(diagnosis));
     }
+    if diagnosis.unknown.is_some() && !diagnosis.effects.is_empty() {
+        page.text(
+            "Beside a rest without a name a name is worth less: its probability is the share that it alone explains of that and of what \
+             nothing explains, and its interval covers where it would stand if another name went.",
+        );
+    }
     page.heading("What this data would show");
+    if diagnosis.minimum_detectable.is_empty() {
+        page.text("Beside a rest without a name nobody knows what would have been found.");
+    }
     page.text("A candidate that is not named above is not excluded up to this distance from its off value.");
     page.table(&Table {
-        head: vec!["candidate".into(), "smallest that would be found".into()],
+        head: vec!["candidate".into(), "smallest that would be found".into(), "unit".into()],
         rows: (diagnosis.minimum_detectable.iter())
-            .map(|(name, size)| vec![name.clone().into(), Cell::Number(brief(*size))])
+            .map(|(name, size)| vec![name.clone().into(), Cell::Number(brief(*size)), unit(diagnosis, name)])
             .collect(),
     });
     if !diagnosis.notices.is_empty() {
@@ -70,6 +87,12 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         }
     }
     Ok(page.to_html())
+}
+
+fn provenance(diagnosis: &Diagnosis) -> Table {
+    let lines = diagnosis.provenance.lines().into_iter();
+    let rows = lines.map(|(what, value)| vec![what.into(), value.into()]).collect();
+    Table { head: vec!["this diagnosis".into(), String::new()], rows }
 }
 
 fn summary(diagnosis: &Diagnosis) -> String {
@@ -92,18 +115,30 @@ fn summary(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// Unit of a variable of the model.
+fn unit(diagnosis: &Diagnosis, name: &str) -> Cell {
+    diagnosis.units.get(name).cloned().unwrap_or_default().into()
+}
+
 fn effects(diagnosis: &Diagnosis) -> Table {
-    let head = ["effect", "name", "value", "95 %", "off", "probability", "can't be told from"];
+    let head = ["effect", "name", "value", "95 %", "off", "unit", "probability", "can't be told from"];
     let rows = diagnosis.effects.iter().map(|effect| {
         let digits = effect.digits();
         let number = |value: f64| Cell::Number(format!("{value:.digits$}"));
         let [low, high] = effect.ci95;
         vec![
-            effect.phrase.clone().into(),
+            match effect.at_end {
+                true => {
+                    format!("{} (at the end of the range that is searched: it may lie beyond)", effect.phrase)
+                        .into()
+                }
+                false => effect.phrase.clone().into(),
+            },
             effect.name.clone().into(),
             number(effect.value),
             Cell::Number(format!("{low:.digits$} ... {high:.digits$}")),
             number(effect.off),
+            effect.unit.clone().into(),
             Cell::Number(format!("{:.3}", effect.probability)),
             others(effect).into(),
         ]
@@ -136,10 +171,14 @@ fn terms(correction: &Correction) -> Table {
             term.name.clone().into(),
             Cell::Number(format!("{:.5}", term.value)),
             Cell::Number(format!("{:.5} ... {:.5}", term.ci95[0], term.ci95[1])),
+            term.measure.clone().into(),
             term.phrase.clone().into(),
         ]
     });
-    Table { head: ["parameter", "value", "95 %", "term"].map(str::to_owned).to_vec(), rows: rows.collect() }
+    Table {
+        head: ["parameter", "value", "95 %", "unit", "term"].map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }
 }
 
 fn told(next: &NextExperiment) -> String {
@@ -169,9 +208,25 @@ fn experiments(next: &NextExperiment) -> Table {
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
-fn gaps(diagnosis: &Diagnosis) -> Table {
+/// On which runs the gap is judged, and what the model knew of them.
+fn judged(diagnosis: &Diagnosis) -> String {
+    let gap = &diagnosis.gap;
+    match gap.held_out_runs.as_slice() {
+        [] => format!(
+            "By cross-validation over {}: values fitted without each in turn, effects chosen with all of them.",
+            gap.cross_validated.join(", ")
+        ),
+        runs => format!(
+            "On held-out runs ({}): for each part of them the search was repeated without it, and what it then named was judged there. \
+             Noise alone is what the data set states, or the scatter of neighbouring rows; no model was fitted for it.",
+            runs.join(", ")
+        ),
+    }
+}
+
+fn gaps(gaps: &[Gap]) -> Table {
     let head = ["signal", "unit", "before", "after", "noise alone", "closed"];
-    let rows = diagnosis.gaps.iter().map(|gap| {
+    let rows = gaps.iter().map(|gap| {
         let number = |value: f64| Cell::Number(brief(value));
         let closed = gap.closed.map_or("no gap".to_owned(), |closed| format!("{:.1} %", 100.0 * closed));
         vec![

@@ -92,11 +92,11 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
             return None;
         }
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
-        return Some(Unknown { signal, depends_on, shape, nearest });
+        return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
     if led(signals) && lacking(&study.last, &study.folds, study.explained, true) {
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
-        return Some(Unknown { signal, depends_on, shape, nearest });
+        return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
     let measured = study
         .last
@@ -118,7 +118,7 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         beside.is_none_or(|beside| worst(&self::rest(&beside, signals, accounted)).is_some())
     })?;
     let (depends_on, shape) = image_shape(&study.last, worst);
-    Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest })
+    Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest, ..Unknown::default() })
 }
 
 /// The model with the likeliest effect of the picture that was dropped: honest renderers may differ by as much, so that it is
@@ -150,6 +150,7 @@ pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
             depends_on: vec!["time".into()],
             shape: format!("clocks that drift apart, by some {:.0} ms in a minute", 6e4 * rate),
             nearest: nearest(study, candidates),
+            ..Unknown::default()
         };
         (clear.abs() > DRIFTING).then(told)
     })

@@ -23,6 +23,7 @@ impl Diagnosis {
         std::fs::create_dir_all(folder).map_err(|source| Error::Io { path: folder.to_owned(), source })?;
         put("diagnosis.json", &(self.to_json() + "\n"))?;
         put("amended.toml", &self.amended)?;
+        self.attachments.iter().try_for_each(|(name, text)| put(name, text))?;
         if let Some(experiment) = &self.experiment {
             put("next_experiment.toml", experiment)?;
         }

@@ -145,7 +145,8 @@ fn recovers_a_drag_as_a_labelled_correction() {
     assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
     let correction = found.correction.as_ref().expect("a correction is offered");
     assert!(correction.gap.closed > 0.97, "{correction:?}");
-    assert!(found.gap.closed.is_some_and(|closed| closed > 0.97), "{:?}", found.gap);
+    // each half of the runs by what the other half says: of three runs, one is by itself there
+    assert!(found.gap.closed.is_some_and(|closed| closed > 0.95), "{:?}", found.gap);
     let [term] = correction.terms.as_slice() else { panic!("one term was hidden: {:?}", correction.terms) };
     assert_eq!(term.name, "residual.drag_joint");
     // a tenth of a millisecond's delay of the hidden torque, held over steps, and pieces of 6 ms: about a per cent

@@ -152,9 +152,10 @@ fn every_zero_that_is_off_is_told_and_not_named() {
 
 #[test]
 fn every_other_way_of_counting_angles_is_told() {
-    let diagnosis = said(&swings("joint", &FRICTION, &|_, a, b| Some((a, b - a))));
-    let told = diagnosis.notices.iter().find(|notice| notice.message.contains("far better"));
-    assert!(told.is_some_and(|notice| notice.message.contains("at the joint")), "{:?}", diagnosis.notices);
+    let folder = swings("joint", &FRICTION, &|_, a, b| Some((a, b - a)));
+    let refused = diagnosis::diagnose(folder.path(), &units(), &options(), &mut |_| {});
+    let said = refused.expect_err("friction has no such name").to_string();
+    assert!(said.contains("at the joint") && said.contains("q2 = \"relative\""), "{said}");
 }
 
 #[test]

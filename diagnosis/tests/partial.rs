@@ -95,7 +95,7 @@ fn every_log_of_pictures_that_says_nothing_beside_the_others_is_put_aside() {
 }
 
 #[test]
-fn every_angle_that_a_vision_gave_in_degrees_is_put_aside() {
+fn every_angle_that_a_vision_gave_in_degrees_is_refused() {
     let folder = part_of(common::recorded("vision-degrees", &[]), &["q1_est", "q2_est"], &[]);
     for run in RUNS {
         let text = std::fs::read_to_string(folder.path().join(run).join("camera.csv")).expect("recorded");
@@ -107,16 +107,9 @@ fn every_angle_that_a_vision_gave_in_degrees_is_put_aside() {
         let rows: String = text.lines().skip(1).map(row).collect();
         folder.put(&format!("{run}/camera.csv"), &format!("time,q1_est,q2_est\n{rows}"));
     }
-    let data = DataSet::load(folder.path()).expect("encoders are left");
-    assert!(data.runs.iter().all(|run| run.camera.is_none()));
-    for angle in ["q1_est", "q2_est"] {
-        let notice = common::notice(&data.notices, &format!("{angle} "));
-        assert!(
-            notice.message.contains("degrees") && notice.file == "run-01/camera.csv",
-            "{}",
-            notice.message
-        );
-    }
+    let said = DataSet::load(folder.path()).expect_err("angles are in radians").to_string();
+    let told = said.contains("q1_est moves 57 times") && said.contains("run-01/camera.csv");
+    assert!(told && said.contains("vision_angles = \"deg\""), "{said}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
 
+use diagnosis::Watch;
 use diagnosis::candidates::{Candidate, candidates};
 use diagnosis::dataset::DataSet;
 use diagnosis::model::Model;
@@ -25,7 +26,8 @@ fn law_a_ceiling_that_cuts_nothing_is_dropped_and_the_others_are_fitted() {
         PlantCut::new(&data, &model, list.clone()).expect("the unit runs").expect("there are windows");
     let mut start: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     (start[hidden], start[dead]) = (0.002, 0.01);
-    let found = study(&mut rows, &list, &start, &[hidden, dead], &mut |_| {}).expect("the unit runs");
+    let found = study(&mut rows, &list, &start, &[hidden, dead], &mut Watch::new(&mut |_| {}, None))
+        .expect("the unit runs");
     assert_eq!(
         found.active,
         [hidden],

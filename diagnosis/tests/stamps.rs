@@ -24,9 +24,11 @@ fn filmed(
         let [q1, q2] = turn(time);
         let _ = writeln!(logged, "{time},{q1},{q2}");
         let [q1, q2] = other(time);
-        let (u2, v2) = (200.0 + 80.0 * q1.sin(), 200.0 + 80.0 * q1.cos());
+        // circle 1 where the nominal camera sees it, 7 of 20 world units below the middle of 512 px
+        let (u1, v1) = (0.0, -179.2);
+        let (u2, v2) = (u1 + 80.0 * q1.sin(), v1 + 80.0 * q1.cos());
         let (u3, v3) = (u2 + 60.0 * q2.sin(), v2 + 60.0 * q2.cos());
-        let _ = writeln!(seen, "{},200,200,{u2},{v2},{u3},{v3}", time + late);
+        let _ = writeln!(seen, "{},{u1},{v1},{u2},{v2},{u3},{v3}", time + late);
     }
     let folder = Folder::new(name);
     folder.put("dataset.toml", &manifest(1));

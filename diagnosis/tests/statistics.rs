@@ -19,6 +19,7 @@ fn cell(random: &mut Random, rows: usize) -> Cell {
         heft: 1.0,
         columns,
         floor: Vec::new(),
+        state: Vec::new(),
         lattice: Vec::new(),
     }
 }

@@ -40,7 +40,7 @@ const PART: (f64, f64) = (0.25, 4.0);
 const ROTOR: (f64, f64) = (0.0, 1.0);
 const THOUSANDTH: &[f64] = &[0.001];
 
-/// Everything that CONTRACT ("What a diagnosis may name") lists.
+/// Everything that docs/units.md ("What a diagnosis may name") lists.
 ///
 /// Plant steps move a window's end by some milliradians at most: it grows by e^(7 · 0.6), and columns must not bend.
 /// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
@@ -73,7 +73,7 @@ pub const LIST: &[Entry] = &[
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
     real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
     real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
-    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { most: 4 }, bends: true, phrase: "defocus" },
+    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, bends: true, phrase: "defocus" },
     real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis"),
     real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
     real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),

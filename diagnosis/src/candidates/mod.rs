@@ -68,6 +68,8 @@ pub enum Motion {
     },
     /// A whole number from off upwards.
     Count {
+        /// Largest that is looked for; who wants that is tried further on, one by one.
+        looked: i32,
         /// Largest that is tried.
         most: i32,
     },
@@ -144,6 +146,13 @@ impl Candidate {
         self.bends && matches!(self.motion, Motion::Load { .. })
     }
 
+    /// The whole number after the largest that is looked for, or after one beyond it.
+    pub fn after(&self, x: f64) -> Option<f64> {
+        let looked = self.steps.last().map_or(f64::INFINITY, |step| self.off + step);
+        let counts = matches!(self.motion, Motion::Count { .. });
+        (counts && x >= looked && x < self.range.1).then_some(x + 1.0)
+    }
+
     /// It takes a few separate values only.
     pub fn is_discrete(&self) -> bool {
         matches!(self.motion, Motion::Count { .. } | Motion::Switch)
@@ -202,9 +211,13 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
                     (0.0, ceilings(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
                 }
             }
-            Motion::Count { most } => {
+            Motion::Count { looked, most } => {
                 let first = nominal as i32 + 1;
-                (nominal, (first..=most).map(|n| f64::from(n) - nominal).collect(), (0.0, f64::from(most)))
+                (
+                    nominal,
+                    (first..=looked.max(first).min(most)).map(|n| f64::from(n) - nominal).collect(),
+                    (0.0, f64::from(most)),
+                )
             }
             Motion::Switch => (nominal, vec![1.0 - 2.0 * nominal], (0.0, 1.0)),
         };
@@ -227,6 +240,9 @@ fn pinned(model: &Model) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::{DataSet, Manifest};
+    use std::collections::BTreeMap;
+    use toml::Value;
 
     #[test]
     fn no_load_is_tried_that_makes_the_unit_a_thousand_times_as_slow() {
@@ -249,6 +265,63 @@ mod tests {
         };
         // an end of an interval
         assert_eq!(switch.value(-1e-9).to_string(), "0");
+    }
+
+    #[test]
+    fn value_a_ceiling_works_in_the_inverse_and_none_is_zero() {
+        let motion = Motion::Ceiling { cuts: Cuts::Torque };
+        let ceiling = Candidate {
+            name: "plant.tau_max",
+            side: Side::Plant,
+            phrase: "",
+            motion,
+            off: 0.0,
+            steps: vec![0.5],
+            range: (0.0, f64::INFINITY),
+            bends: true,
+        };
+        assert_eq!([0.0, -1e-9, 0.5, 4.0].map(|x| ceiling.value(x)), [0.0, 0.0, 2.0, 0.25]);
+        assert_eq!(ceiling.derivative_step(0.5), 0.001);
+    }
+
+    #[test]
+    fn every_bound_of_a_load_goes_with_the_inertia() {
+        let found = |scale: f64| {
+            let theta = [0.20386, 0.05867, 0.11, 0.01437, 0.0989, 4.779, 1.880]; // Table 2
+            let names = [1, 2, 5, 7, 8, 9, 10].map(|k| format!("plant.theta_{k}"));
+            let set = names.into_iter().zip(theta).map(|(name, value)| (name, Value::Float(scale * value)));
+            let manifest = Manifest {
+                stated: crate::dataset::stated::Stated::default(),
+                scenario: "visual-servo".into(),
+                set: set.collect(),
+                noise: BTreeMap::new(),
+                runs: Vec::new(),
+            };
+            let data = DataSet {
+                path: ".".into(),
+                manifest,
+                runs: Vec::new(),
+                notices: Vec::new(),
+                clocks_apart: false,
+                late_by_hand: 0.0,
+                pictures_apart: false,
+            };
+            let model = Model::load(&data, &scenarios::unit_path()).expect("cargo xtask pack was run");
+            candidates(&model, &[], &|_| vec![0.5])
+        };
+        // the lighter link's inertia is 0.11 kg·m², usual; then 0.24, twice the largest usual one
+        let (usual, heavy) = (found(1.0), found(24.0 / 11.0));
+        for (name, times) in [("plant.b_joint", 2.0), ("plant.tau_bias", 2.0), ("plant.T_act", 1.0)] {
+            let of =
+                |list: &[Candidate]| list.iter().find(|one| one.name == name).expect("a candidate").clone();
+            let (one, other) = (of(&usual), of(&heavy));
+            for (a, b) in
+                [(one.range.0, other.range.0), (one.range.1, other.range.1), (one.steps[0], other.steps[0])]
+            {
+                assert!((b - times * a).abs() <= 1e-12 * a.abs(), "{name}: {a}, {b}");
+            }
+            assert!(one.range.1 > 0.0 && one.steps[0] > 0.0);
+        }
     }
 
     #[test]

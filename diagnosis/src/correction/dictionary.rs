@@ -15,16 +15,16 @@ pub const UNIT: &str = "acrobot_residual.fmu";
 /// Rates over which a Stribeck term may fall, rad/s: what is seen from machine tools to balancing arms.
 const SLOW: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 
-/// Terms of an axis: stem of the coefficient, and a phrase.
-const TERMS: [(&str, &str); 8] = [
-    ("bias", "a constant"),
-    ("spring", "in proportion to the angle"),
-    ("even", "with the square of the angle"),
-    ("stiff", "with the cube of the angle"),
-    ("damp", "in proportion to the rate"),
-    ("drag", "with the square of the rate and its sign"),
-    ("stick", "with the sign of the rate"),
-    ("stribeck", "with the sign of the rate, at small rates only"),
+/// Terms of an axis: stem of the coefficient, its unit, and a phrase.
+const TERMS: [(&str, &str, &str); 8] = [
+    ("bias", "N·m", "a constant"),
+    ("spring", "N·m/rad", "in proportion to the angle"),
+    ("even", "N·m/rad²", "with the square of the angle"),
+    ("stiff", "N·m/rad³", "with the cube of the angle"),
+    ("damp", "N·m·s/rad", "in proportion to the rate"),
+    ("drag", "N·m·s²/rad²", "with the square of the rate and its sign"),
+    ("stick", "N·m", "with the sign of the rate"),
+    ("stribeck", "N·m", "with the sign of the rate, at small rates only"),
 ];
 const AXES: [(&str, &str, &str); 2] =
     [("roll", "on link 1", "angle q1, rate dq1"), ("joint", "at the joint", "angle q2 - q1, rate dq2 - dq1")];
@@ -36,6 +36,8 @@ pub struct Entry {
     pub coefficient: String,
     /// Rate over which it falls, with its parameter, where it has one.
     pub slow: Option<(String, f64)>,
+    /// Unit of the coefficient.
+    pub measure: String,
     /// In words.
     pub phrase: String,
 }
@@ -44,10 +46,11 @@ pub struct Entry {
 pub fn entries() -> Vec<Entry> {
     let mut all = Vec::new();
     for (axis, place, of) in AXES {
-        for (stem, phrase) in TERMS {
+        for (stem, measure, phrase) in TERMS {
             let entry = |slow: Option<f64>| Entry {
                 coefficient: format!("{stem}_{axis}"),
                 slow: slow.map(|slow| (format!("slow_{axis}"), slow)),
+                measure: measure.to_owned(),
                 phrase: format!("torque {place} {phrase} ({of})"),
             };
             match stem {

@@ -36,8 +36,8 @@ pub struct Fitted {
     pub usual: f64,
     /// What was left out.
     pub folds: Folds,
-    /// For each block what is left at the joint on runs left out: run, from, to, N·m.
-    pub left: Vec<(usize, f64, f64, f64)>,
+    /// For each block what is left on both links on runs left out: run, from, to, N·m.
+    pub left: Vec<(usize, f64, f64, [f64; 2])>,
 }
 
 /// The rest that the terms are chosen against.
@@ -115,15 +115,15 @@ impl Rest<'_> {
         all
     }
 
-    /// Mean of each block at the joint, with its run and time.
-    fn over_time(&self, torques: &[Torque]) -> Vec<(usize, f64, f64, f64)> {
+    /// Mean of each block, with its run and time.
+    fn over_time(&self, torques: &[Torque]) -> Vec<(usize, f64, f64, [f64; 2])> {
         let blocks = self.evaluation.blocks.iter().enumerate();
         blocks
             .map(|(index, block)| {
-                let own: Vec<f64> =
-                    torques.iter().filter(|t| t.block == index).map(|t| t.torque[1]).collect();
-                let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
-                (block.run, block.from, block.to, mean)
+                let own: Vec<&Torque> = torques.iter().filter(|t| t.block == index).collect();
+                let mean =
+                    |link: usize| own.iter().map(|t| t.torque[link]).sum::<f64>() / own.len().max(1) as f64;
+                (block.run, block.from, block.to, [mean(0), mean(1)])
             })
             .collect()
     }

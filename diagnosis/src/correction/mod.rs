@@ -16,6 +16,9 @@ pub mod wiring;
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
 use crate::residual::forced::Forced;
+use crate::residual::torque::{Torque, torques};
+use crate::selection::Evaluation;
+use nalgebra::DVector;
 use orchestrator::UnitPath;
 use serde::Serialize;
 
@@ -31,6 +34,9 @@ pub struct Term {
     pub value: f64,
     /// 95 % interval.
     pub ci95: [f64; 2],
+    /// Unit of the value.
+    #[serde(rename = "unit")]
+    pub measure: String,
     /// In words.
     pub phrase: String,
 }
@@ -69,9 +75,9 @@ pub struct Correction {
     /// What is left of torques of a usual size on runs left out, as gaps of effects are measured, N·m.
     #[serde(skip)]
     pub usual: f64,
-    /// What is left at the joint on runs left out: run, from, to (s), N·m.
+    /// What is left on both links on runs left out: run, from, to (s), N·m.
     #[serde(skip)]
-    pub left: Vec<(usize, f64, f64, f64)>,
+    pub left: Vec<(usize, f64, f64, [f64; 2])>,
 }
 
 impl Term {
@@ -121,7 +127,7 @@ impl Correction {
                 (run, begin) = (*of, *from);
             }
             end = to + 1.0;
-            (base - begin + 0.5 * (from + to), *torque)
+            (base - begin + 0.5 * (from + to), torque[trace.link])
         });
         Trace { after: points.collect(), ..trace }
     }
@@ -134,6 +140,40 @@ pub struct Offer {
     pub correction: Option<Correction>,
     /// What is left on runs left out, with it if there is one, N·m.
     pub left: f64,
+}
+
+/// What is left of the torques with a correction as it is: none of its values is fitted. `there` is the model without it.
+///
+/// # Errors
+/// A unit failed or isn't there.
+pub fn left(
+    cut: &mut dyn Forced,
+    point: &[f64],
+    there: &Evaluation,
+    correction: &Correction,
+    units: &UnitPath,
+) -> Result<Vec<Torque>, Error> {
+    let given =
+        |name: &str| correction.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
+    let entries = dictionary::entries();
+    let taken = |entry: &&dictionary::Entry| {
+        let slow = entry.slow.as_ref().is_none_or(|(name, slow)| given(name) == Some(*slow));
+        given(&entry.coefficient).is_some() && slow
+    };
+    let chosen: Vec<dictionary::Entry> = entries.iter().filter(taken).cloned().collect();
+    let values = chosen.iter().filter_map(|entry| given(&entry.coefficient));
+    let values = DVector::from_iterator(chosen.len(), values);
+    let terms = |name: &str| entries.iter().any(|entry| entry.coefficient == name);
+    let covered: Vec<(String, f64)> =
+        correction.parameters.iter().filter(|(name, _)| !terms(name)).cloned().collect();
+    let states = cut.states(point)?;
+    let columns = cut.pushed(point, &dictionary::along(&chosen, &covered, &states, units)?)?;
+    let mut blocks = there.blocks.clone();
+    for (cell, columns) in blocks.iter_mut().flat_map(|block| &mut block.cells).zip(columns) {
+        cell.columns = columns;
+    }
+    let places: Vec<usize> = (0..chosen.len()).collect();
+    Ok(torques(&blocks, &places, &[values], &vec![0; blocks.len()]))
 }
 
 /// Looks for the best correction that runs left out support.
@@ -172,6 +212,7 @@ pub fn offer(
             name: format!("{name}.{}", entry.coefficient),
             value,
             ci95: [value - 1.96 * error, value + 1.96 * error],
+            measure: entry.measure.clone(),
             phrase: entry.phrase.clone(),
         });
     }

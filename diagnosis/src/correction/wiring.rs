@@ -32,6 +32,7 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
         fmu: Placed { value: UNIT.into(), place: here() },
         // the plant's own: torques are held for one of its steps
         interval: scenario.units[at].interval,
+        isolation: None,
         set: set.collect(),
         place: here(),
     };

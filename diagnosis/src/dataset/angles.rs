@@ -90,7 +90,7 @@ pub fn unwrapped(values: &mut [f64]) -> Option<(usize, usize)> {
 pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> Option<(usize, String)> {
     for (name, falling) in ["q1", "q2"].into_iter().zip(falling) {
         if let Some((row, message)) = degrees(plant, name, falling) {
-            return Some((plant.line[row], format!("{message}; file put aside")));
+            return Some((plant.line[row], message));
         }
     }
     let camera = camera?;
@@ -104,9 +104,8 @@ pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> O
             })
             .collect();
         if let Some(times) = as_far(plant.column(name)?, &seen) {
-            let message = format!(
-                "{name} moves {times:.0} times as far as the picture shows (are these degrees?); file put aside"
-            );
+            let message =
+                format!("{name} moves {times:.0} times as far as the picture shows (are these degrees?)");
             return Some((plant.line[0], message));
         }
     }

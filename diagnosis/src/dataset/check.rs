@@ -1,6 +1,6 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
-use super::angles::{far_apart, glitches, in_degrees, typical_gap, unwrapped};
+use super::angles::{far_apart, glitches, typical_gap, unwrapped};
 use super::pictures::{pictures, tells_poses};
 use super::stamps::{self, Moved};
 use super::{Run, TORN, Table};
@@ -17,9 +17,27 @@ const ABSURD: f64 = 1000.0;
 /// An arm that is below the horizontal in this share of the rows is not being balanced.
 const BELOW: f64 = 0.2;
 
-/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model, `gravity` is
-/// its torque (N·m). Answers which clock is known from the motion alone.
-pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Notice>) -> Option<Moved> {
+/// Takes out what is no measurement, whatever the logs mean by it. `gravity` is the torque of the nominal model's, N·m.
+pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
+    mask_invalid(run);
+    for angle in ["q1", "q2"] {
+        let Some(plant) = &mut run.plant else { continue };
+        let Some((row, found)) = plant.column_mut(angle).and_then(|values| glitches(values)) else {
+            continue;
+        };
+        let message = format!(
+            "{angle} jumps by {:.1e} rad and back ({} such rows, this is the first): taken as not measured",
+            found.0, found.1
+        );
+        let file = format!("{}/plant.csv", run.name);
+        notices.push(Notice { file, line: plant.line[row], message });
+    }
+    absurd(run, gravity, notices);
+}
+
+/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
+/// clock is known from the motion alone.
+pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", FEWEST_ROWS),
@@ -32,21 +50,8 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
             *table = None;
         }
     }
-    mask_invalid(run);
     let name = run.name.clone();
     let file = |file: &str| format!("{name}/{file}");
-    for angle in ["q1", "q2"] {
-        let Some(plant) = &mut run.plant else { continue };
-        let Some((row, found)) = plant.column_mut(angle).and_then(|values| glitches(values)) else {
-            continue;
-        };
-        let message = format!(
-            "{angle} jumps by {:.1e} rad and back ({} such rows, this is the first): taken as not measured",
-            found.0, found.1
-        );
-        notices.push(Notice { file: file("plant.csv"), line: plant.line[row], message });
-    }
-    absurd(run, gravity, notices);
     let moved = stamps::joined(run, notices);
     if let Some(controller) = &mut run.controller
         && controller.column("tau").is_none()
@@ -73,7 +78,6 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
     }
     if let Some(plant) = &run.plant {
         let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());
-        let degrees = in_degrees(plant, run.camera.as_ref(), falling);
         if let Some(name) = missing {
             let message = format!("column `{name}` is missing; the plant's log is put aside");
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
@@ -84,9 +88,6 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
                 measured(plant, name)
             );
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
-            run.plant = None;
-        } else if let Some((line, message)) = degrees {
-            notices.push(Notice { file: file("plant.csv"), line, message });
             run.plant = None;
         } else if let Some(apart) = far_apart(plant, falling) {
             let message = format!(
@@ -122,7 +123,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], gravity: f64, notices: &mut Vec<Not
             }
         }
     }
-    pictures(run, falling, notices);
+    pictures(run, notices);
     moved
 }
 
@@ -196,7 +197,7 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
     )
 }
 
-/// CONTRACT: in a row with `valid` = 0 the centroids, empty or held, are not measured.
+/// docs/data-set.md: in a row with `valid` = 0 the centroids, empty or held, are not measured.
 fn mask_invalid(run: &mut Run) {
     let Some(camera) = run.camera.as_mut() else { return };
     let Some(valid) = camera.column("valid").map(<[f64]>::to_vec) else { return };

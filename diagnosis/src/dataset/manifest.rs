@@ -1,9 +1,18 @@
-//! `dataset.toml`: which nominal model, what is known of the noise, which runs.
+//! `dataset.toml`: which nominal model, what is known of the noise, how the logs count, which runs.
 
+use super::stated::Stated;
+use super::{CAMERA_COLUMNS, CONTROLLER_COLUMNS, PLANT_COLUMNS};
 use crate::error::Error;
+use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
+
+/// What the file may hold at its top. In a `[[run]]` any other key beside `dir` is a note for people: `dir` mistyped is missed.
+const KEYS: [&str; 6] = ["format", "scenario", "set", "noise", "log", "run"];
+
+/// A mount that is turned by more than this moves what lies at the edge of a picture by more than a check of heights allows, rad.
+const TURNED: f64 = 0.1;
 
 /// The head of a data set.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +23,8 @@ pub struct Manifest {
     pub set: BTreeMap<String, Value>,
     /// Known standard deviations, `instance.variable`.
     pub noise: BTreeMap<String, f64>,
+    /// How the logs count, where it isn't our way.
+    pub stated: Stated,
     /// Folders of the runs.
     pub runs: Vec<String>,
 }
@@ -22,64 +33,156 @@ impl Manifest {
     /// Reads `dataset.toml`.
     ///
     /// # Errors
-    /// The file can't be read, isn't TOML, or lacks something; the message names the line.
+    /// The file can't be read, isn't TOML, lacks something, or has something that nobody would read; the message names the line.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let text =
             std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        let line_of = |key: &str| {
-            text.lines()
-                .position(|line| line.trim_start().trim_start_matches('"').starts_with(key))
-                .map_or(1, |i| i + 1)
-        };
+        let file = File { path, text: &text };
         let root: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let at = error.span().map_or(0, |span| span.start);
-            wrong(text[..at.min(text.len())].lines().count().max(1), error.message().to_string())
+            file.wrong(text[..at.min(text.len())].lines().count().max(1), error.message().to_string())
         })?;
         match root.get("format").and_then(Value::as_integer) {
             Some(1) => {}
             Some(other) => {
-                return Err(wrong(
-                    line_of("format"),
-                    format!("format = {other}: this program reads format 1"),
-                ));
+                let problem = format!("format = {other}: this program reads format 1");
+                return Err(file.wrong(file.line_of("format"), problem));
             }
-            None => return Err(wrong(1, "`format = 1` is missing".into())),
+            None => return Err(file.wrong(1, "`format = 1` is missing".into())),
+        }
+        if let Some(key) = root.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            let problem =
+                format!("`{key}` is nothing that a data set has; {}", nearest(key, KEYS.into_iter()));
+            return Err(file.wrong(file.line_of(key), problem));
         }
         let scenario = match root.get("scenario") {
             Some(Value::String(name)) => name.clone(),
-            Some(_) => return Err(wrong(line_of("scenario"), "scenario must be a string".into())),
+            Some(_) => return Err(file.wrong(file.line_of("scenario"), "scenario must be a string".into())),
             None => {
-                return Err(wrong(1, "`scenario = \"visual-servo\"` (the nominal model) is missing".into()));
+                let problem = "`scenario = \"visual-servo\"` (the nominal model) is missing";
+                return Err(file.wrong(1, problem.into()));
             }
         };
         let mut set = BTreeMap::new();
         flatten(root.get("set"), "", &mut set);
-        let mut noise = BTreeMap::new();
-        let mut noise_values = BTreeMap::new();
-        flatten(root.get("noise"), "", &mut noise_values);
-        for (name, value) in noise_values {
+        let stated = match root.get("log") {
+            None => Stated::default(),
+            Some(Value::Table(table)) => Stated::read(table)
+                .map_err(|(key, problem)| file.wrong(file.line_of(&key), format!("[log] {problem}")))?,
+            Some(_) => return Err(file.wrong(file.line_of("log"), "[log] must be a table".into())),
+        };
+        Ok(Self { scenario, set, noise: file.noise(&root)?, stated, runs: file.runs(&root)? })
+    }
+}
+
+impl Manifest {
+    fn number(&self, name: &str, usual: f64) -> f64 {
+        self.set.get(name).and_then(number).unwrap_or(usual)
+    }
+
+    /// Width and height of the picture, px: those of `[set]`, or the camera's own.
+    pub fn picture(&self) -> (f64, f64) {
+        (self.number("camera.width", 512.0), self.number("camera.height", 512.0))
+    }
+
+    /// Nominal time between frames, s.
+    pub fn interval(&self) -> f64 {
+        1.0 / self.number("camera.omega_cam", 30.0)
+    }
+
+    /// Height of circle 1, the drum's centre, over the middle of the picture, px; `None` where the mount is turned.
+    pub fn ground(&self) -> Option<f64> {
+        let turned = ["camera.roll", "camera.mount"].iter().any(|name| self.number(name, 0.0).abs() > TURNED);
+        let world = self.number("camera.ground", -8.0) + self.number("camera.R", 1.0);
+        (!turned).then(|| world * self.picture().0 / self.number("camera.field_of_view", 20.0))
+    }
+}
+
+/// The text with its place.
+struct File<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl File<'_> {
+    fn wrong(&self, line: usize, problem: String) -> Error {
+        Error::Manifest { path: self.path.to_owned(), line, problem }
+    }
+
+    /// The line that begins with a key, bare, quoted or as a table's head; 1 if none does.
+    fn line_of(&self, key: &str) -> usize {
+        let opens = |line: &str| line.trim_start().trim_start_matches(['[', '"', '\'']).starts_with(key);
+        self.text.lines().position(opens).map_or(1, |place| place + 1)
+    }
+
+    /// The line with some words.
+    fn line_with(&self, words: &str) -> usize {
+        self.text.lines().position(|line| line.contains(words)).map_or(1, |place| place + 1)
+    }
+
+    fn noise(&self, root: &toml::Table) -> Result<BTreeMap<String, f64>, Error> {
+        let (mut noise, mut values) = (BTreeMap::new(), BTreeMap::new());
+        flatten(root.get("noise"), "", &mut values);
+        for (name, value) in values {
+            let known = columns();
+            if !known.contains(&name) {
+                let suggested = nearest(&name, known.iter().map(String::as_str));
+                let problem = format!("[noise] {name} is no column of a log; {suggested}");
+                return Err(self.wrong(self.line_of(&name), problem));
+            }
             match number(&value) {
                 Some(sigma) if sigma.is_finite() && sigma >= 0.0 => drop(noise.insert(name, sigma)),
                 _ => {
                     let problem = format!("[noise] {name} = {value}: a standard deviation, 0 or larger");
-                    return Err(wrong(line_of(&name), problem));
+                    return Err(self.wrong(self.line_of(&name), problem));
                 }
             }
         }
+        Ok(noise)
+    }
+
+    /// The runs' folders, which must be there.
+    fn runs(&self, root: &toml::Table) -> Result<Vec<String>, Error> {
         let entries = root.get("run").and_then(Value::as_array).cloned().unwrap_or_default();
-        let mut runs = Vec::new();
+        let mut runs: Vec<String> = Vec::new();
         for entry in &entries {
-            match entry.get("dir").and_then(Value::as_str) {
-                Some(dir) => runs.push(dir.to_owned()),
-                None => return Err(wrong(line_of("[[run]]"), "a [[run]] needs `dir = \"run-01\"`".into())),
+            let Some(dir) = entry.get("dir").and_then(Value::as_str) else {
+                let problem = "a [[run]] needs `dir = \"run-01\"`";
+                return Err(self.wrong(self.line_of("run]]"), problem.into()));
+            };
+            let line = self.line_with(&format!("\"{dir}\""));
+            let folder = self.path.parent().unwrap_or(Path::new("."));
+            if !folder.join(dir).is_dir() {
+                let there = folders(folder);
+                let suggested = nearest(dir, there.iter().map(String::as_str));
+                let problem = format!("dir = {dir:?}: no such folder in {}; {suggested}", folder.display());
+                return Err(self.wrong(line, problem));
             }
+            if runs.iter().any(|known| known == dir) {
+                return Err(self.wrong(line, format!("dir = {dir:?}: this run is listed twice")));
+            }
+            runs.push(dir.to_owned());
         }
         if runs.is_empty() {
-            return Err(wrong(1, "no [[run]] with `dir = \"run-01\"`".into()));
+            return Err(self.wrong(1, "no [[run]] with `dir = \"run-01\"`".into()));
         }
-        Ok(Self { scenario, set, noise, runs })
+        Ok(runs)
     }
+}
+
+/// Every column that a log may hold, as `[noise]` names it.
+fn columns() -> Vec<String> {
+    let all = [("camera", CAMERA_COLUMNS), ("controller", CONTROLLER_COLUMNS), ("plant", PLANT_COLUMNS)]
+        .into_iter();
+    all.flat_map(|(unit, names)| names.iter().map(move |name| format!("{unit}.{name}"))).collect()
+}
+
+fn folders(path: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
+    let named = |entry: std::fs::DirEntry| entry.file_name().into_string().ok();
+    let mut all: Vec<String> = entries.filter(|entry| entry.path().is_dir()).filter_map(named).collect();
+    all.sort();
+    all
 }
 
 /// Names may be written `"plant.q1" = 1` or as a table `[set.plant]`.

@@ -1,4 +1,4 @@
-//! A measured data set (CONTRACT section 5) as the residuals want it: per run three ordered tables.
+//! A measured data set (docs/data-set.md) as the residuals want it: per run three ordered tables.
 //!
 //! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
 //! can't be read, or nothing usable at all, is an error.
@@ -9,12 +9,17 @@ mod even;
 mod manifest;
 mod pictures;
 mod stamps;
+pub mod stated;
 mod table;
 
+pub use angles::{in_degrees, typical_gap};
 pub use manifest::Manifest;
+pub use pictures::angle_in_degrees;
+pub use stamps::directions;
 pub use table::Table;
 
 use crate::error::{Error, Notice};
+use crate::plausibility::{self, Facts, time};
 use stamps::Moved;
 use std::path::{Path, PathBuf};
 
@@ -65,6 +70,17 @@ impl Run {
         self.controller.as_ref().is_some_and(|log| log.len() > 1 && log.column("tau").is_some())
     }
 
+    /// Marks where all logs pause, and where the torque's does, as times of which nothing is known.
+    fn tear(&mut self) {
+        let (pauses, holes) = (time::pauses_of(self), time::torque_holes_of(self));
+        let Self { camera, controller, plant, .. } = self;
+        for log in [camera.as_mut(), plant.as_mut()].into_iter().flatten() {
+            pauses.iter().for_each(|(from, to)| log.tear(*from, *to));
+        }
+        let both = pauses.iter().copied().chain(holes.iter().map(|(_, from, to)| (*from, *to)));
+        controller.iter_mut().for_each(|log| both.clone().for_each(|(from, to)| log.tear(from, to)));
+    }
+
     /// First and last time of any row, in s.
     pub fn span(&self) -> (f64, f64) {
         let tables = [&self.camera, &self.controller, &self.plant];
@@ -75,7 +91,25 @@ impl Run {
     }
 }
 
+/// From when to when, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span(pub f64, pub f64);
+
 impl Run {
+    /// A stretch of it, if it has rows there. The torque goes on from the row before.
+    fn within(&self, Span(from, to): Span) -> Option<Self> {
+        let part = |log: &Option<Table>, before: usize| {
+            let log = log.as_ref()?;
+            let first = log.time.partition_point(|time| *time < from).saturating_sub(before);
+            let last = log.time.partition_point(|time| *time < to);
+            (first < last).then(|| log.rows(first..last))
+        };
+        let Self { name, camera, controller, plant } = self;
+        let (camera, plant) = (part(camera, 0), part(plant, 0));
+        let some = camera.is_some() || plant.is_some();
+        some.then(|| Self { name: name.clone(), camera, controller: part(controller, 1), plant })
+    }
+
     /// From when to when the torque is known, s: from the first row of its log to when one should have followed the last. A few rows are
     /// held as long as it takes, and no torque was before them.
     pub fn driven(&self) -> (f64, f64) {
@@ -156,18 +190,30 @@ impl DataSet {
         let mut notices = Vec::new();
         let mut runs = Vec::new();
         let (mut clocks_apart, mut pictures_apart) = (false, false);
+        let (size, stated) = (manifest.picture(), &manifest.stated);
+        let mut read = Vec::new();
         for name in &manifest.runs {
             let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
-            if path.join(name).is_dir() {
-                run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
-                run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
-                run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
-                let moved = check::run(&mut run, falling, gravity, &mut notices);
-                clocks_apart |= moved == Some(Moved::Angles);
-                pictures_apart |= moved == Some(Moved::Pictures);
-            } else {
-                notices.push(Notice { file: name.clone(), line: 0, message: "no such folder".into() });
+            run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
+            run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
+            run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
+            stated.apply(&mut run, size);
+            check::clean(&mut run, gravity, &mut notices);
+            read.push(run);
+        }
+        let (interval, ground) = (manifest.interval(), manifest.ground());
+        let gaps_stated = stated.gaps_known.is_some();
+        let facts = Facts { runs: &read, falling, interval, size, ground, gaps_stated };
+        if let Some(finding) = plausibility::first(&facts) {
+            return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+        }
+        for mut run in read {
+            if stated.gaps_known == Some(false) {
+                run.tear();
             }
+            let moved = check::run(&mut run, falling, &mut notices);
+            clocks_apart |= moved == Some(Moved::Angles);
+            pictures_apart |= moved == Some(Moved::Pictures);
             if run.camera.is_some() || run.plant.is_some() {
                 runs.push(run);
             }
@@ -187,6 +233,18 @@ impl DataSet {
             rows * 20 > q2.len()
         };
         if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
+    }
+
+    /// Some of the runs.
+    pub fn only(&self, kept: &dyn Fn(usize) -> bool) -> Self {
+        let runs = self.runs.iter().enumerate().filter(|(place, _)| kept(*place));
+        Self { runs: runs.map(|(_, run)| run.clone()).collect(), ..self.clone() }
+    }
+
+    /// Stretches of the runs, each as a run of its own.
+    pub fn within(&self, spans: &[Span]) -> Self {
+        let stretches = self.runs.iter().flat_map(|run| spans.iter().filter_map(|span| run.within(*span)));
+        Self { runs: stretches.collect(), ..self.clone() }
     }
 
     /// Puts the plant's log of a run right, whose clock is `late`, s.

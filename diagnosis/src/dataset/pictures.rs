@@ -18,7 +18,7 @@ const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
 const ANGLES: [&str; 2] = ["q1_est", "q2_est"];
 
 /// Tells what a log lacks, and puts aside what says nothing beside the run's other logs.
-pub(super) fn pictures(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) {
+pub(super) fn pictures(run: &mut Run, notices: &mut Vec<Notice>) {
     let file = format!("{}/camera.csv", run.name);
     let Some(camera) = &mut run.camera else { return };
     if let Some((row, count)) = taken_for_another(camera) {
@@ -28,16 +28,6 @@ pub(super) fn pictures(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notic
             OFF_LINE
         );
         notices.push(Notice { file: file.clone(), line: camera.line[row], message });
-    }
-    if !holds(camera, &JOINT_AND_TIP) && holds(camera, &ANGLES) {
-        for (place, name) in ANGLES.into_iter().enumerate() {
-            let Some((line, message)) = angle_in_degrees(camera, run.plant.as_ref(), place, falling[place])
-            else {
-                continue;
-            };
-            notices.push(Notice { file: file.clone(), line, message });
-            camera.remove(name);
-        }
     }
     let (line, message) = (1, lacking(camera, run.plant.is_some(), run.controller.is_some()));
     let Some((usable, message)) = message else { return };
@@ -114,19 +104,18 @@ fn holds(table: &Table, names: &[&str]) -> bool {
 }
 
 /// Angles that the vision gave in degrees show by their speed, or beside encoders.
-fn angle_in_degrees(
+pub fn angle_in_degrees(
     camera: &Table,
     plant: Option<&Table>,
     place: usize,
     falling: f64,
 ) -> Option<(usize, String)> {
     let (name, logged) = (ANGLES[place], ["q1", "q2"][place]);
-    let aside = |message: String| format!("{message}; column put aside");
     if let Some((row, message)) = degrees(camera, name, falling) {
-        return Some((camera.line[row], aside(message)));
+        return Some((camera.line[row], message));
     }
     let times = as_far(camera.column(name)?, plant?.column(logged)?)?;
     let message =
         format!("{name} moves {times:.0} times as far as {logged} in plant.csv (are these degrees?)");
-    Some((camera.line[0], aside(message)))
+    Some((camera.line[0], message))
 }

@@ -128,7 +128,7 @@ fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
 }
 
 /// Times, and directions of the links as a picture shows them, but for a mount that turns all of them, rad.
-pub(super) fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
+pub fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
     let cell = |column: &str, row: usize| camera.column(column).map_or(f64::NAN, |values| values[row]);
     let link = |row: usize, [ua, va, ub, vb]: [&str; 4]| {
         libm::atan2(cell(ub, row) - cell(ua, row), cell(vb, row) - cell(va, row))

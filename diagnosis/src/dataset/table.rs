@@ -48,15 +48,40 @@ impl Table {
         self.columns.push((name.to_owned(), vec![value; self.time.len()]));
     }
 
+    /// Marks the time between two rows as one of which nothing is known: from `from` to `to`, s.
+    pub fn tear(&mut self, from: f64, to: f64) {
+        let place = self.time.partition_point(|time| *time < to);
+        if place > 0 && place < self.len() && self.time[place - 1] <= from && !self.broken.contains(&place) {
+            self.broken.push(place);
+        }
+    }
+
+    /// Exchanges two columns that are both there.
+    pub fn swap(&mut self, one: &str, other: &str) {
+        let place = |name: &str| self.columns.iter().position(|(column, _)| column == name);
+        if let (Some(one), Some(other)) = (place(one), place(other)) {
+            let (a, b) = (self.columns[one].0.clone(), self.columns[other].0.clone());
+            (self.columns[one].0, self.columns[other].0) = (b, a);
+        }
+    }
+
     /// Takes a column away.
     pub fn remove(&mut self, name: &str) {
         self.columns.retain(|(column, _)| column != name);
     }
 
+    /// Some of the rows.
+    pub fn rows(&self, rows: std::ops::Range<usize>) -> Self {
+        let mut part = self.clone();
+        part.keep(rows);
+        part
+    }
+
     fn keep(&mut self, rows: std::ops::Range<usize>) {
         self.time = self.time[rows.clone()].to_vec();
         self.line = self.line[rows.clone()].to_vec();
-        self.broken = self.broken.iter().filter_map(|place| place.checked_sub(rows.start)).collect();
+        let inside = self.broken.iter().filter(|place| rows.contains(place));
+        self.broken = inside.filter_map(|place| place.checked_sub(rows.start)).collect();
         self.columns.iter_mut().for_each(|(_, values)| *values = values[rows.clone()].to_vec());
     }
 

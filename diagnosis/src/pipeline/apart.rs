@@ -15,6 +15,7 @@ pub(super) fn told_apart(
     model: &Model,
     list: &[Candidate],
     part: &mut Part,
+    watch: &mut Watch<'_>,
 ) {
     let study = &part.study;
     if study.outweighed || study.last.softness > 0.0 {
@@ -25,7 +26,7 @@ pub(super) fn told_apart(
         let members = class.iter().filter(|other| is_member(*effect, other, list));
         for member in members.cloned().collect::<Vec<_>>() {
             // a member that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
-            if let Ok(Some(told)) = judged(rows, data, model, list, study, *effect, &member) {
+            if let Ok(Some(told)) = judged(rows, data, model, list, study, (*effect, &member), watch) {
                 *class = told;
                 break;
             }
@@ -42,8 +43,8 @@ fn judged(
     model: &Model,
     list: &[Candidate],
     study: &Study,
-    effect: usize,
-    member: &Alternative,
+    (effect, member): (usize, &Alternative),
+    watch: &mut Watch<'_>,
 ) -> Result<Option<Vec<Alternative>>, Error> {
     let mut point = study.last.point.clone();
     point[effect] = list[effect].off;
@@ -60,7 +61,7 @@ fn judged(
     if louder || discrepancy(&last) > CHANCE {
         return Ok(None);
     }
-    alternatives(&mut long, list, &last, &active, member.candidate, &study.steps).map(Some)
+    alternatives(&mut long, list, &last, &active, member.candidate, &study.steps, watch).map(Some)
 }
 
 fn is_member(effect: usize, other: &Alternative, list: &[Candidate]) -> bool {

@@ -16,8 +16,13 @@ pub(super) fn camera_part(
     point: &mut Vec<f64>,
     parts: &mut Vec<Part>,
     notices: &mut Vec<Notice>,
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<(), Error> {
+    let pictured = |index: &usize| matches!(list[*index].side, Side::Camera | Side::Stamps);
+    let led = motions.is_none();
+    if !led && watch.known().is_some_and(|known| !known.active.iter().any(pictured)) {
+        return Ok(());
+    }
     let pose = match motions {
         Some((motions, sigma)) => Pose::Logged(motions, sigma),
         None => Pose::Free,
@@ -29,16 +34,18 @@ pub(super) fn camera_part(
         None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
     };
     if chain.is_some() || image.is_some() {
-        tell("camera: frames rendered again at the measured pose");
+        watch.stage("camera: frames rendered again at the measured pose");
     }
     let parted = match (&mut chain, &mut image) {
         (Some(chain), _) => {
-            with_noise(chain, |chain| &chain.image, list, point, tell).and_then(|mut part| {
-                averaged(chain, list, &mut part)?;
+            with_noise(chain, |chain| &chain.image, list, point, watch).and_then(|mut part| {
+                if watch.known().is_none() {
+                    averaged(chain, list, &mut part)?;
+                }
                 Ok(part)
             })
         }
-        (_, Some(image)) => with_noise(image, |image| image, list, point, tell),
+        (_, Some(image)) => with_noise(image, |image| image, list, point, watch),
         _ => return Ok(()),
     };
     match parted {

@@ -1,16 +1,19 @@
 //! What all parts say together.
 
 use super::correct::correct;
+use super::interval;
 use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
 use crate::imitation::{anything, imitation};
-use crate::rest::{drifting, unknown};
+use crate::provenance::Provenance;
+use crate::rest::{drifting, torque_shape, unknown};
 use crate::selection::{ALPHA, PICTURED};
-use crate::{amend, experiment, gap, story};
+use crate::{amend, experiment, gap, places, story};
 use std::collections::BTreeMap;
 
+#[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
 pub(super) fn conclude(
     data: &DataSet,
     model: &Model,
@@ -19,7 +22,8 @@ pub(super) fn conclude(
     point: &[f64],
     mut notices: Vec<Notice>,
     units: &UnitPath,
-) -> Result<Diagnosis, Error> {
+    watch: &mut Watch<'_>,
+) -> Result<(Diagnosis, Vec<gap::Compared>), Error> {
     let (mut effects, mut swaps): (_, Vec<Swap>) = (Vec::new(), Vec::new());
     let mut smallest = BTreeMap::new();
     let mut found: Vec<(f64, Where)> = Vec::new();
@@ -28,26 +32,33 @@ pub(super) fn conclude(
     let mut correction = None;
     let mut withdrawn: Vec<usize> = Vec::new();
     let mut story = Vec::new();
-    let mut traces: Vec<Trace> = Vec::new();
+    let (mut traces, mut compared): (Vec<Trace>, Vec<gap::Compared>) = (Vec::new(), Vec::new());
     let doubts = doubts(model, list, parts);
     let drift = parts.iter().find_map(|part| drifting(&part.study, list));
     let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
     for part in parts {
         let free: Vec<usize> =
             part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
-        detectable(part, list, &free, &doubts, &mut smallest);
-        found.extend(gap::places(&part.study, &part.signals));
-        let (mut gap, torque) = gap::widest(&part.study, &free, &runs, part.torque, &part.signals);
-        let left = unknown(&part.study, &part.signals, list, part.torque)
-            .or_else(|| imitation(&part.study, &part.signals, list, part.torque))
+        let (mut gap, of) = gap::widest(&part.study, &free, &runs, part.torque, &part.signals);
+        let (own, torque) = (places::places(&part.study, &part.signals), of == gap::Compared::Torques);
+        compared.push(of);
+        let left = unknown(&part.study, &part.signals, list, part.torque);
+        let imitated = imitation(&part.study, &part.signals, list, part.torque)
             .or_else(|| anything(&part.study, &part.signals, list, &part.classes, part.torque));
+        let imitates = imitated.is_some();
+        let left = left.or(imitated);
+        // beside a rest without a name nobody knows what would have been found
+        if left.is_none() {
+            detectable(part, list, &free, &doubts, &mut smallest);
+        }
         // what clocks that drift leave looks like much else
         let left = if left.is_some() { drift.clone().or(left) } else { drifting(&part.study, list) };
         if !part.coarse.is_empty() {
             story.push(story::of_coarse(&part.coarse, list));
         }
         story.extend(story::of(&part.study, list, &gap, left.as_ref()));
-        let mut trace = gap::trace(&part.study, torque);
+        let mut trace = places::trace(&part.study, torque, &blamed(left.as_ref(), &own, torque, &part.study));
+        found.extend(own);
         let widened = part.torque && gap::widened(&part.study, &free, &gap);
         if widened {
             story.push(story::of_widened(&gap));
@@ -55,13 +66,16 @@ pub(super) fn conclude(
             trace.after.clone_from(&trace.before);
             withdrawn.extend(&part.study.active);
         } else {
-            for (effect, swap) in part_effects(part, list, &free, &doubts) {
+            let imitates = left.is_some().then_some(imitates);
+            for (effect, swap) in part_effects(part, list, &free, &doubts, imitates) {
                 effects.push(effect);
                 swaps.extend(swap);
             }
         }
         // a correction is fitted beside the effects, and without them would be another one
-        if part.torque && left.is_some() && drift.is_none() && !widened {
+        let corrects = part.torque && left.is_some() && drift.is_none() && !widened;
+        if corrects && !watch.is_over("the correction of what has no name") {
+            watch.stage("a correction of what has no name");
             correction = correct(data, model, list, part, units, &mut notices);
             // measured as the effects' gap is: with it no more may be left than with effects alone
             correction = correction.filter(|correction| correction.usual <= gap.after);
@@ -112,7 +126,11 @@ pub(super) fn conclude(
     let certain = parts.iter().filter(|part| !part.study.outweighed).filter(stands);
     let cuts = certain.filter(|part| !part.torque || gone.is_empty());
     let cuts = cuts.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
-    let (next, experiment) = experiment::next(data, model, list, &point, cuts, units);
+    watch.stage("the next experiment");
+    let (next, experiment) = match watch.is_over("the next experiment") {
+        true => (None, None),
+        false => experiment::next(data, model, list, &point, cuts, units),
+    };
     let mut point = point;
     for (own, best, x) in swaps {
         // not what a correction has withdrawn
@@ -120,23 +138,53 @@ pub(super) fn conclude(
             (point[own], point[best]) = (list[own].off, x);
         }
     }
-    let amended = amend::amended(model, list, &point, &effects, correction.as_ref(), units)?;
-    Ok(Diagnosis {
+    for effect in effects.iter().filter(|effect| effect.at_end) {
+        story.push(story::of_end(effect));
+    }
+    for effect in &mut effects {
+        effect.unit = model.units().get(&effect.name).cloned().unwrap_or_default();
+    }
+    let amended = amend::amended(data, model, list, &point, &effects, correction.as_ref(), units)?;
+    // the nominal model misses noise by a little everywhere; that is no place
+    if verdict == Verdict::None {
+        found.clear();
+    }
+    let cross_validation = gaps.clone();
+    let diagnosis = Diagnosis {
+        provenance: Provenance::of(data),
+        units: model.units().clone(),
         verdict,
         effects,
-        place: gap::shares(found),
+        place: places::shares(found),
         gap,
         unknown: rest,
         correction,
         next_experiment: next,
         minimum_detectable: smallest,
         gaps,
+        cross_validation,
+        ended_early: Vec::new(),
         notices,
         story,
         amended,
+        attachments: Vec::new(),
         experiment,
         traces,
-    })
+    };
+    Ok((diagnosis, compared))
+}
+
+/// The signal that is blamed: of what has no name, or where the nominal model is furthest off.
+fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &Study) -> String {
+    let left = left.map(|left| left.signal.clone());
+    match torque {
+        true => left.unwrap_or_else(|| torque_shape(study, &study.nominal).0),
+        false => {
+            let worst = own.iter().filter(|(_, place)| place.signal.starts_with("camera."));
+            let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place.signal.clone());
+            left.or(worst).unwrap_or_default()
+        }
+    }
 }
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
@@ -147,13 +195,22 @@ fn part_effects(
     list: &[Candidate],
     free: &[usize],
     doubts: &[(usize, f64)],
+    imitates: Option<bool>,
 ) -> Vec<(Effect, Option<Swap>)> {
-    let covariance = part.study.last.covariance(free);
+    let errors = interval::errors(&part.study, free);
     let systematic = part.study.last.systematic(free, &part.signals);
+    let worth = imitates.map(|imitates| interval::worth(&part.study, list, free, imitates));
+    let worth = |index: usize| {
+        let place = free.iter().position(|other| *other == index);
+        let worth = worth.as_ref()?;
+        // what is whole or not there at all imitates as well as others do
+        Some(place.map_or(interval::Worth::LEAST, |place| worth[place]))
+    };
     let error = |index: usize| {
         let place = free.iter().position(|other| *other == index)?;
         let doubt = doubt(doubts, index).hypot(doubt(&part.rough, index));
-        covariance.as_ref().map(|c| (c[(place, place)] + systematic[place] + doubt * doubt).sqrt())
+        let own = errors[place]?.hypot(systematic[place].sqrt()).hypot(doubt);
+        Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / 1.96)))
     };
     let mut taken = part.study.active.clone();
     part.classes
@@ -170,18 +227,21 @@ fn part_effects(
             // the same share of the effect's size, whatever its name
             let share = |index: usize, x: f64| (x - list[index].off).abs();
             let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
-            let error = known * error(*index).unwrap_or(0.0);
-            let ends = [candidate.value(at - 1.96 * error), candidate.value(at + 1.96 * error)];
-            let members = members(name, *index, &alternatives, list);
+            let error = error(*index).map(|error| known * error);
+            let mut members = members(name, *index, &alternatives, list);
+            let kept = worth(*index).map_or(1.0, |worth| worth.share);
+            members.iter_mut().for_each(|member| member.probability *= kept);
             let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
             let effect = Effect {
                 name: candidate.name.to_owned(),
                 class: members.iter().map(|member| member.name.clone()).collect(),
                 value: candidate.value(at),
-                ci95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
+                ci95: interval::ci95(candidate, at, error),
+                at_end: at != candidate.off && (at <= candidate.range.0 || at >= candidate.range.1),
                 probability,
                 members,
                 phrase: candidate.phrase.to_owned(),
+                unit: String::new(),
                 off: candidate.value(candidate.off),
             };
             (effect, swap)

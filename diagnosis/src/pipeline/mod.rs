@@ -5,34 +5,39 @@ mod camera;
 mod ceilings;
 mod clock;
 mod conclude;
-mod conventions;
 mod correct;
 mod even;
+mod interval;
+mod left_out;
 mod looks;
 mod plant;
 mod sensor;
 
-use crate::candidates::{CLOCK, Candidate, Side, ZEROS, candidates};
-use crate::dataset::{DataSet, Run, Table};
+use crate::candidates::{CLOCK, Candidate, LIST, Side, ZEROS, candidates};
+use crate::dataset::{DataSet, Run};
 use crate::diagnosis::Diagnosis;
 use crate::earlier::Earlier;
 use crate::error::{Error, Notice};
 use crate::model::Model;
+use crate::plausibility;
 use crate::residual::image::Noise;
 use crate::residual::plant::jitter::unevenness;
 use crate::residual::trajectory::Motion as Logged;
 use crate::residual::{Cut, Signal};
 use crate::selection::{Alternative, CLASS, Study, alternatives, study};
+use crate::watch::{Listener, Watch};
 use apart::told_apart;
 use camera::camera_part;
 use ceilings::ceilings;
 use clock::{Clocks, MISSES, doubts};
 use conclude::conclude;
-use conventions::conventions;
+use left_out::{First, left_out, told};
 use orchestrator::UnitPath;
+use orchestrator::suggest::nearest;
 use plant::plant_part;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
 const ANY: f64 = 0.06;
@@ -50,11 +55,46 @@ pub struct Options {
     pub frames: usize,
     /// What is known of the machine from other data.
     pub earlier: Option<Earlier>,
+    /// How long searches may take.
+    pub budget: Budget,
+    /// Parameters to be fitted in place of a search; any unit's data sets only.
+    pub fit: Vec<String>,
+}
+
+/// How long searches may take, s: then they end with what they have.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Budget {
+    /// As long as it takes: the answer depends on no machine's speed.
+    #[default]
+    Unlimited,
+    /// So long for each run.
+    EachRun(f64),
+    /// So long in all.
+    All(f64),
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), frames: 2400, earlier: None }
+        Self { without: Vec::new(), frames: 2400, earlier: None, budget: Budget::Unlimited, fit: Vec::new() }
+    }
+}
+
+impl Options {
+    /// Whether all that was chosen can be.
+    fn check(&self) -> Result<(), Error> {
+        if let Some(given) = self.fit.first() {
+            let problem =
+                "parameters are fitted to data sets of `format = 2`; this one is of `format = 1`".into();
+            return Err(Error::Option { option: "--fit", given: given.clone(), problem });
+        }
+        let known = || LIST.iter().filter(|entry| !entry.side.is_of_log()).map(|entry| entry.name);
+        match self.without.iter().find(|given| known().all(|name| name != given.as_str())) {
+            None => Ok(()),
+            Some(given) => {
+                let problem = format!("no candidate has this name; {}", nearest(given, known()));
+                Err(Error::Option { option: "--without", given: given.clone(), problem })
+            }
+        }
     }
 }
 
@@ -72,7 +112,7 @@ struct Part {
     rough: Vec<(usize, f64)>,
 }
 
-/// Diagnoses a data set. `tell` gets a line at each stage.
+/// Diagnoses a data set. `listener` hears of each stage.
 ///
 /// # Errors
 /// The data set or the nominal model can't be used, or a unit failed.
@@ -80,9 +120,20 @@ pub fn diagnose(
     path: &Path,
     units: &UnitPath,
     options: &Options,
-    tell: &mut dyn FnMut(&str),
+    listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
+    options.check()?;
+    let (watch, began) = (&mut Watch::new(listener, None), Instant::now());
+    watch.stage("the logs are read");
     let mut data = DataSet::load(path)?;
+    let budget = match options.budget {
+        Budget::Unlimited => f64::INFINITY,
+        Budget::EachRun(seconds) => seconds * data.runs.len() as f64,
+        Budget::All(seconds) => seconds,
+    };
+    if let Some(until) = Duration::try_from_secs_f64(budget).ok().and_then(|time| began.checked_add(time)) {
+        watch.end_at(until);
+    }
     let model = Model::load(&data, units)?;
     if model.camera.is_none() {
         data.without_pictures(&format!(
@@ -117,22 +168,28 @@ pub fn diagnose(
         trust_no_clock(&mut list);
     }
     let mut list = Arc::new(list);
+    watch.stage("do the logs count as the model does?");
+    if let Some(finding) = plausibility::motion::counted(&data, &model, &list)? {
+        return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+    }
     if let Some(even) = even::evened(&data, &model, &list) {
-        tell("plant: stamps put to the ticks of their clocks");
+        watch.stage("plant: stamps put to the ticks of their clocks");
         data = even;
     }
     let mut notices = data.notices.clone();
     notices.extend(model.notices(&data));
-    let mut compared = compare(&data, &model, &list, options, tell)?;
+    let mut compared = compare(&data, &model, &list, options, watch)?;
     let mut clocks = Clocks::new(&data);
-    while let Some(late) = clocks.late(&list, &compared) {
-        tell("plant: the log's clock is put right");
+    while let Some(late) =
+        clocks.late(&list, &compared).filter(|_| !watch.is_over("the search for clocks that are off"))
+    {
+        watch.stage("plant: the log's clock is put right");
         late.iter().for_each(|(run, late)| data.set_back(*run, *late));
         if clocks.apart() {
             data.clocks_apart = true;
             trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut list));
         }
-        compared = compare(&data, &model, &list, options, tell)?;
+        compared = compare(&data, &model, &list, options, watch)?;
     }
     let Compared { mut parts, mut point, notices: more } = compared;
     notices.extend(more);
@@ -142,9 +199,31 @@ pub fn diagnose(
     notices.extend(clocks.clear(&model, &list, &mut parts, &mut point));
     clear_zeros(&list, &mut parts, &mut point, &mut notices);
     let known = remembered(options, &list, &mut parts);
-    let mut diagnosis = conclude(&data, &model, &list, &parts, &point, notices, units)?;
+    let (mut diagnosis, compared) = conclude(&data, &model, &list, &parts, &point, notices, units, watch)?;
     diagnosis.story.splice(0..0, clocks.story());
     diagnosis.story.extend(known);
+    if parts.iter().any(|part| !part.study.active.is_empty()) || diagnosis.correction.is_some() {
+        let correction = diagnosis.correction.as_ref();
+        let gaps = &diagnosis.cross_validation;
+        let first = First { parts: &parts, compared: &compared, correction, gaps, point: &point };
+        match left_out(&data, &model, &list, options, &first, units, watch) {
+            Ok(Some(left_out)) => told(&mut diagnosis, left_out),
+            Ok(None) => {}
+            // a part of the runs may be too little for a search; what was found with all of them stands
+            Err(error) => diagnosis.notices.push(Notice {
+                file: "dataset.toml".into(),
+                line: 0,
+                message: format!(
+                    "the gap is told by cross-validation, since no search can be repeated: {error}"
+                ),
+            }),
+        }
+    }
+    diagnosis.ended_early = watch.ended().to_vec();
+    if !diagnosis.ended_early.is_empty() {
+        let ended = diagnosis.ended_early.join("; ");
+        diagnosis.story.push(format!("Time was up after {budget:.0} s: {ended} ended with what was there."));
+    }
     Ok(diagnosis)
 }
 
@@ -175,12 +254,12 @@ fn compare(
     model: &Model,
     list: &Arc<Vec<Candidate>>,
     options: &Options,
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Compared, Error> {
-    let compared = compare_once(data, model, list, options, tell)?;
+    let compared = compare_once(data, model, list, options, watch)?;
     if data.late_by_hand > 0.0 && clock::both_late(list, &compared) {
         let punctual = DataSet { late_by_hand: 0.0, ..data.clone() };
-        return compare_once(&punctual, model, list, options, tell);
+        return compare_once(&punctual, model, list, options, watch);
     }
     Ok(compared)
 }
@@ -197,14 +276,14 @@ fn compare_once(
     model: &Model,
     list: &Arc<Vec<Candidate>>,
     options: &Options,
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Compared, Error> {
-    let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
+    let off = || list.iter().map(|candidate| candidate.off).collect();
+    let mut point: Vec<f64> = watch.known().map_or_else(off, |known| known.point.clone());
     let mut parts = Vec::new();
     let mut notices = Vec::new();
-    let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, tell)?;
-    notices.extend(conventions(data, model, list, &parts)?);
-    camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, tell)?;
+    let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, watch)?;
+    camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, watch)?;
     Ok(Compared { parts, point, notices })
 }
 
@@ -233,20 +312,31 @@ fn part(
     point: &[f64],
     known: &[usize],
     torque: bool,
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Part, Error> {
-    let study = study(cut, list, point, known, tell)?;
-    classed(cut, list, study, torque)
+    // what a first search found is on, unless it is superfluous here
+    let before = watch.known().into_iter().flat_map(|before| before.active.iter().copied());
+    let before = before.filter(|index| cut.sees(&list[*index]) && !known.contains(index));
+    let known: Vec<usize> = known.iter().copied().chain(before).collect();
+    let study = study(cut, list, point, &known, watch)?;
+    classed(cut, list, study, torque, watch)
 }
 
 /// What was found on a cut, with all that could stand in the place of each effect.
-fn classed(cut: &mut dyn Cut, list: &[Candidate], study: Study, torque: bool) -> Result<Part, Error> {
+fn classed(
+    cut: &mut dyn Cut,
+    list: &[Candidate],
+    study: Study,
+    torque: bool,
+    watch: &mut Watch<'_>,
+) -> Result<Part, Error> {
     let mut classes = Vec::new();
-    for effect in &study.active {
+    let named = if watch.known().is_some() { &[][..] } else { &study.active };
+    for effect in named {
         let known = study.class.as_ref().filter(|(accepted, _)| accepted == effect);
         let class = match known {
             Some((_, class)) => class.clone(),
-            None => alternatives(cut, list, &study.last, &study.active, *effect, &study.steps)?,
+            None => alternatives(cut, list, &study.last, &study.active, *effect, &study.steps, watch)?,
         };
         classes.push((*effect, class));
     }

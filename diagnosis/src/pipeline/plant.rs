@@ -31,14 +31,14 @@ pub(super) fn plant_part(
     point: &mut Vec<f64>,
     parts: &mut Vec<Part>,
     notices: &mut Vec<Notice>,
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
         notices.extend(data.runs.iter().filter_map(not_compared));
         let mut motions = vec![Logged::default(); data.runs.len()];
         return Ok(as_logged(data, &mut motions).map(|sigma| (motions, sigma)));
     };
-    tell("plant: windows of the logs");
+    watch.stage("plant: windows of the logs");
     let (compared, all) = rows.windows();
     if compared < all {
         let message = format!("{compared} of {all} windows are compared, evenly chosen over all runs");
@@ -51,7 +51,7 @@ pub(super) fn plant_part(
         && !switch_leads(&mut rows, list, point)?
         && let Some(mut weak) = Weak::new(data, model, list.clone())?
     {
-        let part = part(&mut weak, list, point, &[], true, tell)?;
+        let part = part(&mut weak, list, point, &[], true, watch)?;
         point.clone_from(&part.study.last.point);
         start.clone_from(&part.study.active);
         coarse = Some(part);
@@ -60,25 +60,25 @@ pub(super) fn plant_part(
     let mut part = match coarse {
         // nor does it where torques fit best with what is no body
         Some(part) if !follows => match part.study.active.is_empty() {
-            true => hinted(&mut rows, list, &part.study.screen.hits, point, tell)?.unwrap_or(part),
+            true => hinted(&mut rows, list, &part.study.screen.hits, point, watch)?.unwrap_or(part),
             false => part,
         },
         Some(part_before) => {
             rows.linearise(point, &[], false)?;
-            let fine = study(&mut rows, list, point, &start, tell)?;
+            let fine = study(&mut rows, list, point, &start, watch)?;
             if went_astray(&fine, rows.signals(), &start, list) {
                 part_before
             } else {
-                Part { coarse: start, ..classed(&mut rows, list, fine, true)? }
+                Part { coarse: start, ..classed(&mut rows, list, fine, true, watch)? }
             }
         }
         None => {
-            let alone = part(&mut rows, list, point, &start, true, tell)?;
+            let alone = part(&mut rows, list, point, &start, true, watch)?;
             let seen = data.runs.iter().any(|run| run.camera.is_some());
             let told = seen && !data.clocks_apart && !data.pictures_apart;
             if told && could_be_the_actuator(&alone, list, data.late_by_hand) {
                 rows.trust_clock();
-                part(&mut rows, list, point, &start, true, tell)?
+                part(&mut rows, list, point, &start, true, watch)?
             } else {
                 alone
             }
@@ -86,10 +86,10 @@ pub(super) fn plant_part(
     };
     let found = (part.study.last.point.clone(), part.study.active.clone());
     if !found.1.is_empty() && !part.study.outweighed && !rows.still_scatters(&found.0)? {
-        part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, tell)? };
+        part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
     point.clone_from(&part.study.last.point);
-    told_apart(&mut rows, data, model, list, &mut part);
+    told_apart(&mut rows, data, model, list, &mut part, watch);
     let sigma = match part.study.outweighed {
         true => COARSE_MOTION,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
@@ -99,6 +99,20 @@ pub(super) fn plant_part(
         return Ok(None);
     }
     rows.linearise(point, &[], false)?;
+    pose_of(data, &rows, point, sigma)
+}
+
+/// The motions for the pictures, and how well they are known, rad; `None` where there are no pictures. `sigma` is that of the angles. Call
+/// after `linearise` at the same point.
+pub(super) fn pose_of(
+    data: &DataSet,
+    rows: &PlantCut,
+    point: &[f64],
+    sigma: f64,
+) -> Result<Option<(Vec<Logged>, f64)>, Error> {
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        return Ok(None);
+    }
     let mut motions = rows.motion(point, MOTION_STEP)?;
     let others = as_logged(data, &mut motions).unwrap_or(0.0);
     Ok(Some((motions, others.max(MOTION_SHARE * sigma))))
@@ -122,7 +136,7 @@ fn hinted(
     list: &Arc<Vec<Candidate>>,
     hits: &[Hit],
     point: &[f64],
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Option<Part>, Error> {
     let real = |hit: &&Hit| !list[hit.candidate].side.is_of_log() && !list[hit.candidate].is_discrete();
     for hit in hits.iter().filter(real).take(HINTS) {
@@ -135,10 +149,10 @@ fn hinted(
         if !follows || rows.linearise(&there, &[], false).is_err() {
             continue;
         }
-        let Ok(fine) = study(rows, list, &there, &[hit.candidate], tell) else { continue };
+        let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
         if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED).unwrap_or(false) {
             rows.linearise(&fine.last.point, &[], false)?;
-            return classed(rows, list, fine, true).map(Some);
+            return classed(rows, list, fine, true, watch).map(Some);
         }
     }
     rows.afresh();

@@ -21,11 +21,12 @@ pub(super) fn with_noise<C: Cut + Clone>(
     image: fn(&C) -> &ImageCut,
     list: &[Candidate],
     point: &[f64],
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Part, Error> {
     match list.iter().position(|candidate| candidate.side == Side::Scatter) {
-        Some(sensor) => Sensor { cut, image, list, point, sensor }.part(tell),
-        None => part(cut, list, point, &[], false, tell),
+        // a repeated search begins with the noise that the first one found
+        Some(sensor) if watch.known().is_none() => Sensor { cut, image, list, point, sensor }.part(watch),
+        _ => part(cut, list, point, &[], false, watch),
     }
 }
 
@@ -40,23 +41,23 @@ struct Sensor<'a, C: Cut> {
 }
 
 impl<C: Cut + Clone> Sensor<'_, C> {
-    fn part(mut self, tell: &mut dyn FnMut(&str)) -> Result<Part, Error> {
+    fn part(mut self, watch: &mut Watch<'_>) -> Result<Part, Error> {
         let Self { image, list, point, sensor, .. } = self;
         // asked at most once, of frames that no fit has led elsewhere
         let mut untouched = Some(self.cut.clone());
         let mut first = None;
-        let plain = study_until(self.cut, list, point, &[], tell, &mut |active, tell| {
+        let plain = study_until(self.cut, list, point, &[], watch, &mut |active, watch| {
             if active.len() > ALONE
                 && let Some(mut cut) = untouched.take()
             {
-                first = Sensor { cut: &mut cut, image, list, point, sensor }.first(tell)?;
+                first = Sensor { cut: &mut cut, image, list, point, sensor }.first(watch)?;
             }
             Ok(first.is_some())
         })?;
         if let Some(first) = first {
             return Ok(first);
         }
-        let mut plain = classed(self.cut, list, plain, false)?;
+        let mut plain = classed(self.cut, list, plain, false, watch)?;
         if lacks(&plain) {
             return Ok(plain);
         }
@@ -70,7 +71,7 @@ impl<C: Cut + Clone> Sensor<'_, C> {
         // one blur that explains picture and scatter alike is the whole story
         let imitated = plain.study.active.len() >= ALONE && clear(&guess);
         let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
-        let Some(noisy) = self.likely(guess, usize::MAX, tell)? else { return Ok(plain) };
+        let Some(noisy) = self.likely(guess, usize::MAX, watch)? else { return Ok(plain) };
         let simpler = noisy.study.active.len() < plain.study.active.len();
         if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
             return Ok(noisy);
@@ -82,22 +83,17 @@ impl<C: Cut + Clone> Sensor<'_, C> {
 
     /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong, and no
     /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
-    fn first(mut self, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
+    fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[], false)?;
         let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
-        let first = self.likely(early, FEW, tell)?;
+        let first = self.likely(early, FEW, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
     }
 
     /// What is found with the noise put right, or with a little more or less of it where that is all that is left: the means of what a
     /// threshold sees say more of it than the scatter does.
-    fn likely(
-        &mut self,
-        guess: Noise,
-        most: usize,
-        tell: &mut dyn FnMut(&str),
-    ) -> Result<Option<Part>, Error> {
-        let Some(noisy) = self.noisy(guess.value, most, tell)? else { return Ok(None) };
+    fn likely(&mut self, guess: Noise, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+        let Some(noisy) = self.noisy(guess.value, most, watch)? else { return Ok(None) };
         if noisy.study.active.is_empty() || !clear(&noisy.noise) {
             return Ok(Some(noisy));
         }
@@ -111,23 +107,23 @@ impl<C: Cut + Clone> Sensor<'_, C> {
             }
         }
         let alone = |other: &Part| other.study.active.is_empty() && clear(&other.noise);
-        let Some(mut other) = self.noisy(best.1, 1, tell)?.filter(alone) else { return Ok(Some(noisy)) };
+        let Some(mut other) = self.noisy(best.1, 1, watch)?.filter(alone) else { return Ok(Some(noisy)) };
         other.noise = other.noise.map(|noise| Noise { value: best.1, ..noise });
         other.study.last.point[self.sensor] = best.1;
         Ok(Some(other))
     }
 
     /// What is found with so much noise, and the noise as it is seen to be then; `None` if that is `most` or more.
-    fn noisy(&mut self, guess: f64, most: usize, tell: &mut dyn FnMut(&str)) -> Result<Option<Part>, Error> {
+    fn noisy(&mut self, guess: f64, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         let mut start = self.point.to_vec();
         start[self.sensor] = guess;
         self.cut.afresh();
-        let enough = &mut |active: &[usize], _: &mut dyn FnMut(&str)| Ok(active.len() >= most);
-        let study = study_until(self.cut, self.list, &start, &[], tell, enough)?;
+        let enough = &mut |active: &[usize], _: &mut Watch<'_>| Ok(active.len() >= most);
+        let study = study_until(self.cut, self.list, &start, &[], watch, enough)?;
         if study.active.len() >= most {
             return Ok(None);
         }
-        let mut noisy = classed(self.cut, self.list, study, false)?;
+        let mut noisy = classed(self.cut, self.list, study, false, watch)?;
         let mut then = noisy.study.last.point.clone();
         then[self.sensor] = self.list[self.sensor].off;
         noisy.noise = self.scatter(&then)?;

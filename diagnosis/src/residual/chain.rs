@@ -189,6 +189,10 @@ impl Cut for Chain {
         true
     }
 
+    fn unseen(&self) -> usize {
+        self.image.unseen()
+    }
+
     fn free_pose(&self) -> bool {
         true
     }

@@ -106,6 +106,10 @@ pub trait Cut: Send + Sync {
     fn clock_doubt(&self) -> f64 {
         0.0
     }
+    /// Frames in which the data show what the model's camera didn't find at the last look.
+    fn unseen(&self) -> usize {
+        0
+    }
     /// Whether poses are read off the pictures themselves.
     fn free_pose(&self) -> bool {
         false

@@ -98,16 +98,20 @@ pub fn rms(torques: &[Torque]) -> (f64, f64) {
     ((tame.iter().map(|t| t.square()).sum::<f64>() / n).sqrt(), (floors / n).sqrt())
 }
 
-/// The same before and after, and of what noise gives, where the plant follows the log after: what made it run away before was lacking.
-pub fn shrunk(before: &[Torque], after: &[Torque]) -> (f64, f64, f64) {
+/// Sums of squares before and after, of what noise gives, and their number, where the plant follows the log after: what made it run
+/// away before was lacking. `floors` are the torques again, with the noise that is no model's.
+pub fn shrunk(before: &[Torque], after: &[Torque], floors: &[Torque]) -> [f64; 4] {
     let limit = limit(after);
-    let known = |(old, new): &(&Torque, &Torque)| old.within(f64::INFINITY) && new.within(limit);
-    let both: Vec<(&Torque, &Torque)> = before.iter().zip(after).filter(known).collect();
-    let n = (2 * both.len()).max(1) as f64;
-    let mean =
-        |square: &dyn Fn(&(&Torque, &Torque)) -> f64| (both.iter().map(square).sum::<f64>() / n).sqrt();
-    let floor = |(_, new): &(&Torque, &Torque)| new.floor.iter().map(|x| x * x).sum();
-    (mean(&|(old, _)| old.square()), mean(&|(_, new)| new.square()), mean(&floor))
+    let mut sums = [0.0; 4];
+    for ((old, new), floor) in before.iter().zip(after).zip(floors) {
+        if !old.within(f64::INFINITY) || !new.within(limit) {
+            continue;
+        }
+        let floor: f64 = floor.floor.iter().map(|x| x * x).sum();
+        let own = [old.square(), new.square(), if floor.is_finite() { floor } else { 0.0 }, 2.0];
+        sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+    }
+    sums
 }
 
 /// By how many standard errors torques are larger `after` than `before`, compared block by block.

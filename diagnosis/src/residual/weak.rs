@@ -266,6 +266,7 @@ impl Cut for Weak {
                 heft: 1.0,
                 columns: matrix,
                 floor: stretch.floor().to_vec(),
+                state: Vec::new(),
                 lattice: Vec::new(),
             };
             match blocks.last_mut() {

@@ -11,6 +11,7 @@ mod refit;
 mod screen;
 mod search;
 mod settle;
+mod starts;
 mod steady;
 mod switched;
 mod trials;
@@ -70,4 +71,6 @@ pub struct Study {
     pub explained: f64,
     /// What the model lacks outweighs noise.
     pub outweighed: bool,
+    /// Standard deviation that noise alone gives a row of each signal, whatever the model.
+    pub noise: Vec<f64>,
 }

@@ -9,7 +9,12 @@ use super::trials::{Accepted, Trials, shortlist};
 use super::{ALPHA, Alternative, Step, Study};
 use crate::candidates::Candidate;
 use crate::error::Error;
+use crate::floor;
 use crate::residual::Cut;
+use crate::watch::Watch;
+
+/// What ends early where time is up.
+pub(super) const SEARCH: &str = "the search for effects";
 
 /// More effects than this are not a diagnosis any more.
 const MOST: usize = 6;
@@ -35,13 +40,13 @@ pub fn study(
     candidates: &[Candidate],
     start: &[f64],
     known: &[usize],
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
 ) -> Result<Study, Error> {
-    study_until(cut, candidates, start, known, tell, &mut |_, _| Ok(false))
+    study_until(cut, candidates, start, known, watch, &mut |_, _| Ok(false))
 }
 
 /// Says of the effects that are on whether to look no further.
-pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut dyn FnMut(&str)) -> Result<bool, Error>;
+pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool, Error>;
 
 /// The same, ended when it is `enough`.
 ///
@@ -52,12 +57,12 @@ pub fn study_until(
     candidates: &[Candidate],
     start: &[f64],
     known: &[usize],
-    tell: &mut dyn FnMut(&str),
+    watch: &mut Watch<'_>,
     enough: Enough<'_>,
 ) -> Result<Study, Error> {
     let mut search = Search::begin(cut, candidates, start, known)?;
     while search.active.len() < MOST && search.vain <= VAIN {
-        if enough(&search.active, tell)? || !search.round(tell)? {
+        if watch.is_over(SEARCH) || enough(&search.active, watch)? || !search.round(watch)? {
             break;
         }
     }
@@ -122,7 +127,7 @@ impl<'a> Search<'a> {
     }
 
     /// One look: whether it found anything.
-    fn round(&mut self, tell: &mut dyn FnMut(&str)) -> Result<bool, Error> {
+    fn round(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
         let mut step = Step {
             best: self.found.hits.iter().take(8).cloned().collect(),
             p_value: self.found.p_value,
@@ -132,13 +137,14 @@ impl<'a> Search<'a> {
             rest: (rest(&self.last), rest(&self.last)),
             held_out: (f64::NAN, f64::NAN),
         };
-        let Some(Accepted { candidate, trial, held_out }) = self.best()? else {
+        watch.stage(self.cut.name());
+        let Some(Accepted { candidate, trial, held_out }) = self.best(watch)? else {
             self.steps.push(step);
             return Ok(false);
         };
         step.held_out = held_out;
         step.deviance.1 = trial.deviance();
-        tell(&format!("{}: {}", self.cut.name(), self.candidates[candidate].name));
+        watch.stage(&format!("{}: {}", self.cut.name(), self.candidates[candidate].name));
         step.accepted = Some(candidate);
         self.accept(candidate, trial.point, &mut step)?;
         self.found = screen(&self.last, self.candidates, &self.active);
@@ -152,20 +158,20 @@ impl<'a> Search<'a> {
         } else {
             // accepted and swapped away in turns, two would go on for ever
             self.vain += usize::from(again);
-            self.doubt(candidate)?;
+            self.doubt(candidate, watch)?;
         }
         Ok(true)
     }
 
     /// The likeliest of what isn't on yet, if it is worth a name.
-    fn best(&mut self) -> Result<Option<Accepted>, Error> {
+    fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
         let cut: &mut dyn Cut = *cut;
         let threshold = found.null.threshold(ALPHA);
         let shortlist = shortlist(found, candidates, refused, threshold, cut.outweighed());
         let switched = switched(cut, candidates, last, active, refused, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };
-        match set.best(cut, &shortlist, switched, refused)? {
+        match set.best(cut, &shortlist, switched, refused, watch)? {
             None => set.sparse(cut, refused),
             best => Ok(best),
         }
@@ -199,11 +205,11 @@ impl<'a> Search<'a> {
     }
 
     /// A second opinion on what was accepted last.
-    fn doubt(&mut self, candidate: usize) -> Result<(), Error> {
+    fn doubt(&mut self, candidate: usize, watch: &mut Watch<'_>) -> Result<(), Error> {
         let Self { cut, candidates, last, active, steps, .. } = self;
         let before: Vec<usize> =
             self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
-        let opinion = second_opinion(*cut, candidates, last, active, candidate, &before, steps)?;
+        let opinion = second_opinion(*cut, candidates, last, active, candidate, &before, steps, watch)?;
         let other = match opinion {
             Opinion::Stays(others) => {
                 self.class = Some((candidate, others));
@@ -252,6 +258,7 @@ impl<'a> Search<'a> {
             explained: cut.explained(),
             outweighed: cut.outweighed(),
             seen: seen(cut, self.candidates),
+            noise: floor::of(&self.nominal, &self.last, cut.signals()),
             active: self.active,
             nominal: self.nominal,
             last: self.last,

@@ -8,6 +8,7 @@ use super::trials::{HANDICAP, stamped_late};
 use crate::candidates::{Candidate, Side};
 use crate::error::Error;
 use crate::residual::Cut;
+use crate::watch::Watch;
 
 /// An active effect below this many standard errors is dropped again.
 const KEEP: f64 = 2.6;
@@ -34,6 +35,7 @@ pub(super) enum Opinion {
 /// Asks at the fitted model, where noise is small again and columns are short, whether another candidate in the place of
 /// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise. Not one that had its
 /// place `before`, and lost it again.
+#[allow(clippy::too_many_arguments)] // one stage of the search: a struct would only rename its locals
 pub(super) fn second_opinion(
     cut: &mut dyn Cut,
     candidates: &[Candidate],
@@ -42,8 +44,9 @@ pub(super) fn second_opinion(
     candidate: usize,
     before: &[usize],
     steps: &[Step],
+    watch: &mut Watch<'_>,
 ) -> Result<Opinion, Error> {
-    let others = alternatives(cut, candidates, last, active, candidate, steps)?;
+    let others = alternatives(cut, candidates, last, active, candidate, steps, watch)?;
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let late = stamped_late(&candidates[candidate], last.point[candidate], cut.clock_doubt());
     let better = if late { HANDICAP } else { BETTER };

@@ -4,10 +4,12 @@ use super::evaluation::{Evaluation, Folds};
 use super::evidence::lacking;
 use super::refit::refit_closely;
 use super::screen::{Hit, Screen, screen};
+use super::search::SEARCH;
 use crate::candidates::{Candidate, Motion, Side};
 use crate::error::Error;
 use crate::residual::Cut;
 use crate::statistics::linear::submatrix;
+use crate::watch::Watch;
 
 /// How many of the screen's best are refitted, and how good they must be against the best.
 const SHORTLIST: usize = 6;
@@ -62,6 +64,7 @@ impl Trials<'_> {
         shortlist: &[Hit],
         switched: Option<Trial>,
         refused: &mut Vec<usize>,
+        watch: &mut Watch<'_>,
     ) -> Result<Option<Accepted>, Error> {
         // half a law of motion is a matter of fits, whatever columns say
         let small = switched.is_none();
@@ -71,7 +74,11 @@ impl Trials<'_> {
             let trial = self.followed(cut, candidate, trial);
             trials.push((candidate, fall + left - trial.deviance(), trial));
         }
-        for hit in shortlist {
+        for (place, hit) in shortlist.iter().enumerate() {
+            if watch.is_over(SEARCH) {
+                break;
+            }
+            watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
             self.fit(cut, hit, &mut trials);
         }
         let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
@@ -145,7 +152,10 @@ impl Trials<'_> {
     }
 
     fn fit(&self, cut: &mut dyn Cut, hit: &Hit, into: &mut Vec<Trial>) {
-        for x in starts(self.candidates, self.last, hit) {
+        let mut beginnings = starts(self.candidates, self.last, hit);
+        let mut place = 0;
+        while let Some(x) = beginnings.get(place).copied() {
+            place += 1;
             let mut point = self.last.point.clone();
             point[hit.candidate] = x;
             // a value that the unit refuses is no trial
@@ -157,6 +167,10 @@ impl Trials<'_> {
             let trial = self.found_back(cut, hit.candidate, &point, trial);
             let trial =
                 if trial.deviance() < best { self.followed(cut, hit.candidate, trial) } else { trial };
+            // the largest whole number that was looked for needn't be the largest that fits
+            if trial.deviance() < best && place == beginnings.len() {
+                beginnings.extend(self.candidates[hit.candidate].after(x));
+            }
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
@@ -249,7 +263,9 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
         let near = |at: &f64| (at - wanted).abs() <= 1.0;
         let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
         let some: Vec<f64> = all.iter().copied().filter(near).collect();
-        return if some.is_empty() { all[..1].to_vec() } else { some };
+        // who is wanted beyond the largest that is looked for begins there
+        let nearest = all.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
+        return if some.is_empty() { nearest.into_iter().collect() } else { some };
     }
     let by = last.probes[hit.column].by;
     let wanted = match candidate.motion {

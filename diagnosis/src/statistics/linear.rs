@@ -38,6 +38,8 @@ pub struct Cell {
     pub columns: DMatrix<f64>,
     /// What noise alone gives each row, where that is less than `sigma`; else empty.
     pub floor: Vec<f64>,
+    /// q1, q2, dq1, dq2 where all rows are of one moment; else empty.
+    pub state: Vec<f64>,
     /// Where on the pixel lattice each row was rendered: rows of a signal at one place share a renderer's error there. Empty
     /// where nothing is rendered.
     pub lattice: Vec<usize>,

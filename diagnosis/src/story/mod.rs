@@ -2,7 +2,7 @@
 
 use crate::candidates::{Candidate, Side};
 use crate::correction::Correction;
-use crate::diagnosis::{Gap, Unknown};
+use crate::diagnosis::{Effect, Gap, Unknown};
 use crate::selection::Study;
 
 /// One study in sentences.
@@ -52,7 +52,7 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             left.signal, left.shape, left.nearest
         )),
         (Some(closed), None) => lines.push(format!(
-            "On runs left out the gap goes from {} to {} {}: {:.0} % of it is closed.",
+            "By cross-validation (values fitted without each run in turn) the gap goes from {} to {} {}: {:.0} % of it is closed.",
             brief(gap.before),
             brief(gap.after),
             gap.unit,
@@ -79,6 +79,16 @@ pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
         "The nominal model leaves the log within most windows. So the torques that it lacks at the measured states were \
          compared first. They name {}; with that it follows the log, and what comes now is compared in windows.",
         names.join(", ")
+    )
+}
+
+/// An effect that was stopped by the range that is searched.
+pub fn of_end(effect: &Effect) -> String {
+    format!(
+        "{} = {} stands at the end of the range that is searched: it may lie beyond, and then its value and what was named beside it mend \
+         the difference.",
+        effect.name,
+        brief(effect.value)
     )
 }
 

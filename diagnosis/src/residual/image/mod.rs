@@ -106,6 +106,8 @@ pub struct ImageCut {
     followed: Option<Followed>,
     /// No circle was logged, only angles that were read off them.
     pub read: bool,
+    /// Frames in which the camera didn't find its circles, where the data's did.
+    unseen: usize,
     /// Poses, and what they had followed, at the last look that was not quick.
     looked: Option<Poses>,
     /// The same, when it was asked for.
@@ -173,6 +175,7 @@ impl ImageCut {
             still: Default::default(),
             followed: None,
             read,
+            unseen: 0,
             looked: None,
             remembered: None,
             studio,
@@ -288,6 +291,9 @@ impl Cut for ImageCut {
             });
         }
         let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
+        self.unseen = (self.frames.iter().zip(&base))
+            .filter(|(frame, here)| (free || frame.known) && here.is_none())
+            .count();
         let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };
         let turns = self.turns.as_deref().unwrap_or(&[]);
         let mut blocks: Vec<Block> = Vec::new();
@@ -322,6 +328,7 @@ impl Cut for ImageCut {
                 heft: 1.0,
                 columns: matrix,
                 floor: Vec::new(),
+                state: frame.shot.end.to_vec(),
                 lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
                 signal: rows,
             };
@@ -350,6 +357,10 @@ impl Cut for ImageCut {
 
     fn lattice(&self) -> bool {
         true
+    }
+
+    fn unseen(&self) -> usize {
+        self.unseen
     }
 
     fn back(&mut self) {

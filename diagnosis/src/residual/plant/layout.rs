@@ -78,6 +78,7 @@ impl Layout {
             heft: cut.heft,
             columns: empty(),
             floor: Vec::new(),
+            state: Vec::new(),
             lattice: Vec::new(),
         };
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return cell };

@@ -1,0 +1,85 @@
+//! The rows of a run: every time at which a compared channel has a value.
+
+use super::machine::Machine;
+use crate::observe::{Hold, Run};
+
+/// A value of a compared channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Place among [`Machine::channels`].
+    pub channel: usize,
+    /// When, s.
+    pub time: f64,
+    /// In the variable's own unit.
+    pub value: f64,
+}
+
+/// A fed input over time, as logged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Values.
+    pub values: Vec<f64>,
+    /// Between them.
+    pub hold: Hold,
+}
+
+/// One run, as the sweep walks it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Name of the run.
+    pub name: String,
+    /// Times of the rows, s.
+    pub time: Vec<f64>,
+    /// Values, ordered by time.
+    pub samples: Vec<Sample>,
+    /// Fed inputs, as [`Machine::inputs`].
+    pub inputs: Vec<Course>,
+}
+
+/// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
+const SAME: f64 = 1e-3;
+
+impl Grid {
+    /// Of a run, between two times.
+    pub fn new(machine: &Machine, run: &Run, from: f64, to: f64) -> Self {
+        let mut samples: Vec<Sample> = Vec::new();
+        for (channel, output) in machine.channels.iter().enumerate() {
+            let series = &run.series[output.channel];
+            let within = series.time.iter().zip(&series.values).filter(|(t, _)| (from..=to).contains(*t));
+            samples.extend(within.map(|(time, value)| Sample { channel, time: *time, value: *value }));
+        }
+        samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
+        let mut time: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
+        let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
+        let near = SAME * span / time.len().max(1) as f64;
+        time.dedup_by(|later, earlier| *later - *earlier <= near);
+        let mut row = 0;
+        for sample in &mut samples {
+            while row + 1 < time.len() && time[row + 1] <= sample.time {
+                row += 1;
+            }
+            sample.time = time[row];
+        }
+        let inputs = machine
+            .inputs
+            .iter()
+            .map(|input| {
+                let series = &run.series[input.channel];
+                let (time, values) = if series.time.is_empty() {
+                    (vec![from], vec![input.nominal])
+                } else {
+                    (series.time.clone(), series.values.clone())
+                };
+                Course { time, values, hold: input.hold }
+            })
+            .collect();
+        Self { name: run.name.clone(), time, samples, inputs }
+    }
+
+    /// Length, s.
+    pub fn span(&self) -> f64 {
+        self.time.last().zip(self.time.first()).map_or(0.0, |(last, first)| last - first)
+    }
+}

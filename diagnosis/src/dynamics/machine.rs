@@ -1,0 +1,237 @@
+//! Which variables of which units are states, inputs, channels and parameters, by reference.
+
+use crate::error::Error;
+use crate::observe::{self, InputEffect, OutputEffect, Problem, Scale, VariableId};
+use crate::ports;
+use orchestrator::{Fmu, Kind, Value};
+
+/// A variable of a unit, as calls want it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reference {
+    /// Place of the unit.
+    pub unit: usize,
+    /// Value reference.
+    pub reference: u32,
+    /// Type.
+    pub kind: Kind,
+}
+
+/// One unit of the nominal model.
+#[derive(Debug, Clone)]
+pub struct Unit {
+    /// The unit.
+    pub fmu: Fmu,
+    /// Values that differ from its start values.
+    pub settings: Vec<(u32, Value)>,
+}
+
+/// A state: how it is set and how it is read.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Name of what shows it, or of its start parameter.
+    pub name: String,
+    /// Its start parameter.
+    pub start: Reference,
+    /// The variable that shows it, if one does.
+    pub shows: Option<Reference>,
+    /// Nominal start value.
+    pub nominal: f64,
+    /// The channel that measures it.
+    pub channel: Option<usize>,
+}
+
+/// What a parameter is part of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Role {
+    /// A unit.
+    Unit(Reference),
+    /// The way to a fed input (place among [`Machine::inputs`]).
+    Input(usize, InputEffect),
+    /// The way from a compared output (place among [`Machine::channels`]).
+    Output(usize, OutputEffect),
+}
+
+/// One θ.
+#[derive(Debug, Clone)]
+pub struct Parameter {
+    /// `instance.variable`, or `instance.variable:effect`.
+    pub name: String,
+    /// In words.
+    pub phrase: String,
+    /// Where the model is the nominal one.
+    pub neutral: f64,
+    /// Smallest and largest value.
+    pub range: (f64, f64),
+    /// How it moves.
+    pub scale: Scale,
+    /// What it is part of.
+    pub role: Role,
+}
+
+/// A compared variable.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// `instance.variable`.
+    pub name: String,
+    /// The variable.
+    pub variable: Reference,
+    /// Stated standard deviation.
+    pub noise: Option<f64>,
+    /// Place in [`Problem::channels`].
+    pub channel: usize,
+    /// Its unit, for people.
+    pub unit: String,
+}
+
+/// A fed variable.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// `instance.variable`.
+    pub name: String,
+    /// The variable.
+    pub variable: Reference,
+    /// How it runs between rows.
+    pub hold: observe::Hold,
+    /// Place in [`Problem::channels`].
+    pub channel: usize,
+    /// Value before it is logged.
+    pub nominal: f64,
+    /// Its unit, for people.
+    pub unit: String,
+}
+
+/// A connection between units that no channel cuts.
+#[derive(Debug, Clone, Copy)]
+pub struct Link {
+    /// An output.
+    pub from: Reference,
+    /// An input.
+    pub to: Reference,
+}
+
+/// The nominal model as calls want it.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    /// Units in the order they step.
+    pub units: Vec<Unit>,
+    /// Connections that are simulated through.
+    pub links: Vec<Link>,
+    /// States.
+    pub states: Vec<State>,
+    /// Fed inputs.
+    pub inputs: Vec<Input>,
+    /// Compared outputs.
+    pub channels: Vec<Output>,
+    /// All θ: candidates of the problem, then effects at ports.
+    pub parameters: Vec<Parameter>,
+    /// Longest step of the units, s.
+    pub longest: f64,
+    /// Steps may differ in size.
+    pub any_step: bool,
+    /// Rows over which outputs show a state that can't be read back; 0: every state is read.
+    pub horizon: usize,
+}
+
+impl Machine {
+    /// Of a problem. States that no variable shows are read through the outputs: `through.rs`.
+    ///
+    /// # Errors
+    /// The scenario has what this way can't follow.
+    pub fn new(problem: &Problem) -> Result<Self, Error> {
+        let model = &problem.model;
+        let reference = |id: VariableId| {
+            let variable = model.variable(id);
+            Reference { unit: id.unit, reference: variable.reference, kind: variable.kind }
+        };
+        let units: Vec<Unit> = (model.fmus.iter().enumerate())
+            .map(|(unit, fmu)| {
+                let own = model.set.iter().filter(|(id, _)| id.unit == unit);
+                let settings = own.map(|(id, value)| (model.variable(*id).reference, value.clone()));
+                Unit { fmu: fmu.clone(), settings: settings.collect() }
+            })
+            .collect();
+        let (mut inputs, mut channels) = (Vec::new(), Vec::new());
+        for (place, channel) in problem.channels.iter().enumerate() {
+            let variable = reference(channel.variable);
+            let unit = model.variable(channel.variable).unit.clone().unwrap_or_default();
+            let name = channel.name.clone();
+            match channel.role {
+                observe::Role::Fed(hold) => {
+                    let nominal = model.number(channel.variable).unwrap_or(0.0);
+                    inputs.push(Input { name, variable, hold, channel: place, nominal, unit });
+                }
+                observe::Role::Compared => {
+                    channels.push(Output { name, variable, noise: channel.noise, channel: place, unit });
+                }
+            }
+        }
+        let states = (problem.states.iter())
+            .map(|state| State {
+                name: model.name(state.shows.unwrap_or(state.start)),
+                start: reference(state.start),
+                shows: state.shows.map(reference),
+                nominal: model.number(state.start).unwrap_or(0.0),
+                channel: state
+                    .channel
+                    .and_then(|own| channels.iter().position(|output: &Output| output.channel == own)),
+            })
+            .collect();
+        let longest = model.scenario.units.iter().map(|unit| unit.interval.to_f64());
+        let mut machine = Self {
+            links: links(problem, &inputs)?,
+            states,
+            parameters: Vec::new(),
+            longest: longest.fold(f64::INFINITY, f64::min),
+            any_step: units.iter().all(|u| u.fmu.description().co_simulation.can_handle_variable_step),
+            units,
+            inputs,
+            channels,
+            horizon: 0,
+        };
+        machine.parameters = problem
+            .candidates
+            .iter()
+            .map(|candidate| Parameter {
+                name: candidate.name.clone(),
+                phrase: candidate.phrase.clone(),
+                neutral: candidate.neutral,
+                range: candidate.range,
+                scale: candidate.scale,
+                role: Role::Unit(reference(candidate.variable)),
+            })
+            .collect();
+        let at_ports = ports::parameters(&machine, problem);
+        machine.parameters.extend(at_ports);
+        Ok(machine)
+    }
+
+    /// States.
+    pub fn order(&self) -> usize {
+        self.states.len()
+    }
+
+    /// A state whose equation is a channel's: the channel measures it as it is.
+    pub fn neutral(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.neutral).collect()
+    }
+}
+
+/// Connections of the scenario that end at no fed input.
+fn links(problem: &Problem, inputs: &[Input]) -> Result<Vec<Link>, Error> {
+    let model = &problem.model;
+    let find = |full: &str| {
+        (0..model.fmus.len()).find_map(|unit| {
+            let name = full.strip_prefix(model.scenario.units[unit].name.as_str())?.strip_prefix('.')?;
+            let place = model.description(unit).place(name)?;
+            let variable = &model.description(unit).variables[place];
+            Some(Reference { unit, reference: variable.reference, kind: variable.kind })
+        })
+    };
+    let open =
+        model.scenario.connections.iter().filter(|link| inputs.iter().all(|input| input.name != link.to));
+    open.map(|link| match (find(&link.from), find(&link.to)) {
+        (Some(from), Some(to)) => Ok(Link { from, to }),
+        _ => Err(Error::Model(format!("connection {} to {}: no such variables", link.from, link.to))),
+    })
+    .collect()
+}

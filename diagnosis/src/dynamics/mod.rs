@@ -1,0 +1,26 @@
+//! The machine under diagnosis as a function: one interval of the log, through FMI.
+//!
+//! (state, θ, inputs) ── units ──▶ (next state, outputs), with sensitivities by differences. A state is set through its
+//! start parameter and read back through the variable that shows it; between them the units are reset and initialised.
+//!
+//! - `machine.rs`: which variables of which units are states, inputs, channels and parameters
+//! - `worker.rs`: instances of the units, and one interval on them
+//! - `grid.rs`: the rows of a run and its values
+//! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
+//! - `linearise.rs`: differences, many rows at once on all threads
+//! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
+//! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `first_path.rs`: a path to begin with, by an extended Kalman filter
+
+pub mod build;
+pub mod first_path;
+pub mod grid;
+pub mod linearise;
+pub mod machine;
+pub mod schedule;
+mod through;
+pub mod worker;
+
+pub use grid::Grid;
+pub use linearise::Engine;
+pub use machine::{Machine, Parameter, Role};

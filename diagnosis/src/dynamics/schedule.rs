@@ -1,0 +1,229 @@
+//! What is fed and read within each interval of a run, after the effects at ports.
+
+use super::grid::Grid;
+use super::machine::{Machine, Role};
+use super::worker::Job;
+use crate::observe::{Hold, InputEffect, OutputEffect};
+use crate::ports::{input, output};
+
+/// A value and where in the run the model gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    /// Place among the grid's samples.
+    pub sample: usize,
+    /// Row whose state gives it.
+    pub row: usize,
+    /// Place among the row's reads within the interval; `None`: at the row itself.
+    pub read: Option<usize>,
+    /// It lies before the run: not compared.
+    pub early: bool,
+}
+
+/// A stretch with constant inputs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Length, s.
+    pub span: f64,
+    /// Reads at its end.
+    pub reads: usize,
+}
+
+/// The schedule of one run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Schedule {
+    /// Inputs.
+    pub width: usize,
+    /// Where the pieces of each row's interval begin; one more than rows.
+    pub first: Vec<usize>,
+    /// All pieces.
+    pub pieces: Vec<Piece>,
+    /// Inputs of each piece.
+    pub fed: Vec<f64>,
+    /// Inputs just after each row.
+    pub after: Vec<f64>,
+    /// Mean inputs over each interval.
+    pub mean: Vec<f64>,
+    /// All values, by row.
+    pub placed: Vec<Placed>,
+    /// Channels of the reads within each interval, in order.
+    pub reads: Vec<Vec<usize>>,
+}
+
+/// The effects at the inputs for these parameters.
+pub fn input_effects(machine: &Machine, theta: &[f64]) -> Vec<input::Effects> {
+    let mut effects = vec![input::Effects::OFF; machine.inputs.len()];
+    for (parameter, value) in machine.parameters.iter().zip(theta) {
+        if let Role::Input(place, effect) = parameter.role {
+            let at = &mut effects[place];
+            *match effect {
+                InputEffect::Gain => &mut at.gain,
+                InputEffect::Bias => &mut at.bias,
+                InputEffect::Delay => &mut at.delay,
+                InputEffect::Lag => &mut at.lag,
+                InputEffect::Saturation => &mut at.saturation,
+                InputEffect::RateLimit => &mut at.rate_limit,
+            } = *value;
+        }
+    }
+    effects
+}
+
+/// The effects at the outputs for these parameters.
+pub fn output_effects(machine: &Machine, theta: &[f64]) -> Vec<output::Effects> {
+    let mut effects = vec![output::Effects::OFF; machine.channels.len()];
+    for (parameter, value) in machine.parameters.iter().zip(theta) {
+        if let Role::Output(place, effect) = parameter.role {
+            let at = &mut effects[place];
+            *match effect {
+                OutputEffect::Gain => &mut at.gain,
+                OutputEffect::Offset => &mut at.offset,
+                OutputEffect::Delay => &mut at.delay,
+                OutputEffect::Lag => &mut at.lag,
+                OutputEffect::Drift => &mut at.drift,
+            } = *value;
+        }
+    }
+    effects
+}
+
+/// A break this close to another, as a share of the interval, is the same.
+const SAME: f64 = 1e-6;
+
+impl Schedule {
+    /// Of a run with these parameters.
+    pub fn new(machine: &Machine, grid: &Grid, theta: &[f64]) -> Self {
+        let effects = input_effects(machine, theta);
+        let lines: Vec<input::Lines> = grid
+            .inputs
+            .iter()
+            .zip(&effects)
+            .map(|(course, effects)| input::arriving(course, effects))
+            .collect();
+        let (placed, mut moments) = placed(machine, grid, theta);
+        // beyond the end the last inputs hold: there a state is read through what would follow
+        let mut time = grid.time.clone();
+        let usual = grid.span() / (time.len() - 1).max(1) as f64;
+        for _ in 0..machine.horizon {
+            time.push(time[time.len() - 1] + usual);
+            moments.push(Vec::new());
+        }
+        let rows = time.len();
+        let width = lines.len();
+        let mut schedule = Self { width, first: vec![0], placed, ..Self::default() };
+        schedule.reads =
+            moments.iter().map(|row| row.iter().map(|(_, channel)| *channel).collect()).collect();
+        let mut near = vec![0; width];
+        let linear = grid.inputs.iter().any(|course| course.hold == Hold::Linear);
+        for (row, moments) in moments.iter().enumerate() {
+            let from = time[row];
+            schedule.after.extend(lines.iter().zip(&mut near).map(|(lines, near)| lines.after(from, near)));
+            if row + 1 < rows {
+                let to = time[row + 1];
+                let means = lines.iter().zip(&mut near).map(|(lines, near)| lines.mean(from, to, near));
+                schedule.mean.extend(means);
+                let mut ends = Vec::new();
+                if machine.any_step {
+                    for (lines, near) in lines.iter().zip(&mut near) {
+                        lines.breaks(from, to, near, &mut ends);
+                    }
+                    ends.extend(moments.iter().map(|(time, _)| *time));
+                    if linear {
+                        ends.push(0.5 * (from + to));
+                    }
+                }
+                schedule.cut(machine, from, to, ends, moments, &lines, &mut near);
+            }
+            schedule.first.push(schedule.pieces.len());
+        }
+        schedule
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "one interval with all that cuts it")]
+    fn cut(
+        &mut self,
+        machine: &Machine,
+        from: f64,
+        to: f64,
+        mut ends: Vec<f64>,
+        moments: &[(f64, usize)],
+        lines: &[input::Lines],
+        near: &mut [usize],
+    ) {
+        let whole = to - from;
+        ends.push(to);
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|later, earlier| *later - *earlier < SAME * whole);
+        // the interval's end is exact, whatever fell on it
+        if let Some(last) = ends.last_mut() {
+            *last = to;
+        }
+        let mut begin = from;
+        let mut reads = moments.iter().peekable();
+        for end in ends {
+            let parts = ((end - begin) / machine.longest - 1e-6).ceil().clamp(1.0, MOST_PARTS);
+            let span = (end - begin) / parts;
+            for part in 0..parts as usize {
+                let at = begin + part as f64 * span;
+                self.fed.extend(
+                    lines.iter().zip(near.iter_mut()).map(|(lines, near)| lines.mean(at, at + span, near)),
+                );
+                let last = part + 1 == parts as usize;
+                let mut count = 0;
+                while last && reads.peek().is_some_and(|(time, _)| *time <= end + SAME * whole) {
+                    reads.next();
+                    count += 1;
+                }
+                self.pieces.push(Piece { span, reads: count });
+            }
+            begin = end;
+        }
+    }
+
+    /// What happens over so many intervals after a row, as far as the schedule goes.
+    pub fn job<'a>(&'a self, time: f64, row: usize, intervals: usize, states: &'a [f64]) -> Job<'a> {
+        let last = (row + intervals).min(self.first.len() - 2);
+        let (begin, end, width) = (self.first[row], self.first[last], self.width);
+        Job {
+            time,
+            states,
+            parameters: &[],
+            after: &self.after[row * width..(last + 1) * width],
+            first: &self.first[row..=last],
+            pieces: &self.pieces[begin..end],
+            fed: &self.fed[begin * width..end * width],
+            reads: &self.reads[row],
+            probe: false,
+        }
+    }
+}
+
+/// An interval is cut into at most so many steps of a unit.
+const MOST_PARTS: f64 = 1000.0;
+
+/// For each row the times and channels that are read within its interval.
+type Moments = Vec<Vec<(f64, usize)>>;
+
+fn placed(machine: &Machine, grid: &Grid, theta: &[f64]) -> (Vec<Placed>, Moments) {
+    let delays: Vec<f64> = output_effects(machine, theta).iter().map(|effects| effects.delay).collect();
+    let mut moments: Moments = vec![Vec::new(); grid.time.len()];
+    let mut all = Vec::with_capacity(grid.samples.len());
+    let mut timed: Vec<(f64, usize)> = (grid.samples.iter().enumerate())
+        .map(|(place, sample)| (sample.time - delays[sample.channel], place))
+        .collect();
+    timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut row = 0;
+    for (time, sample) in timed {
+        let early = time < grid.time[0];
+        while row + 1 < grid.time.len() && grid.time[row + 1] <= time {
+            row += 1;
+        }
+        let length = grid.time.get(row + 1).map_or(1.0, |next| next - grid.time[row]);
+        let mut read = None;
+        if !early && machine.any_step && time - grid.time[row] > SAME * length {
+            read = Some(moments[row].len());
+            moments[row].push((time, grid.samples[sample].channel));
+        }
+        all.push(Placed { sample, row, read, early });
+    }
+    (all, moments)
+}

@@ -1,0 +1,219 @@
+//! Instances of the units, and one interval on them: set the states, feed, step, read.
+
+use super::machine::{Machine, Reference};
+use crate::error::Error;
+use orchestrator::fmu::{Instance, Status};
+use orchestrator::{Kind, Value};
+
+/// One instance of each unit.
+pub struct Worker {
+    instances: Vec<Instance>,
+    /// Real start values of each unit: references and values, filled anew for each interval.
+    reals: Vec<(Vec<u32>, Vec<f64>)>,
+    /// Whether a reset brings an instance back to where it was after instantiation.
+    pub resets: bool,
+}
+
+/// What happens from a row on, over one interval or more.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// Begin, s.
+    pub time: f64,
+    /// States there.
+    pub states: &'a [f64],
+    /// Parameters of the units: reference and value, those off their nominal values.
+    pub parameters: &'a [(Reference, f64)],
+    /// Inputs just after each row, the first and the last included.
+    pub after: &'a [f64],
+    /// Where the pieces of each interval begin, and where the last ends.
+    pub first: &'a [usize],
+    /// Stretches.
+    pub pieces: &'a [super::schedule::Piece],
+    /// Inputs of each stretch.
+    pub fed: &'a [f64],
+    /// Channels read within the first interval.
+    pub reads: &'a [usize],
+    /// Read all channels at the end of each interval, too.
+    pub probe: bool,
+}
+
+fn failed(error: impl std::fmt::Display) -> Error {
+    Error::Model(error.to_string())
+}
+
+/// A number as the type that a variable has.
+pub fn typed(kind: Kind, value: f64) -> Value {
+    match kind {
+        Kind::Integer => Value::Integer(value.round() as i32),
+        Kind::Boolean => Value::Boolean(value > 0.5),
+        _ => Value::Real(value),
+    }
+}
+
+impl Worker {
+    /// Fresh instances.
+    ///
+    /// # Errors
+    /// A unit can't be instantiated.
+    pub fn new(machine: &Machine) -> Result<Self, Error> {
+        let instances = machine.units.iter().map(|unit| unit.fmu.instantiate("bench").map_err(failed));
+        let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
+        Ok(Self { instances: instances.collect::<Result<_, _>>()?, reals, resets: true })
+    }
+
+    /// Next states (0 where nothing shows them), outputs at the begin, what is read within the first interval, and where
+    /// asked for the outputs at the end of each interval, one behind the other.
+    ///
+    /// # Errors
+    /// A unit refused something.
+    pub fn interval(&mut self, machine: &Machine, job: &Job<'_>, out: &mut Vec<f64>) -> Result<(), Error> {
+        out.clear();
+        out.resize(machine.order(), 0.0);
+        self.begin(machine, job)?;
+        self.outputs(machine, out)?;
+        let width = machine.inputs.len();
+        let mut reads = job.reads.iter();
+        let mut time = job.time;
+        for interval in 0..job.first.len().saturating_sub(1) {
+            let (begin, end) = (job.first[interval] - job.first[0], job.first[interval + 1] - job.first[0]);
+            for place in begin..end {
+                let piece = job.pieces[place];
+                self.feed(machine, &job.fed[place * width..(place + 1) * width])?;
+                self.step(machine, time, piece.span)?;
+                time += piece.span;
+                let here = if interval == 0 { piece.reads } else { 0 };
+                for channel in reads.by_ref().take(here) {
+                    out.push(self.read(machine.channels[*channel].variable)?);
+                }
+            }
+            if interval == 0 {
+                for (place, shows) in machine.states.iter().map(|state| state.shows).enumerate() {
+                    out[place] = shows.map_or(Ok(0.0), |shows| self.read(shows))?;
+                }
+            }
+            if job.probe {
+                self.feed(machine, &job.after[(interval + 1) * width..(interval + 2) * width])?;
+                self.outputs(machine, out)?;
+            }
+        }
+        out.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(|| {
+            let from = job.time;
+            Error::Model(format!("a unit gives a value that is not finite in the interval from {from} s"))
+        })
+    }
+
+    fn outputs(&mut self, machine: &Machine, out: &mut Vec<f64>) -> Result<(), Error> {
+        for output in &machine.channels {
+            out.push(self.read(output.variable)?);
+        }
+        Ok(())
+    }
+
+    /// What the variables that show the states say after initialisation.
+    ///
+    /// # Errors
+    /// A unit refused something.
+    pub fn shown(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
+        self.begin(machine, job)?;
+        machine
+            .states
+            .iter()
+            .map(|state| state.shows.map_or(Ok(f64::NAN), |shows| self.read(shows)))
+            .collect()
+    }
+
+    /// Reset, start values, initialisation.
+    fn begin(&mut self, machine: &Machine, job: &Job<'_>) -> Result<(), Error> {
+        for (place, unit) in machine.units.iter().enumerate() {
+            if self.resets {
+                self.instances[place].reset().map_err(failed)?;
+            } else {
+                self.instances[place] = unit.fmu.instantiate("bench").map_err(failed)?;
+            }
+            for (reference, value) in &unit.settings {
+                self.instances[place].set(*reference, value).map_err(failed)?;
+            }
+            self.reals[place].0.clear();
+            self.reals[place].1.clear();
+        }
+        let starts = machine.states.iter().map(|state| state.start).zip(job.states.iter().copied());
+        for (reference, value) in job.parameters.iter().copied().chain(starts) {
+            if reference.kind == Kind::Real {
+                self.reals[reference.unit].0.push(reference.reference);
+                self.reals[reference.unit].1.push(value);
+            } else {
+                let value = typed(reference.kind, value);
+                self.instances[reference.unit].set(reference.reference, &value).map_err(failed)?;
+            }
+        }
+        for (instance, (references, values)) in self.instances.iter_mut().zip(&self.reals) {
+            if !references.is_empty() {
+                instance.set_real(references, values).map_err(failed)?;
+            }
+            instance.setup_experiment(job.time, None).map_err(failed)?;
+            instance.enter_initialization().map_err(failed)?;
+        }
+        self.feed(machine, &job.after[..machine.inputs.len()])?;
+        // a chain of links settles after as many passes as units; a loop is the first pass's affair
+        for _ in 1..machine.units.len() {
+            self.carry(machine, None)?;
+        }
+        self.instances.iter_mut().try_for_each(|instance| instance.exit_initialization()).map_err(failed)
+    }
+
+    fn feed(&mut self, machine: &Machine, values: &[f64]) -> Result<(), Error> {
+        for (input, value) in machine.inputs.iter().zip(values) {
+            let Reference { unit, reference, kind } = input.variable;
+            let instance = &mut self.instances[unit];
+            match kind {
+                Kind::Real => instance.set_real(&[reference], &[*value]),
+                _ => instance.set(reference, &typed(kind, *value)),
+            }
+            .map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Hands linked values on, to one unit or to all.
+    fn carry(&mut self, machine: &Machine, to: Option<usize>) -> Result<(), Error> {
+        for link in machine.links.iter().filter(|link| to.is_none_or(|unit| unit == link.to.unit)) {
+            let value =
+                self.instances[link.from.unit].get(link.from.kind, link.from.reference).map_err(failed)?;
+            self.instances[link.to.unit].set(link.to.reference, &value).map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// One step of all units, each with what those before it gave at its end.
+    fn step(&mut self, machine: &Machine, from: f64, span: f64) -> Result<(), Error> {
+        for unit in 0..self.instances.len() {
+            if !machine.links.is_empty() {
+                self.carry(machine, Some(unit))?;
+            }
+            match self.instances[unit].do_step(from, span, true) {
+                Status::Ok | Status::Warning => {}
+                status => {
+                    let instance = &self.instances[unit];
+                    let said =
+                        instance.log().last().map(|line| format!(": {}", line.text)).unwrap_or_default();
+                    let name = machine.units[unit].fmu.path().display();
+                    return Err(Error::Model(format!(
+                        "{name}: step at {from} s of {span} s: {status}{said}"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn read(&mut self, variable: Reference) -> Result<f64, Error> {
+        let instance = &mut self.instances[variable.unit];
+        if variable.kind == Kind::Real {
+            let mut value = [0.0];
+            instance.get_real(&[variable.reference], &mut value).map_err(failed)?;
+            return Ok(value[0]);
+        }
+        let value = instance.get(variable.kind, variable.reference).map_err(failed)?;
+        value.as_f64().ok_or_else(|| Error::Model(format!("{value} is no number")))
+    }
+}

@@ -1,0 +1,213 @@
+//! The gap: how far simulation and log part within windows, each from a start state of its own, without process noise.
+
+use super::study::Studied;
+use crate::diagnosis::{Gap, Where};
+use crate::dynamics::Engine;
+use crate::dynamics::build::{Span, build};
+use crate::error::Error;
+use crate::infer::fit::{At, Options, fit};
+use crate::observe::{Problem, Run};
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// Rows of a window at first; halved where a window can't be followed.
+const WINDOW: usize = 200;
+/// Windows shorter than this say nothing of a model.
+const SHORTEST: usize = 12;
+/// A window is as good as followed when this many values for each start state are compared.
+const ENOUGH: f64 = 3.0;
+
+/// Sums of one channel over windows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    square: f64,
+    count: f64,
+}
+
+/// One window's residuals: time, channel, value; and what one start state costs.
+struct Window {
+    from: f64,
+    to: f64,
+    sums: Vec<Sum>,
+}
+
+/// The gap of each channel on rows left out, the largest first.
+///
+/// # Errors
+/// A unit failed everywhere.
+pub fn gaps(problem: &Problem, left: &[(&Run, Span)], trained: &Studied) -> Result<Vec<Gap>, Error> {
+    let built = build(problem, left)?;
+    let neutral = built.engine.machine.neutral();
+    let before = windows(&built.engine, &neutral, trained)?;
+    let after = if trained.effects.is_empty() {
+        None
+    } else {
+        Some(windows(&built.engine, &trained.fit.at.theta, trained)?)
+    };
+    let after = after.as_ref().unwrap_or(&before);
+    let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
+    let mut gaps: Vec<(f64, Gap)> = Vec::new();
+    for (channel, output) in built.engine.machine.channels.iter().enumerate() {
+        let floor = output.noise.unwrap_or(built.scatter[channel].noise);
+        let (before, after) = (mean(&before, channel), mean(after, channel));
+        let closed = (before > floor)
+            .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
+            .filter(|_| before > 1.05 * floor);
+        let gap = Gap {
+            before,
+            after,
+            floor,
+            closed,
+            held_out_runs: names.clone(),
+            cross_validated: Vec::new(),
+            signal: output.name.clone(),
+            unit: output.unit.clone(),
+        };
+        gaps.push((before / floor.max(1e-300), gap));
+    }
+    gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Ok(gaps.into_iter().map(|(_, gap)| gap).collect())
+}
+
+fn mean(windows: &[Window], channel: usize) -> f64 {
+    let (square, count) =
+        windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));
+    if count > 0.0 { (square / count).sqrt() } else { 0.0 }
+}
+
+/// All windows of an engine's runs, each followed from its own start state.
+fn windows(engine: &Engine, theta: &[f64], trained: &Studied) -> Result<Vec<Window>, Error> {
+    let mut noise = trained.fit.at.noise.clone();
+    noise.disturbance = None;
+    let paths = engine.first_paths(theta, &trained.built.noise)?;
+    let mut list: Vec<(usize, usize, usize)> = Vec::new();
+    for (run, grid) in engine.grids.iter().enumerate() {
+        let rows = grid.time.len();
+        let count = rows.div_ceil(WINDOW).max(1);
+        list.extend((0..count).map(|part| (run, part * rows / count, (part + 1) * rows / count)));
+    }
+    // no process noise: the least that the sweep takes
+    noise.process.iter_mut().zip(&engine.scales).for_each(|(size, scale)| *size = 1e-9 * scale);
+    noise.jitter = 0.0;
+    let n = engine.machine.order();
+    let all: Vec<Vec<Window>> = list
+        .into_par_iter()
+        .map(|(run, from, to)| followed(engine, theta, run, &paths[run], (from, to), &noise, n))
+        .collect();
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// One stretch of rows, or its halves where it can't be followed as a whole.
+fn followed(
+    engine: &Engine,
+    theta: &[f64],
+    run: usize,
+    path: &[f64],
+    (from, to): (usize, usize),
+    noise: &crate::infer::Noise,
+    n: usize,
+) -> Vec<Window> {
+    if to - from < SHORTEST {
+        return Vec::new();
+    }
+    if let Some(window) = window(engine, theta, run, path, (from, to), noise, n) {
+        return vec![window];
+    }
+    let half = (from + to) / 2;
+    let mut both = followed(engine, theta, run, path, (from, half), noise, n);
+    both.extend(followed(engine, theta, run, path, (half, to), noise, n));
+    both
+}
+
+fn window(
+    engine: &Engine,
+    theta: &[f64],
+    run: usize,
+    path: &[f64],
+    (from, to): (usize, usize),
+    noise: &crate::infer::Noise,
+    n: usize,
+) -> Option<Window> {
+    let grid = &engine.grids[run];
+    let mut part = grid.clone();
+    part.time = grid.time[from..to].to_vec();
+    let (begin, end) = (part.time[0], part.time[part.time.len() - 1]);
+    part.samples.retain(|sample| (begin..=end).contains(&sample.time));
+    let single = Engine {
+        machine: engine.machine.clone(),
+        outliers: vec![vec![false; part.samples.len()]],
+        starts: vec![(path[from * n..(from + 1) * n].to_vec(), engine.starts[run].1.clone())],
+        grids: vec![part],
+        scales: engine.scales.clone(),
+        input_scales: engine.input_scales.clone(),
+        steps: engine.steps.clone(),
+        pool: Mutex::new(Vec::new()),
+        resets: engine.resets,
+        sensors: engine.sensors.clone(),
+    };
+    let start =
+        At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
+    let options = Options { rounds: 6, settled: 1e-2, ..Options::default() };
+    let fitted = fit(&single, &start, &[], None, &options).ok()?;
+    let run = &fitted.runs[0];
+    // what is left after the path's last small move, which the smoother gives
+    let moved = crate::infer::smooth(run, noise);
+    let settled =
+        moved.state.iter().zip(engine.scales.iter().cycle()).all(|(by, scale)| by.abs() < 0.1 * scale);
+    if !settled {
+        return None;
+    }
+    let mut sums = vec![Sum::default(); engine.machine.channels.len()];
+    for row in 0..run.rows() {
+        for value in run.values(row).filter(|value| run.measured[*value].weight > 0.0) {
+            let measured = &run.measured[value];
+            let by: f64 = (0..n).map(|i| run.observe[value * n + i] * moved.state[row * n + i]).sum();
+            let sum = &mut sums[measured.channel];
+            sum.square += (measured.residual - by) * (measured.residual - by);
+            sum.count += 1.0;
+        }
+    }
+    let all: f64 = sums.iter().map(|sum| sum.count).sum();
+    if all < ENOUGH * n as f64 {
+        return None;
+    }
+    // each start state takes a value's worth of the residual away
+    let share = (all - n as f64) / all;
+    sums.iter_mut().for_each(|sum| sum.count *= share);
+    Some(Window { from: begin, to: end, sums })
+}
+
+/// Where the nominal model parts from the log, over all runs.
+///
+/// # Errors
+/// A unit failed everywhere.
+pub fn places(_problem: &Problem, studied: &Studied) -> Result<Vec<Where>, Error> {
+    let engine = &studied.built.engine;
+    let windows = windows(engine, &engine.machine.neutral(), studied)?;
+    let sizes = &studied.fit.at.noise.channels;
+    let mut places: Vec<Where> = Vec::new();
+    let excess = |window: &Window, channel: usize| {
+        let sum = window.sums[channel];
+        (sum.square / (sizes[channel] * sizes[channel]) - sum.count).max(0.0)
+    };
+    let whole: f64 =
+        windows.iter().map(|w| (0..sizes.len()).map(|channel| excess(w, channel)).sum::<f64>()).sum();
+    for (channel, output) in engine.machine.channels.iter().enumerate() {
+        let own: f64 = windows.iter().map(|window| excess(window, channel)).sum();
+        let telling: Vec<&Window> = windows
+            .iter()
+            .filter(|window| excess(window, channel) > 0.5 * window.sums[channel].count)
+            .collect();
+        if whole > 0.0 && own > 0.0 && !telling.is_empty() {
+            places.push(Where {
+                signal: output.name.clone(),
+                share: own / whole,
+                from: telling.iter().map(|window| window.from).fold(f64::INFINITY, f64::min),
+                to: telling.iter().map(|window| window.to).fold(f64::NEG_INFINITY, f64::max),
+                region: format!("{} of {} windows", telling.len(), windows.len()),
+            });
+        }
+    }
+    places.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Ok(places)
+}

@@ -1,0 +1,37 @@
+//! Who diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's.
+//!
+//! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
+//! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `mismatch.rs`: the gap on rows that nothing was fitted to
+//! - `told.rs`: effects, classes, what the data would show
+//! - `amended.rs`: the scenario with what was found
+
+mod amended;
+mod mismatch;
+mod rest;
+mod study;
+mod told;
+
+use crate::diagnosis::Diagnosis;
+use crate::error::Error;
+use crate::observe;
+use crate::pipeline::{self, Options};
+use crate::watch::Listener;
+use orchestrator::UnitPath;
+use std::path::Path;
+
+/// Diagnoses a data set. `tell` hears of each stage.
+///
+/// # Errors
+/// The data set or the nominal model can't be used, or a unit failed.
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: Listener<'_>,
+) -> Result<Diagnosis, Error> {
+    match observe::format(path) {
+        Some(2) => study::diagnosed(&observe::load(path, units)?, units, options, tell),
+        _ => pipeline::diagnose(path, units, options, tell),
+    }
+}

@@ -1,0 +1,216 @@
+//! Whether process noise stays above its floor, at which equation, and what its smoothed course follows.
+
+use super::study::Studied;
+use crate::diagnosis::Unknown;
+use crate::dynamics::Engine;
+use crate::infer::likelihood::maximise;
+use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
+use crate::observe::Problem;
+use crate::search::Policy;
+use crate::search::trials::interval;
+use crate::statistics::linear::solve;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Correlation times with which an unlisted input is begun, in rows.
+const MEMORIES: [f64; 2] = [5.0, 60.0];
+/// A course follows a variable when that takes away at least this share of its square.
+const FOLLOWS: f64 = 0.25;
+/// Each further term must take away at least this share.
+const FURTHER: f64 = 0.05;
+/// Terms of a shape, at most.
+const TERMS: usize = 3;
+/// An event is a stretch where the course is above this share of its largest value.
+const EVENT: f64 = 0.35;
+
+/// What process noise says.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// Deviance that process noise or an unlisted input gains over none.
+    pub evidence: f64,
+    /// Noises with the unlisted input, where that is called for.
+    pub unlisted: Option<Noise>,
+}
+
+/// Process noise at its floor against free, and against an unlisted input at each equation.
+pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Rest {
+    let columns: Vec<usize> = (0..fit.free.len()).collect();
+    let exact =
+        Sizes { process: sizes.process.iter().map(|(least, _)| (*least, *least)).collect(), ..sizes.clone() };
+    let none = Noise {
+        process: sizes.process.iter().map(|(least, _)| *least).collect(),
+        disturbance: None,
+        ..fit.at.noise.clone()
+    };
+    let without = maximise(&fit.runs, &columns, &none, &exact).1;
+    let row = interval(engine);
+    let tried: Vec<(usize, f64)> = (0..engine.machine.order())
+        .flat_map(|equation| MEMORIES.map(|memory| (equation, memory * row)))
+        .collect();
+    let best = tried
+        .par_iter()
+        .map(|(equation, memory)| {
+            let size = fit.at.noise.process[*equation].max(sizes.process[*equation].0) / memory.sqrt();
+            let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
+            maximise(&fit.runs, &columns, &Noise { disturbance, ..fit.at.noise.clone() }, sizes)
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let white = fit.deviance;
+    let (noise, with) = best.map_or((None, white), |(noise, with)| (Some(noise), with));
+    let evidence = without - with.min(white);
+    Rest { evidence, unlisted: noise.filter(|_| evidence > policy.unknown) }
+}
+
+/// The rest without a name, if there is one.
+pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
+    let noise = studied.rest.unlisted.as_ref()?;
+    let unlisted = noise.disturbance?;
+    let engine = &studied.built.engine;
+    let courses: Vec<Vec<f64>> =
+        studied.fit.runs.par_iter().map(|run| smooth(run, noise).disturbance).collect();
+    let course: Vec<f64> = courses.iter().flatten().copied().collect();
+    let state = &engine.machine.states[unlisted.equation];
+    let unit = unit_of(problem, &state.name);
+    let (depends_on, shape) = follows(engine, studied, &course);
+    let events = events(&courses[0], &engine.grids[0].time);
+    let shape = match events {
+        Some(text) if depends_on.is_empty() => text,
+        _ => shape,
+    };
+    let first = engine.grids[0].time.iter().zip(&courses[0]).map(|(time, value)| [*time, *value]).collect();
+    Some(Unknown {
+        signal: format!("the equation of {}", state.name),
+        depends_on,
+        shape,
+        nearest: format!(
+            "an unlisted input there gains {:.0} of deviance over none, which no candidate takes away",
+            studied.rest.evidence
+        ),
+        trace: first,
+        unit: format!("{unit}/s"),
+    })
+}
+
+fn unit_of(problem: &Problem, name: &str) -> String {
+    let channel = problem.channels.iter().find(|channel| channel.name == name);
+    let of = |id| problem.model.variable(id).unit.clone();
+    let found = channel.map(|channel| channel.variable).or_else(|| {
+        problem.states.iter().filter_map(|state| state.shows).find(|shown| problem.model.name(*shown) == name)
+    });
+    found.and_then(of).unwrap_or_else(|| "1".into())
+}
+
+/// A term that a course may follow: name of the variable, words, columns.
+type Term = (String, String, Vec<Vec<f64>>);
+
+/// Highest number of waves in a turn that is tried of an angle.
+const WAVES: usize = 24;
+
+fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
+    let n = engine.machine.order();
+    let mut plain: Vec<(String, Vec<f64>)> = Vec::new();
+    for (place, state) in engine.machine.states.iter().enumerate() {
+        let values = studied.fit.at.paths.iter().flat_map(|path| path.chunks(n).map(move |row| row[place]));
+        plain.push((state.name.clone(), values.collect()));
+    }
+    let schedules: Vec<crate::dynamics::schedule::Schedule> = (engine.grids.iter())
+        .map(|grid| crate::dynamics::schedule::Schedule::new(&engine.machine, grid, &studied.fit.at.theta))
+        .collect();
+    for (place, input) in engine.machine.inputs.iter().enumerate() {
+        let values = schedules.iter().flat_map(|s| s.after.chunks(s.width).map(move |row| row[place]));
+        plain.push((input.name.clone(), values.collect()));
+    }
+    let time: Vec<f64> =
+        engine.grids.iter().flat_map(|grid| grid.time.iter().map(|t| t - grid.time[0])).collect();
+    let mut list = Vec::new();
+    for (name, values) in &plain {
+        let size = values.iter().fold(0.0, |most: f64, v| most.max(v.abs())).max(1e-300);
+        let mut term = |words: &str, of: &dyn Fn(f64) -> f64| {
+            list.push((
+                name.clone(),
+                format!("{words} {name}"),
+                vec![values.iter().map(|v| of(v / size)).collect::<Vec<f64>>()],
+            ));
+        };
+        term("linear in", &|v| v);
+        term("like the sign of", &|v| libm::tanh(20.0 * v));
+        term("quadratic in", &|v| v * v);
+        term("cubic in", &|v| v * v * v);
+        term("like the signed square of", &|v| v * v.abs());
+        // an angle that turns through more than half a wave
+        let turned = 2.0 * size;
+        for waves in (1..=WAVES).filter(|waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
+        {
+            let wave =
+                |of: fn(f64) -> f64| -> Vec<f64> { values.iter().map(|v| of(waves as f64 * v)).collect() };
+            let words = format!("a wave of {waves} periods in 2π of {name}");
+            list.push((name.clone(), words, vec![wave(libm::sin), wave(libm::cos)]));
+        }
+    }
+    list.push(("time".into(), "growing with time".into(), vec![time]));
+    list
+}
+
+/// Forward selection over the terms: what the course depends on, and how.
+fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Vec<String>, String) {
+    let terms = terms(engine, studied);
+    let mean = course.iter().sum::<f64>() / course.len().max(1) as f64;
+    let whole: f64 = course.iter().map(|v| (v - mean) * (v - mean)).sum();
+    let constant = vec![1.0; course.len()];
+    let left = |chosen: &[usize]| {
+        let columns: Vec<&Vec<f64>> =
+            std::iter::once(&constant).chain(chosen.iter().flat_map(|t| &terms[*t].2)).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
+        let score = DVector::from_fn(columns.len(), |i, _| dot(columns[i], course));
+        solve(&gram, &score).map_or(f64::INFINITY, |shift| dot(course, course) - shift.dot(&score))
+    };
+    let (mut chosen, mut rest) = (Vec::new(), whole);
+    while chosen.len() < TERMS {
+        let best = (0..terms.len())
+            .filter(|term| !chosen.contains(term))
+            .map(|term| {
+                let mut with: Vec<usize> = chosen.clone();
+                with.push(term);
+                (left(&with), term)
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((after, term)) = best else { break };
+        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
+        if rest - after < needed * whole {
+            break;
+        }
+        chosen.push(term);
+        rest = after;
+    }
+    if chosen.is_empty() {
+        return (Vec::new(), "it follows no state, no input and no time".into());
+    }
+    let mut names: Vec<String> = chosen.iter().map(|term| terms[*term].0.clone()).collect();
+    names.dedup();
+    let words: Vec<String> = chosen.iter().map(|term| terms[*term].1.clone()).collect();
+    let share = 100.0 * (1.0 - rest / whole);
+    (names, format!("{}; that is {share:.0} % of its square", words.join(", then ")))
+}
+
+/// Stretches where the course stands out, if it is quiet between them.
+fn events(course: &[f64], time: &[f64]) -> Option<String> {
+    let mut sorted = course.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quiet = *sorted.get(sorted.len() / 2)?;
+    let most = course.iter().map(|v| (v - quiet).abs()).fold(0.0, f64::max);
+    let mut begins = Vec::new();
+    let (mut inside, mut rows) = (false, 0);
+    for (value, time) in course.iter().zip(time) {
+        let out = (value - quiet).abs() > EVENT * most;
+        if out && !inside {
+            begins.push(format!("{time:.4}"));
+        }
+        rows += usize::from(out);
+        inside = out;
+    }
+    let seldom = (rows as f64) < 0.4 * course.len() as f64 && begins.len() <= 20;
+    seldom.then(|| format!("{} events, beginning at {} s, quiet between", begins.len(), begins.join(", ")))
+}

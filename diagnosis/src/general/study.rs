@@ -1,0 +1,239 @@
+//! From a problem to a diagnosis.
+
+use super::rest::{self, Rest};
+use super::{amended, mismatch, told};
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::dynamics::Machine;
+use crate::dynamics::build::{Built, Span, build};
+use crate::error::{Error, Notice};
+use crate::infer::fit::{At, Fit, Options as FitOptions, fit};
+use crate::infer::likelihood::maximise;
+use crate::infer::{Noise, Sizes};
+use crate::observe::{Problem, Run};
+use crate::pipeline::Options;
+use crate::search::walk::Visited;
+use crate::search::{Policy, Search};
+use crate::watch::{Listener, Watch};
+use orchestrator::{UnitPath, nearest};
+
+/// Of a single run the last share is left out.
+const LAST: f64 = 0.3;
+/// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
+const BEGIN: [f64; 6] = [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5];
+
+/// What a search over some rows found.
+pub struct Studied {
+    /// Engine, sizes, scatter.
+    pub built: Built,
+    /// Parameters off their neutral values.
+    pub effects: Vec<usize>,
+    /// Their fit.
+    pub fit: Fit,
+    /// What process noise says.
+    pub rest: Rest,
+    /// In words.
+    pub story: Vec<String>,
+    /// Classes, if they were asked for.
+    pub classes: Vec<Vec<crate::search::class::Alternative>>,
+}
+
+/// Diagnoses.
+///
+/// # Errors
+/// The model can't be followed, or a unit failed.
+pub fn diagnosed(
+    problem: &Problem,
+    units: &UnitPath,
+    options: &Options,
+    listener: Listener<'_>,
+) -> Result<Diagnosis, Error> {
+    let watch = &mut Watch::new(listener, None);
+    let (kept, left) = parted(problem);
+    watch.stage("searching without the rows left out");
+    let trained = studied(problem, &kept, options, None, false)?;
+    watch.stage("measuring the gap on the rows left out");
+    let gaps = mismatch::gaps(problem, &left, &trained)?;
+    watch.stage("searching in all rows");
+    let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
+    let all = studied(problem, &whole, options, Some(&trained), true)?;
+    let effects = told::effects(problem, &all);
+    let unknown = rest::unknown(problem, &all);
+    let verdict = if unknown.is_some() {
+        Verdict::Unknown
+    } else if effects.iter().any(|effect| effect.class.len() > 1) {
+        Verdict::Ambiguous
+    } else if effects.is_empty() {
+        Verdict::None
+    } else {
+        Verdict::Named
+    };
+    watch.stage("writing the amended scenario");
+    let (amended, attachments) = amended::amended(problem, &all, units)?;
+    let mut notices: Vec<Notice> = problem.notices.clone();
+    notices.extend(all.built.notices.clone());
+    let mut story = told::story(&all);
+    story.extend(all.story.clone());
+    Ok(Diagnosis {
+        provenance: told::provenance(problem),
+        units: told::units(problem),
+        verdict,
+        effects,
+        place: mismatch::places(problem, &all)?,
+        gap: gaps[0].clone(),
+        unknown,
+        correction: None,
+        next_experiment: None,
+        minimum_detectable: told::detectable(&all)?,
+        gaps,
+        cross_validation: Vec::new(),
+        ended_early: Vec::new(),
+        notices,
+        story,
+        amended,
+        attachments,
+        experiment: None,
+        traces: Vec::new(),
+    })
+}
+
+/// Runs, each between two times.
+type Rows<'a> = Vec<(&'a Run, Span)>;
+
+/// Rows that are searched and rows that are left out: the last run, or the last part of a single one.
+fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
+    match problem.runs.as_slice() {
+        [one] => {
+            let (from, to) = one.span();
+            let cut = to - LAST * (to - from);
+            (vec![(one, (from, cut))], vec![(one, (cut, to))])
+        }
+        [first @ .., last] => {
+            (first.iter().map(|run| (run, run.span())).collect(), vec![(last, last.span())])
+        }
+        [] => (Vec::new(), Vec::new()),
+    }
+}
+
+/// Names that may not be given.
+fn candidates(built: &Built, options: &Options) -> Vec<usize> {
+    let listed = |name: &str| options.without.iter().any(|without| without == name);
+    let parameters = &built.engine.machine.parameters;
+    (0..parameters.len()).filter(|place| !listed(&parameters[*place].name)).collect()
+}
+
+/// The nominal model fitted: path and noises only.
+fn nominal(built: &mut Built) -> Result<Fit, Error> {
+    let theta = built.engine.machine.neutral();
+    let paths = built.engine.first_paths(&theta, &built.noise)?;
+    built.engine.calibrate(&theta, &paths, &built.noise)?;
+    let at = At { theta, paths, noise: built.noise.clone() };
+    let runs = built.engine.chords(&at.theta, &at.paths, &[])?;
+    let begun = |share: &f64| {
+        let process = at.noise.process.iter().map(|size| share * size).collect();
+        maximise(&runs, &[], &Noise { process, ..at.noise.clone() }, &built.sizes)
+    };
+    let best = BEGIN.iter().map(begun).min_by(|a, b| a.1.total_cmp(&b.1));
+    let at = At { noise: best.map_or(at.noise.clone(), |(noise, _)| noise), ..at };
+    fit(&built.engine, &at, &[], Some(&built.sizes), &FitOptions::default())
+}
+
+/// Searches in these rows; from what was found in others, if that is given.
+///
+/// # Errors
+/// As [`diagnosed`].
+pub fn studied(
+    problem: &Problem,
+    runs: &[(&Run, Span)],
+    options: &Options,
+    before: Option<&Studied>,
+    classes: bool,
+) -> Result<Studied, Error> {
+    let mut built = build(problem, runs)?;
+    checked(&built.engine.machine, options)?;
+    let candidates = candidates(&built, options);
+    let nominal = nominal(&mut built)?;
+    let sizes: Sizes = built.sizes.clone();
+    let mut search = Search {
+        engine: &built.engine,
+        sizes: &sizes,
+        policy: Policy::default(),
+        options: FitOptions::default(),
+        candidates,
+        visited: Visited::new(),
+        story: Vec::new(),
+    };
+    search.visited.insert(Vec::new(), nominal.clone());
+    let (effects, begun) = match before.filter(|before| !before.effects.is_empty()) {
+        Some(before) => {
+            let mut start = nominal.at.clone();
+            start.theta.clone_from(&before.fit.at.theta);
+            let fitted = search.visit(&before.effects, &start)?;
+            (before.effects.clone(), fitted)
+        }
+        None => (Vec::new(), nominal.clone()),
+    };
+    let begun = search.fresh(begun)?;
+    if !options.fit.is_empty() {
+        return given(built, &sizes, options, &nominal.at);
+    }
+    let (mut effects, mut here) = search.walk(effects, begun)?;
+    here = search.fresh(here)?;
+    let mut rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
+    if let Some(unlisted) = rest.unlisted {
+        // what has no name remembers: beside it only names count that explain more than it does
+        search.story.push(format!(
+            "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
+            rest.evidence
+        ));
+        search.visited.clear();
+        search.policy.gain = search.policy.beside;
+        let mut start = here.at.clone();
+        start.noise = unlisted;
+        let again = search.visit(&effects, &start)?;
+        (effects, here) = search.pruned(effects, again)?;
+        let fresh = search.fresh(here)?;
+        (effects, here) = search.walk(effects, fresh)?;
+        here = search.fresh(here)?;
+        rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
+    }
+    let classes = if classes { search.alternatives(&effects, &here)? } else { Vec::new() };
+    let story = search.story;
+    Ok(Studied { built, effects, fit: here, rest, story, classes })
+}
+
+/// Fits the parameters that were asked for, and judges what is left.
+fn given(built: Built, sizes: &Sizes, options: &Options, start: &At) -> Result<Studied, Error> {
+    let parameters = &built.engine.machine.parameters;
+    let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
+    let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
+    let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
+    let rest = rest::judged(&built.engine, &here, sizes, &Policy::default());
+    let alone = |parameter: &usize| {
+        vec![crate::search::class::Alternative {
+            parameter: *parameter,
+            loss: 0.0,
+            value: here.at.theta[*parameter],
+        }]
+    };
+    let classes = free.iter().map(alone).collect();
+    let told = if rest.unlisted.is_some() {
+        "they don't explain the data: process noise stays above its floor"
+    } else {
+        "they explain the data: what is left is noise"
+    };
+    let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
+    Ok(Studied { effects: free, fit: here, rest, story, classes, built })
+}
+
+/// Whether the names that were given with options are parameters.
+fn checked(machine: &Machine, options: &Options) -> Result<(), Error> {
+    let known = || machine.parameters.iter().map(|parameter| parameter.name.as_str());
+    let given = options.without.iter().map(|name| ("--without", name));
+    for (option, given) in given.chain(options.fit.iter().map(|name| ("--fit", name))) {
+        if known().all(|name| name != given) {
+            let problem = format!("no candidate has this name; {}", nearest(given, known()));
+            return Err(Error::Option { option, given: given.clone(), problem });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! Which column is which variable: by name and unit of measurement.
+
+use super::sheet::{Header, Sheet};
+use super::{Match, instance};
+use crate::error::Error;
+use crate::observe::{Affine, measure};
+use orchestrator::fmu::{Causality, Variable};
+use orchestrator::{Fmu, Kind};
+
+/// Least likeness of names.
+const ALIKE: f64 = 0.5;
+/// What a fitting unit of measurement adds to it.
+const FITS: f64 = 0.2;
+
+/// Matches the columns of a log with inputs, outputs and local variables, the likeliest pair first.
+pub(super) fn columns(
+    fmu: &Fmu,
+    sheet: &Sheet,
+    time: usize,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Match>, Error> {
+    let description = fmu.description();
+    let mut pairs = Vec::new();
+    for (column, header) in sheet.columns.iter().enumerate().filter(|(column, _)| *column != time) {
+        for (place, variable) in description.variables.iter().enumerate() {
+            let Some(rank) = rank(variable) else { continue };
+            let Some((score, why)) = likeness(header, variable, fmu) else { continue };
+            pairs.push((score + rank, column, place, why));
+        }
+    }
+    pairs.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let (mut taken, mut matches): (Vec<usize>, Vec<Match>) = (Vec::new(), Vec::new());
+    for (_, column, place, why) in pairs {
+        if taken.contains(&column) || matches.iter().any(|known| known.variable == place) {
+            continue;
+        }
+        taken.push(column);
+        let head = &sheet.columns[column];
+        let si = as_si(head, &description.variables[place]);
+        let mut evidence = vec![why];
+        evidence.extend(si.map(|_| "the description gives it no unit: converted to SI".to_owned()));
+        matches.push(Match {
+            variable: place,
+            column: head.text.clone(),
+            unit: head.unit.clone(),
+            affine: si,
+            evidence,
+            fed: description.variables[place].causality == Causality::Input,
+        });
+    }
+    matches.sort_by_key(|known| (!known.fed, known.variable));
+    let left = (0..sheet.columns.len()).filter(|column| *column != time && !taken.contains(column));
+    for column in left {
+        notices.push(format!(
+            "column {:?} fits no variable of {}: left out",
+            sheet.columns[column].text,
+            instance(fmu)
+        ));
+    }
+    for input in description.variables.iter().filter(|v| v.causality == Causality::Input) {
+        let fed = matches.iter().any(|known| description.variables[known.variable].name == input.name);
+        if !fed {
+            let start = input.start.as_ref().map_or("nothing".to_owned(), ToString::to_string);
+            notices
+                .push(format!("input {} is in no column: it stays at its start value, {start}", input.name));
+        }
+    }
+    if matches.iter().all(|known| known.fed) {
+        let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
+        let outputs: Vec<&str> = outputs.map(|variable| variable.name.as_str()).take(8).collect();
+        let problem = format!(
+            "no column is an output of {} ({}): name a column after the variable that it measures",
+            instance(fmu),
+            outputs.join(", ")
+        );
+        return Err(Error::Manifest { path: sheet.path.clone(), line: 1, problem });
+    }
+    Ok(matches)
+}
+
+/// The way to SI for a variable whose description names no unit.
+fn as_si(head: &Header, variable: &Variable) -> Option<Affine> {
+    let base = measure::named(head.unit.as_deref()?)?;
+    let (scale, offset) = (base.factor, base.offset);
+    (variable.unit.is_none() && (scale, offset) != (1.0, 0.0)).then_some(Affine { scale, offset })
+}
+
+/// What may be measured, and of equal names what first.
+fn rank(variable: &Variable) -> Option<f64> {
+    match (variable.kind, variable.causality) {
+        (Kind::String, _) => None,
+        (_, Causality::Input | Causality::Output) => Some(0.02),
+        (_, Causality::Local) => Some(0.0),
+        _ => None,
+    }
+}
+
+/// How alike a column and a variable are, and why; `None` where they can't be one.
+fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, String)> {
+    let own = variable.unit.as_deref().filter(|unit| !unit.is_empty());
+    let fits = match (header.unit.as_deref(), own) {
+        (Some(unit), Some(_)) => Some(measure::conversion(unit, variable, fmu.description()).is_ok()),
+        _ => None,
+    };
+    // a unit that is known and measures something else
+    if fits == Some(false) && header.unit.as_deref().is_some_and(|unit| measure::named(unit).is_some()) {
+        return None;
+    }
+    let names = [variable.name.clone(), format!("{}.{}", instance(fmu), variable.name)];
+    let written = [header.name.as_str(), header.text.as_str()];
+    let alike = |one: &str, other: &str| same(&words(one), &words(other));
+    let by_name =
+        names.iter().flat_map(|name| written.iter().map(move |text| alike(name, text))).fold(0.0, f64::max);
+    let by_text = 0.7 * same(&words(&header.name), &words(&variable.description));
+    let (best, why) = if by_name >= by_text { (by_name, "name") } else { (by_text, "description") };
+    if best < ALIKE {
+        return None;
+    }
+    let exact = if best >= 1.0 { "the same" } else { "a similar" };
+    let unit = match (fits, header.unit.as_deref(), own) {
+        (Some(true), Some(unit), Some(own)) => format!(", and {unit} converts to {own}"),
+        _ => String::new(),
+    };
+    Some((
+        best + if fits == Some(true) { FITS } else { 0.0 },
+        format!("column {:?} by {exact} {why}{unit}", header.text),
+    ))
+}
+
+/// Lower-case words of a name: `phi_cmd`, `motorSpeed`, `T box`.
+fn words(text: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for letter in text.chars() {
+        let new = !letter.is_alphanumeric() || letter.is_uppercase() && before.is_lowercase();
+        if new {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() {
+            words.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// 1 for the same words, less for some of them: what two lists share of the shorter, weighed with what they share of the longer.
+fn same(one: &[String], other: &[String]) -> f64 {
+    if one.is_empty() || other.is_empty() {
+        return 0.0;
+    }
+    if one.concat() == other.concat() {
+        return 1.0;
+    }
+    let shared = one.iter().filter(|word| other.contains(word)).count() as f64;
+    let (short, long) = (one.len().min(other.len()) as f64, one.len().max(other.len()) as f64);
+    0.8 * shared / short + 0.1 * shared / long
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_names_are_alike_by_words() {
+        let alike = |one: &str, other: &str| same(&words(one), &words(other));
+        assert_eq!(alike("motor.phi", "motor_phi"), 1.0);
+        assert_eq!(alike("boxTemperature", "box temperature"), 1.0);
+        assert!(alike("phi_cmd", "phi") > ALIKE);
+        assert!(alike("T_box", "T_wall") < ALIKE && alike("phi", "psi") < ALIKE);
+    }
+}

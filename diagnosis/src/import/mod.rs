@@ -1,0 +1,95 @@
+//! From logs and a unit to a data set (`acroscope import`): columns are matched to variables by name and unit of
+//! measurement, and tried against the model; every guess is written beside its evidence.
+//!
+//! - `sheet.rs`: a CSV file as people's loggers write it
+//! - `matching.rs`: which column is which variable
+//! - `trial.rs`: runs the model and compares: signs, units, offsets
+//! - `write.rs`: the folder
+
+mod matching;
+mod sheet;
+mod trial;
+mod write;
+
+use crate::error::Error;
+use crate::observe::{self, Affine};
+use orchestrator::{Fmu, UnitPath};
+use sheet::Sheet;
+use std::path::{Path, PathBuf};
+
+/// What was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// A line for each guess, in the order of the file.
+    pub guesses: Vec<String>,
+    /// What a user should look at: columns without a variable, gaps, signs that were turned.
+    pub notices: Vec<String>,
+}
+
+/// A column with the variable that it measures, as far as known.
+#[derive(Debug, Clone, PartialEq)]
+struct Match {
+    /// Place of the variable in the description.
+    variable: usize,
+    /// The column's name in the logs.
+    column: String,
+    /// Unit of measurement, if the header or the model tells it.
+    unit: Option<String>,
+    /// Sign and offset, where they are not what the unit says.
+    affine: Option<Affine>,
+    /// Why this column, why this unit, what the model said.
+    evidence: Vec<String>,
+    /// An input.
+    fed: bool,
+}
+
+/// Makes a data set of logs and a unit.
+///
+/// # Errors
+/// A log or the unit can't be read, no column is an output of the unit, or the folder can't be written.
+pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Result<Imported, Error> {
+    let unit = units.open(fmu).map_err(crate::model::model)?;
+    let mut sheets = Vec::new();
+    for log in logs {
+        sheets.push(Sheet::read(log)?);
+    }
+    let Some(first) = sheets.first() else {
+        return Err(Error::Nominal("no log was given".into()));
+    };
+    let mut notices = Vec::new();
+    for other in &sheets[1..] {
+        if other.names() != first.names() {
+            notices.push(format!(
+                "{} has other columns than {}; its columns are taken by the same names",
+                other.path.display(),
+                first.path.display()
+            ));
+        }
+    }
+    let (time, told) = first.time_column(unit.description())?;
+    let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
+    trial::against_model(&unit, units, &sheets, &time, &mut matches, &mut notices);
+    for sheet in &sheets {
+        sheet.gaps(&time, &mut notices)?;
+    }
+    let guesses = write::folder(out, fmu, &unit, &sheets, &time, &told, &matches)?;
+    // what was written must read
+    let problem = observe::load(out, units)?;
+    notices.extend(problem.notices.iter().map(ToString::to_string));
+    Ok(Imported { guesses, notices })
+}
+
+/// Where the time stands, and in what.
+#[derive(Debug, Clone, PartialEq)]
+struct Time {
+    place: usize,
+    name: String,
+    /// `s`, `ms`, ...
+    unit: String,
+    seconds: f64,
+}
+
+/// Name of the instance in the data set.
+fn instance(fmu: &Fmu) -> String {
+    fmu.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

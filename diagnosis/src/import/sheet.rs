@@ -1,0 +1,269 @@
+//! A CSV file as loggers and spreadsheets write it: commas, semicolons or tabs; decimal commas; units in the header or in a
+//! line of their own.
+
+use super::Time;
+use crate::error::Error;
+use crate::observe::measure;
+use orchestrator::fmu::Description;
+use std::path::{Path, PathBuf};
+
+/// Rows further apart than this many usual distances have a gap between them.
+pub(super) const GAP: f64 = 3.0;
+/// Seconds since 1970 that no run lasts.
+const EPOCH: f64 = 1e8;
+const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];
+
+/// One log.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sheet {
+    pub(super) path: PathBuf,
+    pub(super) columns: Vec<Header>,
+    /// A cell that holds no number is `NaN`.
+    pub(super) rows: Vec<Vec<f64>>,
+    /// How it was written, where not as plain CSV.
+    pub(super) dialect: Option<String>,
+}
+
+/// The head of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    /// As written.
+    pub(super) text: String,
+    /// Without the unit.
+    pub(super) name: String,
+    /// Unit of measurement in brackets, after an underscore, or in the line below.
+    pub(super) unit: Option<String>,
+}
+
+impl Sheet {
+    /// Reads a file.
+    pub(super) fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
+        // spreadsheets still write Latin-1, where a degree sign is one byte
+        let text = String::from_utf8(bytes)
+            .unwrap_or_else(|error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect());
+        let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+        let head = text.lines().next().unwrap_or("");
+        let separator = [';', '\t', ','].into_iter().find(|letter| head.contains(*letter));
+        let Some(separator) = separator else {
+            return Err(wrong(1, "one column only: wanted is a line of names, separated by commas".into()));
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(separator as u8)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let headers = reader.headers().map_err(|error| wrong(1, format!("not CSV: {error}")))?.clone();
+        let mut columns: Vec<Header> = headers.iter().map(header).collect();
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let mut decimal = false;
+        for record in reader.records() {
+            let record = record.map_err(|error| {
+                wrong(error.position().map_or(1, |at| at.line() as usize), format!("not CSV: {error}"))
+            })?;
+            let line = record.position().map_or(0, |position| position.line() as usize);
+            if rows.is_empty()
+                && record.iter().any(|cell| !cell.is_empty())
+                && record.iter().all(|cell| number(cell, true).is_none())
+            {
+                let units = columns.iter_mut().zip(record.iter()).filter(|(_, cell)| !cell.is_empty());
+                units.for_each(|(column, cell)| {
+                    column.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned())
+                });
+                continue;
+            }
+            let comma = separator != ',';
+            decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
+            let mut row: Vec<f64> = Vec::with_capacity(columns.len());
+            for (place, cell) in record.iter().take(columns.len()).enumerate() {
+                row.push(match cell {
+                    "" => f64::NAN,
+                    cell => number(cell, comma).ok_or_else(|| {
+                        wrong(line, format!("column {:?}: {cell:?} is no number", columns[place].text))
+                    })?,
+                });
+            }
+            row.resize(columns.len(), f64::NAN);
+            rows.push(row);
+        }
+        if rows.len() < 3 {
+            return Err(wrong(1, format!("{} rows: too few to compare", rows.len())));
+        }
+        let dialect = (separator != ',').then(|| {
+            let name = if separator == ';' { "semicolons" } else { "tabs" };
+            format!(
+                "columns were separated by {name}{}",
+                if decimal { ", numbers had decimal commas" } else { "" }
+            )
+        });
+        Ok(Self { path: path.to_owned(), columns, rows, dialect })
+    }
+
+    /// The heads as written.
+    pub(super) fn names(&self) -> Vec<&str> {
+        self.columns.iter().map(|column| column.text.as_str()).collect()
+    }
+
+    /// Place of a column by its head.
+    pub(super) fn place(&self, text: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.text == text)
+    }
+
+    /// All cells of a column.
+    pub(super) fn column(&self, place: usize) -> Vec<f64> {
+        self.rows.iter().map(|row| row[place]).collect()
+    }
+
+    /// The column of time, with its unit and why it is thought to be that.
+    pub(super) fn time_column(&self, description: &Description) -> Result<(Time, String), Error> {
+        let rises = |place: &usize| {
+            let rising = self.rows.windows(2).filter(|pair| pair[1][*place] > pair[0][*place]).count();
+            rising as f64 > 0.9 * (self.rows.len() - 1) as f64
+        };
+        let places = || (0..self.columns.len()).filter(rises);
+        let called = |place: &usize| TIME_NAMES.contains(&self.columns[*place].name.to_lowercase().as_str());
+        let of_time = |place: &usize| {
+            self.columns[*place].unit.as_deref().is_some_and(|unit| measure::seconds(unit).is_ok())
+        };
+        let found = places().find(called).map(|place| (place, "by its name"));
+        let found = found.or_else(|| places().find(of_time).map(|place| (place, "by its unit")));
+        let Some((place, why)) = found
+            .or_else(|| places().next().map(|place| (place, "the first column that rises from row to row")))
+        else {
+            let problem = "no column rises from row to row: wanted is one with the time".to_owned();
+            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
+        };
+        let head = &self.columns[place];
+        let (unit, reason) = match head.unit.as_deref().filter(|unit| measure::seconds(unit).is_ok()) {
+            Some(unit) => (unit.to_owned(), "unit from the header".to_owned()),
+            None => self.time_unit(place, description),
+        };
+        let seconds = measure::seconds(&unit).unwrap_or(1.0);
+        let told = format!("time is {:?}, {why}; {reason}", head.text);
+        Ok((Time { place, name: head.text.clone(), unit, seconds }, told))
+    }
+
+    /// A unit of time by size: what makes rows as far apart as the unit's own step suggests.
+    fn time_unit(&self, place: usize, description: &Description) -> (String, String) {
+        let gap = self.usual_gap(place);
+        let last = self.rows.last().map_or(0.0, |row| row[place]);
+        for (unit, seconds) in [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)] {
+            if (EPOCH..1e2 * EPOCH).contains(&(last * seconds)) {
+                return (unit.into(), format!("taken as {unit} since 1970, by its size"));
+            }
+        }
+        if self.columns[place].name == "time" {
+            return ("s".into(), "taken as s, as everywhere where a column is called time".into());
+        }
+        let own = description.default_experiment.step_size.filter(|step| *step > 0.0);
+        let whole = self.rows.iter().all(|row| row[place].fract() == 0.0);
+        match own {
+            Some(own) if whole && gap / own > 100.0 && gap / own < 1e5 => {
+                ("ms".into(), format!("rows are {gap} apart, the unit's own step is {own} s: taken as ms"))
+            }
+            None if whole && (5.0..1e3).contains(&gap) => {
+                ("ms".into(), format!("whole numbers {gap} apart: taken as ms, look at this"))
+            }
+            _ => ("s".into(), format!("rows are {gap:.6} apart: taken as s")),
+        }
+    }
+
+    /// The median distance of rows in the log's own unit.
+    pub(super) fn usual_gap(&self, place: usize) -> f64 {
+        let mut gaps: Vec<f64> = self.rows.windows(2).map(|pair| pair[1][place] - pair[0][place]).collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Tells where rows are missing, and how uneven they are.
+    pub(super) fn gaps(&self, time: &Time, notices: &mut Vec<String>) -> Result<(), Error> {
+        let Some(place) = self.place(&time.name) else {
+            let problem = format!("there is no column {:?} of time", time.name);
+            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
+        };
+        let usual = self.usual_gap(place);
+        let far = self.rows.windows(2).filter(|pair| pair[1][place] - pair[0][place] > GAP * usual);
+        let far: Vec<(f64, f64)> = far.map(|pair| (pair[0][place], pair[1][place])).collect();
+        if let Some((from, to)) = far.first() {
+            notices.push(format!(
+                "{}: {} gap(s) in time, the first from {from} to {to} {}; nothing is filled in, rows are used at their own times",
+                self.path.display(),
+                far.len(),
+                time.unit
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// `T [degC]`, `T (degC)`, `T_degC`, `tau_Nm`, `T`.
+fn header(text: &str) -> Header {
+    let whole = |name: &str, unit: Option<&str>| Header {
+        text: text.to_owned(),
+        name: name.trim().to_owned(),
+        unit: unit.map(|unit| unit.trim().to_owned()),
+    };
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((name, rest)) = text.split_once(open)
+            && let Some(unit) = rest.trim().strip_suffix(close)
+        {
+            return whole(name, Some(unit));
+        }
+    }
+    for separator in [" in ", "/", "_"] {
+        if let Some((name, unit)) = text.rsplit_once(separator)
+            && name.len() > 1 - usize::from(separator == "_")
+            // a letter or two after an underscore is more often an index than a metre
+            && (separator != "_" || unit.chars().count() > 1 || "VAKNWs".contains(unit))
+            && measure::named(unit).is_some()
+            && unit.parse::<f64>().is_err()
+        {
+            return whole(name, Some(unit));
+        }
+    }
+    whole(text, None)
+}
+
+fn number(cell: &str, comma: bool) -> Option<f64> {
+    match cell {
+        "true" | "True" | "TRUE" => return Some(1.0),
+        "false" | "False" | "FALSE" => return Some(0.0),
+        "nan" | "NaN" | "NAN" | "null" | "-" => return Some(f64::NAN),
+        _ => {}
+    }
+    let point = if comma && !cell.contains('.') { cell.replacen(',', ".", 1) } else { cell.to_owned() };
+    point.parse::<f64>().ok().filter(|number| !number.is_infinite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_heads_with_units() {
+        for (text, name, unit) in [
+            ("T [degC]", "T", Some("degC")),
+            ("speed (rpm)", "speed", Some("rpm")),
+            ("tau_Nm", "tau", Some("Nm")),
+            ("motor current in mA", "motor current", Some("mA")),
+            ("u_V", "u", Some("V")),
+            ("theta_1", "theta_1", None),
+            ("x_m", "x_m", None),
+            ("T_out", "T_out", None),
+            ("phi", "phi", None),
+        ] {
+            let head = header(text);
+            assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
+        }
+    }
+
+    #[test]
+    fn value_numbers_of_spreadsheets() {
+        assert_eq!(
+            (number("1,5", true), number("-2.5e3", false), number("1,5", false)),
+            (Some(1.5), Some(-2500.0), None)
+        );
+        assert!(number("NaN", false).is_some_and(f64::is_nan));
+    }
+}

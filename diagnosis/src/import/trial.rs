@@ -1,0 +1,302 @@
+//! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
+
+use super::sheet::{GAP, Sheet};
+use super::{Match, Time, instance};
+use crate::observe::{Affine, measure};
+use orchestrator::fmu::{Causality, Description, Initial, Variable};
+use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
+use orchestrator::{Fmu, MemoryRecorder, Place, Quiet, Scenario, Simulation, UnitPath};
+
+/// Correlation below which model and log say nothing of each other.
+const TELLS: f64 = 0.6;
+/// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
+/// lacks something may well be off by a fifth, units of measurement differ by more.
+const UNIT: (f64, f64) = (0.9, 0.3);
+/// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
+const TURN: f64 = 0.01;
+/// Inputs whose signs are tried; beyond that all are taken as they are.
+const INPUTS: usize = 4;
+/// Rows that are tried.
+const ROWS: usize = 3000;
+/// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
+const OFFSET: f64 = 5.0;
+
+/// Units that logs are written in, beside the model's own.
+const USUAL: [&str; 22] = [
+    "degC", "deg", "rpm", "deg/s", "mm", "cm", "km", "km/h", "mV", "kV", "mA", "uA", "kPa", "bar", "kW",
+    "kN", "mN.m", "g", "ms", "%", "mA.h", "degF",
+];
+
+/// Measured against simulated: measured = slope · simulated + offset.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    slope: f64,
+    offset: f64,
+    correlation: f64,
+    spread: f64,
+}
+
+/// Tries every match against the model and writes what it says beside it.
+pub(super) fn against_model(
+    fmu: &Fmu,
+    units: &UnitPath,
+    sheets: &[Sheet],
+    time: &Time,
+    matches: &mut [Match],
+    notices: &mut Vec<String>,
+) {
+    let Some(sheet) = sheets.iter().max_by_key(|sheet| sheet.rows.len()) else { return };
+    let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
+    let turned = if fed.len() <= INPUTS { 1 << fed.len() } else { 1 };
+    let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
+    let mut failed = None;
+    for turns in 0..turned {
+        let sign = |place: usize| match fed.iter().position(|other| *other == place) {
+            Some(bit) if turns >> bit & 1 == 1 => -1.0,
+            _ => 1.0,
+        };
+        let lines = match compared(fmu, units, sheet, time, matches, &sign) {
+            Ok(lines) => lines,
+            Err(why) => {
+                failed = Some(why);
+                continue;
+            }
+        };
+        let known: Vec<&Line> = lines.iter().flatten().collect();
+        let flips =
+            (turns as u32).count_ones() as usize + known.iter().filter(|line| line.slope < 0.0).count();
+        let mean = known.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / known.len().max(1) as f64;
+        let score = mean - TURN * flips as f64;
+        if best.as_ref().is_none_or(|(before, ..)| score > *before) {
+            best = Some((score, turns, lines));
+        }
+    }
+    let Some((_, turns, lines)) = best else {
+        let why = failed.unwrap_or_else(|| "nothing to run".into());
+        notices.push(format!("signs and units were not tried against the model: {why}"));
+        return;
+    };
+    let described = fmu.description();
+    for (bit, place) in fed.iter().enumerate().filter(|_| turned > 1) {
+        let turn = turns >> bit & 1 == 1;
+        let matched = &mut matches[*place];
+        if turn {
+            let own = converted(matched, described);
+            matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
+            matched.evidence.push("sign turned: the model follows the logs better so".into());
+            notices.push(format!("column {:?}: sign turned, by trial", matched.column));
+        } else {
+            matched.evidence.push("sign as logged: no other follows the logs better".into());
+        }
+    }
+    for (matched, line) in matches.iter_mut().zip(lines) {
+        if let Some(line) = line {
+            judge(matched, line, described, notices);
+        }
+    }
+}
+
+/// What the numbers of a column are by what is known.
+fn converted(matched: &Match, description: &Description) -> Affine {
+    let variable = &description.variables[matched.variable];
+    let by_unit = || measure::conversion(matched.unit.as_deref()?, variable, description).ok();
+    matched.affine.or_else(by_unit).unwrap_or(Affine::SAME)
+}
+
+/// What a line says of unit, sign and offset of an output.
+fn judge(matched: &mut Match, line: Line, description: &Description, notices: &mut Vec<String>) {
+    let variable = &description.variables[matched.variable];
+    let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
+    if line.correlation.abs() < TELLS {
+        matched.evidence.push(format!("the model alone says nothing of sign and unit ({said})"));
+        notices.push(format!(
+            "column {:?} and {} don't go together ({said}): look at unit and sign",
+            matched.column, variable.name
+        ));
+        return;
+    }
+    let own = converted(matched, description);
+    let sign = line.slope.signum();
+    let size = line.slope.abs();
+    if matched.unit.is_none()
+        && let Some((unit, found)) = unit_of(line, variable, description)
+    {
+        matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
+        matched.unit = Some(unit.to_owned());
+        if sign < 0.0 {
+            matched.affine = Some(Affine { scale: -found.scale, offset: found.offset });
+        }
+        return;
+    }
+    // where the log itself says how the model starts, an offset is in the start as well
+    let far = start_of(description, matched.variable).is_none() && line.offset.abs() > OFFSET * line.spread;
+    if sign < 0.0 || far {
+        let offset = if far { -sign * line.offset } else { 0.0 };
+        matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
+        let what = match (sign < 0.0, far) {
+            (true, true) => "sign turned and offset taken out",
+            (true, false) => "sign turned",
+            _ => "offset taken out",
+        };
+        matched.evidence.push(format!("{what}, by trial: {said}, offset {:.4}", line.offset));
+        notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
+        return;
+    }
+    let fits = if (size - 1.0).abs() < UNIT.1 {
+        "sign and size fit"
+    } else {
+        "the sign fits, the size does not: look at the unit"
+    };
+    matched.evidence.push(format!("{fits}: {said}"));
+}
+
+/// The unit of measurement that explains a slope.
+fn unit_of(line: Line, variable: &Variable, description: &Description) -> Option<(&'static str, Affine)> {
+    variable.unit.as_deref().filter(|unit| !unit.is_empty())?;
+    let near = |slope: f64| line.correlation.abs() >= UNIT.0 && (slope - 1.0).abs() < UNIT.1;
+    USUAL.into_iter().find_map(|unit| {
+        let found = measure::conversion(unit, variable, description).ok()?;
+        // measured = slope · model + offset is scale · measured + shift = model
+        let shifted = found.offset != 0.0;
+        let apart = (found.scale * line.offset + found.offset).abs();
+        let zero = !shifted || apart < 0.2 * found.offset.abs();
+        let other = shifted || (found.scale - 1.0).abs() > 1e-6;
+        (other && near(found.scale * line.slope.abs()) && zero).then_some((unit, found))
+    })
+}
+
+/// Runs the model with the inputs of a log and gives each output its line; an error is why it didn't run.
+fn compared(
+    fmu: &Fmu,
+    units: &UnitPath,
+    sheet: &Sheet,
+    time: &Time,
+    matches: &[Match],
+    sign: &dyn Fn(usize) -> f64,
+) -> Result<Vec<Option<Line>>, String> {
+    let description = fmu.description();
+    let place = sheet.place(&time.name).ok_or("no time")?;
+    let all = sheet.column(place);
+    let stretch = whole_stretch(&all, sheet.usual_gap(place));
+    let stamps = &all[stretch.clone()];
+    let times: Vec<f64> = stamps.iter().map(|stamp| (stamp - stamps[0]) * time.seconds).collect();
+    let name =
+        |matched: &Match| format!("{}.{}", instance(fmu), description.variables[matched.variable].name);
+    let values = |at: usize, matched: &Match| -> Vec<(f64, f64)> {
+        let affine = converted(matched, description);
+        let column = sheet.place(&matched.column).map(|column| sheet.column(column)).unwrap_or_default();
+        let column = column.into_iter().skip(stretch.start);
+        let rows = times.iter().zip(column).filter(|(time, value)| time.is_finite() && value.is_finite());
+        rows.map(|(time, value)| (*time, sign(at) * affine.apply(value))).collect()
+    };
+    let mut scenario = scenario(fmu, &times, sheet.usual_gap(place) * time.seconds)?;
+    for (at, matched) in matches.iter().enumerate() {
+        let points = values(at, matched);
+        let Some((_, first)) = points.first() else { continue };
+        if matched.fed {
+            let place = Place::Override(matched.column.clone());
+            let signal = SignalEntry::Table { shape: Shape::Hold, points };
+            scenario.sources.push(SourceEntry { to: name(matched), signal, place });
+        } else if let Some(start) = start_of(description, matched.variable) {
+            let _ = scenario.set(&format!("{}.{start}", instance(fmu)), &first.to_string());
+        }
+    }
+    let said = |error: orchestrator::Error| error.to_string().lines().next().unwrap_or_default().to_owned();
+    let mut results = MemoryRecorder::new();
+    Simulation::new(&scenario, units).and_then(|mut run| run.run(&mut results, &mut Quiet)).map_err(said)?;
+    let line_of = |(at, matched): (usize, &Match)| {
+        let series = results.series(&name(matched)).ok().filter(|_| !matched.fed)?;
+        line(&values(at, matched), results.times(), series)
+    };
+    Ok(matches.iter().enumerate().map(line_of).collect())
+}
+
+/// The longest stretch of rows without a gap: what acted within one is not known.
+fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
+    let torn = |row: &usize| stamps[*row] - stamps[row - 1] > GAP * usual;
+    let edges: Vec<usize> =
+        [0].into_iter().chain((1..stamps.len()).filter(torn)).chain([stamps.len()]).collect();
+    let longest = edges.windows(2).map(|pair| pair[0]..pair[1]).max_by_key(|stretch| stretch.len());
+    let longest = longest.unwrap_or(0..stamps.len());
+    longest.start..longest.end.min(longest.start + ROWS)
+}
+
+/// The unit alone, for the span of a log.
+fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, String> {
+    let own = fmu.description().default_experiment.step_size.filter(|step| *step > 0.0).unwrap_or(gap);
+    // no finer than a tenth of a row: this is a trial
+    let interval = format!("{:.3e}", gap.min(own).max(0.1 * gap));
+    let stop = format!("{:.6e}", times.last().copied().unwrap_or(0.0));
+    let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+    let path = fmu.path().canonicalize().map_err(|error| error.to_string())?;
+    let text = format!(
+        "format = 1\n[experiment]\nstop = {stop}\n[[units]]\nname = {}\nfmu = {}\ninterval = {interval}\n",
+        quoted(&instance(fmu)),
+        quoted(&path.to_string_lossy())
+    );
+    Scenario::parse(&text, "import.toml").map_err(|error| error.to_string())
+}
+
+/// What sets a measured variable at the start: itself, or a parameter `x_0`, `x0`, `x_start`.
+pub(super) fn start_of(description: &Description, variable: usize) -> Option<String> {
+    let variable = &description.variables[variable];
+    if variable.initial == Some(Initial::Exact) {
+        return Some(variable.name.clone());
+    }
+    let names = ["_0", "0", "_start", "_init"].map(|end| format!("{}{end}", variable.name));
+    let is_parameter =
+        |name: &String| description.variable(name).is_some_and(|v| v.causality == Causality::Parameter);
+    names.into_iter().find(is_parameter)
+}
+
+/// The line through measured against simulated values, by least squares.
+fn line(points: &[(f64, f64)], times: &[f64], series: &[f64]) -> Option<Line> {
+    let pairs: Vec<(f64, f64)> = (points.iter())
+        .filter_map(|(time, measured)| {
+            let next = times.partition_point(|at| at <= time).clamp(1, times.len() - 1);
+            let share = (time - times[next - 1]) / (times[next] - times[next - 1]);
+            let simulated = series[next - 1] + share.clamp(0.0, 1.0) * (series[next] - series[next - 1]);
+            simulated.is_finite().then_some((simulated, *measured))
+        })
+        .collect();
+    let count = pairs.len() as f64;
+    let mean = pairs.iter().fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0 / count, sum.1 + pair.1 / count));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in &pairs {
+        let (x, y) = (x - mean.0, y - mean.1);
+        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+    }
+    if pairs.len() < 3 || xx <= 0.0 || yy <= 0.0 {
+        return None;
+    }
+    let slope = xy / xx;
+    Some(Line {
+        slope,
+        offset: mean.1 - slope * mean.0,
+        correlation: xy / (xx * yy).sqrt(),
+        spread: (yy / count).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_the_longest_stretch_has_no_gap() {
+        let stamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
+        assert_eq!(whole_stretch(&stamps, 1.0), 3..7);
+        assert_eq!(whole_stretch(&stamps[..3], 1.0), 0..3);
+    }
+
+    #[test]
+    fn value_a_line_is_found_again() {
+        let times: Vec<f64> = (0..100).map(|row| 0.1 * f64::from(row)).collect();
+        let series: Vec<f64> = times.iter().map(|time| time.sin()).collect();
+        let points: Vec<(f64, f64)> = times.iter().map(|time| (*time, 3.0 - 2.0 * time.sin())).collect();
+        let found = line(&points, &times, &series).expect("it moves");
+        let off = (found.slope + 2.0).abs() + (found.offset - 3.0).abs() + (found.correlation + 1.0).abs();
+        // sums of a hundred products
+        assert!(off < 1e-12, "{found:?}");
+    }
+}

@@ -1,0 +1,167 @@
+//! The folder of a data set: the unit, the logs as plain CSV, and `dataset.toml` with each guess beside its evidence.
+
+use super::sheet::Sheet;
+use super::trial::start_of;
+use super::{Match, Time, instance};
+use crate::error::Error;
+use orchestrator::Fmu;
+use orchestrator::Kind;
+use orchestrator::fmu::{Causality, Variability};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Writes everything and gives a line for each guess.
+pub(super) fn folder(
+    out: &Path,
+    file: &Path,
+    fmu: &Fmu,
+    sheets: &[Sheet],
+    time: &Time,
+    told: &str,
+    matches: &[Match],
+) -> Result<Vec<String>, Error> {
+    let put = |name: &str, text: String| {
+        let path = out.join(name);
+        std::fs::write(&path, text).map_err(|source| Error::Io { path, source })
+    };
+    std::fs::create_dir_all(out).map_err(|source| Error::Io { path: out.to_owned(), source })?;
+    let unit = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let copy = out.join(&unit);
+    if copy.canonicalize().ok() != file.canonicalize().ok() {
+        std::fs::copy(file, &copy).map_err(|source| Error::Io { path: copy, source })?;
+    }
+    let mut guesses = vec![told.to_owned()];
+    let mut text = format!(
+        "# Written by `acroscope import`. Lines after \"guess:\" say why; look at them before you believe a diagnosis.\n\
+         format = 2\nfmu = {}\n",
+        quoted(&unit)
+    );
+    for matched in matches {
+        channel(&mut text, &mut guesses, fmu, matched);
+    }
+    states(&mut text, &mut guesses, fmu, matches);
+    candidates(&mut text, &mut guesses, fmu, matches);
+    for (number, sheet) in sheets.iter().enumerate() {
+        let name = format!("run-{:02}.csv", number + 1);
+        put(&name, plain(sheet))?;
+        let _ = write!(text, "\n[[run]]                                  # {}\n", sheet.path.display());
+        let _ = writeln!(text, "# guess: {told}");
+        if let Some(dialect) = &sheet.dialect {
+            let _ = writeln!(text, "# {dialect}");
+            guesses.push(format!("{}: {dialect}", sheet.path.display()));
+        }
+        let _ = writeln!(text, "file = {}", quoted(&name));
+        let first = sheet.columns.first().is_some_and(|column| column.text == "time");
+        if !first || time.name != "time" || time.unit != "s" {
+            let _ =
+                writeln!(text, "time = {{ column = {}, unit = {} }}", quoted(&time.name), quoted(&time.unit));
+        }
+    }
+    put("dataset.toml", text)?;
+    Ok(guesses)
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+fn channel(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matched: &Match) {
+    let variable = &fmu.description().variables[matched.variable];
+    let name = format!("{}.{}", instance(fmu), variable.name);
+    let _ = writeln!(text, "\n[[channel]]");
+    for line in &matched.evidence {
+        let _ = writeln!(text, "# guess: {line}");
+        guesses.push(format!("{name}: {line}"));
+    }
+    let _ = writeln!(text, "variable = {}\ncolumn = {}", quoted(&name), quoted(&matched.column));
+    match (&matched.affine, &matched.unit) {
+        (Some(affine), unit) => {
+            if let Some(unit) = unit {
+                let _ = writeln!(text, "# the log is in {unit}");
+            }
+            let _ = writeln!(text, "scale = {:?}\noffset = {:?}", affine.scale, affine.offset + 0.0);
+        }
+        (None, Some(unit)) if variable.unit.is_some() => {
+            let _ = writeln!(text, "unit = {}", quoted(unit));
+        }
+        (None, Some(unit)) => {
+            let _ = writeln!(
+                text,
+                "# the log is in {unit}; the description gives this variable no unit, so numbers are taken as they are"
+            );
+        }
+        (None, None) => {}
+    }
+}
+
+/// Start parameters of measured variables; without any, variables of initial "exact" are the default.
+fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Match]) {
+    let description = fmu.description();
+    let own = |matched: &&Match| !matched.fed && description.variables[matched.variable].kind == Kind::Real;
+    let starts = matches.iter().filter(own).filter_map(|matched| {
+        let shown = &description.variables[matched.variable].name;
+        start_of(description, matched.variable).map(|start| (start, shown))
+    });
+    let starts: Vec<(String, &String)> = starts.collect();
+    if starts.iter().all(|(start, shown)| start == *shown) {
+        return;
+    }
+    for (start, shown) in starts {
+        let _ = writeln!(text, "\n[[state]]\n# guess: by its name, {start} is where {shown} starts");
+        let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
+        let _ = writeln!(text, "shows = {}", quoted(&format!("{}.{shown}", instance(fmu))));
+        guesses.push(format!("{start} is where {shown} starts, by its name"));
+    }
+}
+
+/// Every described parameter, for the user to strike out what can't be off.
+fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Match]) {
+    let description = fmu.description();
+    let starts: Vec<String> =
+        matches.iter().filter_map(|matched| start_of(description, matched.variable)).collect();
+    let may = description.variables.iter().filter(|variable| {
+        variable.causality == Causality::Parameter
+            && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
+            && variable.kind != Kind::String
+            && !variable.description.is_empty()
+            && variable.start.is_some()
+            && !starts.contains(&variable.name)
+    });
+    let mut count = 0;
+    for variable in may {
+        if count == 0 {
+            let _ = writeln!(
+                text,
+                "\n# guess: every parameter with a description may be off; strike out what you are sure of"
+            );
+        }
+        count += 1;
+        let neutral = variable.start.as_ref().and_then(orchestrator::Value::as_f64).unwrap_or(0.0);
+        let _ = writeln!(
+            text,
+            "[[candidate]]                            # {}",
+            variable.description.replace('\n', " ")
+        );
+        let _ = writeln!(text, "variable = {}", quoted(&format!("{}.{}", instance(fmu), variable.name)));
+        if variable.kind == Kind::Real && neutral != 0.0 {
+            let _ = writeln!(text, "scale = \"relative\"");
+        }
+    }
+    guesses.push(format!("{count} described parameters may be off"));
+}
+
+/// A log with commas and points.
+fn plain(sheet: &Sheet) -> String {
+    let cell = |text: &str| {
+        if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    };
+    let mut text = sheet.columns.iter().map(|column| cell(&column.text)).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    for row in &sheet.rows {
+        let cells: Vec<String> =
+            row.iter().map(|value| if value.is_nan() { String::new() } else { value.to_string() }).collect();
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,251 @@
+//! Parameters, path and noises together: Gauss-Newton with Levenberg's damping about a path that moves with it.
+//!
+//! Each round linearises the model about the path, takes the noises by maximum likelihood, solves the reduced normal
+//! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance is
+//! taken back and damped (Bell, SIAM J. Optim. 4 (1994) 626: the iterated Kalman smoother is a Gauss-Newton method).
+
+use super::likelihood::{Sizes, informed, maximise, reduced};
+use super::linearised::Linearised;
+use super::noise::Noise;
+use super::smooth::smooth;
+use crate::error::Error;
+use crate::statistics::linear::{Reduced, inverse, solve};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// States of a run, n a row.
+pub type Path = Vec<f64>;
+
+/// What can be linearised about paths.
+pub trait Linearise: Sync {
+    /// Every run about its path, at parameters θ, with columns for those asked for, in their order.
+    ///
+    /// # Errors
+    /// The model failed.
+    fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error>;
+
+    /// Smallest and largest value of a parameter.
+    fn range(&self, parameter: usize) -> (f64, f64);
+
+    /// A size of each state that matters: a path that moves less has settled.
+    fn scales(&self) -> &[f64];
+}
+
+/// Knobs of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Most rounds.
+    pub rounds: usize,
+    /// A round that is expected to gain less deviance than this ends the fit.
+    pub enough: f64,
+    /// The path has settled when no state moves by more than this share of its scale.
+    pub settled: f64,
+    /// How often a round that raises the deviance is damped before the fit ends where it is.
+    pub damped: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        // 0.05 of deviance is a fortieth of a standard deviation squared of one parameter; verdicts ask for hundreds of times it
+        Self { rounds: 8, enough: 0.05, settled: 1e-3, damped: 4 }
+    }
+}
+
+/// Where a fit is.
+#[derive(Debug, Clone)]
+pub struct At {
+    /// All parameters.
+    pub theta: Vec<f64>,
+    /// A path for each run.
+    pub paths: Vec<Path>,
+    /// Sizes of the noises.
+    pub noise: Noise,
+}
+
+/// A fit that has ended.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Where.
+    pub at: At,
+    /// The parameters that were free.
+    pub free: Vec<usize>,
+    /// -2 log likelihood with the free parameters where it is least.
+    pub deviance: f64,
+    /// Covariance of the free parameters.
+    pub covariance: DMatrix<f64>,
+    /// The runs, linearised about the end, with columns for the free parameters.
+    pub runs: Vec<Linearised>,
+    /// Rounds it took.
+    pub rounds: usize,
+}
+
+impl Fit {
+    /// Standard deviation of a free parameter.
+    pub fn deviation(&self, parameter: usize) -> f64 {
+        let place = self.free.iter().position(|known| *known == parameter);
+        place.map_or(f64::INFINITY, |place| self.covariance[(place, place)].sqrt())
+    }
+}
+
+/// δθ that leaves no range, by solving with what would leave it held at its end.
+pub fn step(
+    reduced: &Reduced,
+    theta: &[f64],
+    free: &[usize],
+    ranges: &[(f64, f64)],
+    damping: f64,
+) -> Vec<f64> {
+    let mut shift = vec![0.0; free.len()];
+    let mut open = informed(reduced);
+    loop {
+        let mut gram = crate::statistics::linear::submatrix(&reduced.gram, &open);
+        for i in 0..open.len() {
+            gram[(i, i)] *= 1.0 + damping;
+        }
+        let held = DVector::from_fn(open.len(), |i, _| {
+            let pulls = (0..free.len()).filter(|j| !open.contains(j));
+            reduced.score[open[i]] - pulls.map(|j| reduced.gram[(open[i], j)] * shift[j]).sum::<f64>()
+        });
+        let Some(solution) = solve(&gram, &held) else { return shift };
+        let mut left = None;
+        for (place, value) in open.iter().zip(&solution) {
+            let (least, most) = ranges[*place];
+            let to = theta[free[*place]] + value;
+            shift[*place] = to.clamp(least, most) - theta[free[*place]];
+            if to < least || to > most {
+                left = left.or(Some(*place));
+            }
+        }
+        match left {
+            Some(place) => open.retain(|known| *known != place),
+            None => return shift,
+        }
+    }
+}
+
+/// What a step gains, by the linear model.
+pub fn promised(reduced: &Reduced, shift: &[f64]) -> f64 {
+    let shift = DVector::from_column_slice(shift);
+    2.0 * shift.dot(&reduced.score) - shift.dot(&(&reduced.gram * &shift))
+}
+
+/// Moves every path to the smoothed one, after the parameters moved by `shift`; the largest move in units of the scales.
+fn follow(paths: &mut [Path], runs: &[Linearised], noise: &Noise, shift: &[f64], scales: &[f64]) -> f64 {
+    let shift: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
+    let moves: Vec<Vec<f64>> = runs.par_iter().map(|run| smooth(&run.shifted(&shift), noise).state).collect();
+    let mut largest = 0.0;
+    for (path, moves) in paths.iter_mut().zip(&moves) {
+        for (place, (state, by)) in path.iter_mut().zip(moves).enumerate() {
+            *state += by;
+            largest = f64::max(largest, by.abs() / scales[place % scales.len().max(1)]);
+        }
+    }
+    largest
+}
+
+/// Fits the free parameters from a place on. Without `sizes` the noises stay as they are.
+///
+/// # Errors
+/// The model failed at the start, or wherever the fit went.
+pub fn fit(
+    model: &dyn Linearise,
+    start: &At,
+    free: &[usize],
+    sizes: Option<&Sizes>,
+    options: &Options,
+) -> Result<Fit, Error> {
+    let all: Vec<usize> = (0..free.len()).collect();
+    let ranges: Vec<(f64, f64)> = free.iter().map(|parameter| model.range(*parameter)).collect();
+    let mut at = start.clone();
+    let mut runs = model.linearise(&at.theta, &at.paths, free)?;
+    let mut best: Option<(At, Vec<Linearised>, f64)> = None;
+    let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
+    loop {
+        rounds += 1;
+        if let Some(sizes) = sizes {
+            at.noise = maximise(&runs, &all, &at.noise, sizes).0;
+        }
+        let here = reduced(&runs, &at.noise, &all);
+        let value = here.square + here.log_det;
+        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
+        if worse && failures < options.damped {
+            failures += 1;
+            damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
+        } else if !worse {
+            best = Some((at.clone(), runs.clone(), value));
+        }
+        let Some((from, about, _)) = &best else {
+            return Err(Error::Model("the model leaves no finite likelihood at its nominal values".into()));
+        };
+        let last = rounds >= options.rounds || failures >= options.damped;
+        if worse && last {
+            return Ok(ended(from.clone(), about.clone(), free, rounds));
+        }
+        let here = if worse { reduced(about, &from.noise, &all) } else { here };
+        let shift = step(&here, &from.theta, free, &ranges, damping);
+        let gain = promised(&here, &shift);
+        let (about, mut to) = (about.clone(), from.clone());
+        for (parameter, by) in free.iter().zip(&shift) {
+            to.theta[*parameter] += by;
+        }
+        let moved = if damping > 0.0 && failures > 1 {
+            // states follow a damped step, too: a share of the way
+            damped_follow(&mut to.paths, &about, &to.noise, &shift, model.scales(), 1.0 / (1.0 + damping))
+        } else {
+            follow(&mut to.paths, &about, &to.noise, &shift, model.scales())
+        };
+        if last || gain < options.enough && moved < options.settled {
+            return Ok(ended(at_best(best), about, free, rounds));
+        }
+        match model.linearise(&to.theta, &to.paths, free) {
+            Ok(there) => (at, runs) = (to, there),
+            Err(error) => {
+                failures += 1;
+                damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
+                if failures >= options.damped {
+                    return Err(error);
+                }
+                // begin again from the best place with more damping
+                let (from, about, _) = best.clone().unwrap_or_else(|| (at.clone(), runs.clone(), 0.0));
+                (at, runs) = (from, about);
+            }
+        }
+    }
+}
+
+fn at_best(best: Option<(At, Vec<Linearised>, f64)>) -> At {
+    // set before any step is taken
+    best.map_or_else(|| unreachable!("a step was taken from a place"), |(at, _, _)| at)
+}
+
+fn damped_follow(
+    paths: &mut [Path],
+    runs: &[Linearised],
+    noise: &Noise,
+    shift: &[f64],
+    scales: &[f64],
+    share: f64,
+) -> f64 {
+    let before = paths.to_vec();
+    let moved = follow(paths, runs, noise, shift, scales);
+    for (path, before) in paths.iter_mut().zip(&before) {
+        path.iter_mut().zip(before).for_each(|(to, from)| *to = from + share * (*to - from));
+    }
+    share * moved
+}
+
+fn ended(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
+    let all: Vec<usize> = (0..free.len()).collect();
+    let here = reduced(&runs, &at.noise, &all);
+    let told = informed(&here);
+    let mut covariance = DMatrix::from_diagonal_element(free.len(), free.len(), f64::INFINITY);
+    if let Some(inverse) = inverse(&crate::statistics::linear::submatrix(&here.gram, &told)) {
+        for (i, a) in told.iter().enumerate() {
+            for (j, b) in told.iter().enumerate() {
+                covariance[(*a, *b)] = inverse[(i, j)];
+            }
+        }
+    }
+    at.paths.shrink_to_fit();
+    Fit { deviance: here.square + here.log_det, at, free: free.to_vec(), covariance, runs, rounds }
+}

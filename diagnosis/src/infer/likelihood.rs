@@ -1,0 +1,228 @@
+//! The sizes of the noises by maximum likelihood, parameters eliminated: a quasi-Newton search in their logarithms.
+//!
+//! -2 log L(φ) = Σ e²/s + log s - gᵀ Γ⁻¹ g with the score g and the Gram matrix Γ of the innovations' sensitivity columns
+//! (profile likelihood of θ). Gradients by differences: a sweep costs microseconds a row, and no call of the model.
+//! Nocedal, Wright, *Numerical Optimization*, Springer 2006, 6.1 (BFGS) and 3.1 (backtracking).
+
+use super::linearised::Linearised;
+use super::noise::Noise;
+use super::sweep::sweep;
+use crate::statistics::linear::{Reduced, solve};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Step of a difference in a logarithm. The deviance is smooth and exact to 1e-9, so this is far from rounding and short
+/// against 1, over which it bends.
+const STEP: f64 = 0.01;
+/// Longest move of a logarithm at once: a factor of 4.5.
+const LONGEST: f64 = 1.5;
+/// A search ends when a round gains less deviance than this; an effect must gain hundreds of times that.
+const ENOUGH: f64 = 0.02;
+/// Rounds of a search. Six sizes settle in ten.
+const ROUNDS: usize = 30;
+
+/// Which sizes are free, and between what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes {
+    /// Least standard deviation of each channel whose noise is not stated; `None`: stated.
+    pub channels: Vec<Option<f64>>,
+    /// Least and largest process noise of each equation.
+    pub process: Vec<(f64, f64)>,
+    /// Largest standard deviation of the timestamps, s; 0: they are exact.
+    pub jitter: f64,
+}
+
+/// A size's place, least and largest logarithm.
+#[derive(Debug, Clone, Copy)]
+struct Slot {
+    which: Which,
+    range: (f64, f64),
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Which {
+    Channel(usize),
+    Process(usize),
+    Jitter,
+    Disturbance,
+    Memory,
+}
+
+/// A channel's noise is at most so much more than its least.
+const WIDEST: f64 = 1e9;
+
+impl Sizes {
+    fn slots(&self, runs: &[Linearised], noise: &Noise) -> Vec<Slot> {
+        let mut slots = Vec::new();
+        let mut slot = |which, least: f64, most: f64| {
+            if least < most {
+                slots.push(Slot { which, range: (libm::log(least), libm::log(most)) });
+            }
+        };
+        for (channel, least) in self.channels.iter().enumerate() {
+            if let Some(least) = least {
+                slot(Which::Channel(channel), *least, least * WIDEST);
+            }
+        }
+        for (equation, (least, most)) in self.process.iter().enumerate() {
+            slot(Which::Process(equation), *least, *most);
+        }
+        slot(Which::Jitter, 1e-4 * self.jitter, self.jitter);
+        if let Some(unlisted) = noise.disturbance {
+            let (least, most) = self.process[unlisted.equation];
+            let (shortest, longest) = spans(runs);
+            slot(Which::Disturbance, least / longest.sqrt(), most / shortest.sqrt());
+            slot(Which::Memory, 2.0 * shortest, longest);
+        }
+        slots
+    }
+}
+
+/// Mean interval and longest run, s.
+fn spans(runs: &[Linearised]) -> (f64, f64) {
+    let length = |run: &Linearised| run.time.last().copied().unwrap_or(0.0) - run.time[0];
+    let longest = runs.iter().map(length).fold(0.0, f64::max);
+    let (all, rows) =
+        runs.iter().fold((0.0, 0.0), |(all, rows), run| (all + length(run), rows + run.rows() as f64));
+    (all / f64::max(rows, 1.0), longest)
+}
+
+fn read(noise: &Noise, which: Which) -> f64 {
+    match which {
+        Which::Channel(channel) => noise.channels[channel],
+        Which::Process(equation) => noise.process[equation],
+        Which::Jitter => noise.jitter,
+        Which::Disturbance => noise.disturbance.map_or(0.0, |unlisted| unlisted.size),
+        Which::Memory => noise.disturbance.map_or(0.0, |unlisted| unlisted.memory),
+    }
+}
+
+fn written(noise: &Noise, slots: &[Slot], at: &DVector<f64>) -> Noise {
+    let mut noise = noise.clone();
+    for (slot, value) in slots.iter().zip(at) {
+        let value = libm::exp(*value);
+        match slot.which {
+            Which::Channel(channel) => noise.channels[channel] = value,
+            Which::Process(equation) => noise.process[equation] = value,
+            Which::Jitter => noise.jitter = value,
+            Which::Disturbance => {
+                if let Some(unlisted) = &mut noise.disturbance {
+                    unlisted.size = value;
+                }
+            }
+            Which::Memory => {
+                if let Some(unlisted) = &mut noise.disturbance {
+                    unlisted.memory = value;
+                }
+            }
+        }
+    }
+    noise
+}
+
+/// All runs together.
+pub fn reduced(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Reduced {
+    let parts: Vec<Reduced> = runs.par_iter().map(|run| sweep(run, noise, columns)).collect();
+    let mut sum = Reduced::zero(columns.len());
+    parts.iter().for_each(|part| sum.add(part));
+    sum
+}
+
+/// -2 log likelihood with the parameters where it is least.
+pub fn profile(reduced: &Reduced) -> f64 {
+    let told = informed(reduced);
+    let gram = crate::statistics::linear::submatrix(&reduced.gram, &told);
+    let score = crate::statistics::linear::subvector(&reduced.score, &told);
+    let gained = solve(&gram, &score).map_or(0.0, |shift| shift.dot(&score));
+    reduced.square - gained + reduced.log_det
+}
+
+/// Parameters of which the data say anything.
+pub fn informed(reduced: &Reduced) -> Vec<usize> {
+    (0..reduced.score.len()).filter(|i| reduced.gram[(*i, *i)] > 0.0).collect()
+}
+
+/// The most likely sizes from these on, and the deviance there. Columns are those of the parameters that are free.
+pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &Sizes) -> (Noise, f64) {
+    let slots = sizes.slots(runs, start);
+    let clamped =
+        |at: DVector<f64>| DVector::from_fn(at.len(), |i, _| at[i].clamp(slots[i].range.0, slots[i].range.1));
+    let first = slots.iter().map(|slot| libm::log(read(start, slot.which).max(1e-300)));
+    let mut at = clamped(DVector::from_iterator(slots.len(), first));
+    let deviance = |at: &DVector<f64>| profile(&reduced(runs, &written(start, &slots, at), columns));
+    let mut value = deviance(&at);
+    let mut gradient = differences(&deviance, &at, value, &slots);
+    let mut inverse = DMatrix::identity(slots.len(), slots.len()) / gradient.amax().max(1.0);
+    for _ in 0..ROUNDS {
+        let direction = held(-&inverse * &gradient, &at, &gradient, &slots);
+        let longest = direction.amax();
+        if longest < 1e-6 {
+            break;
+        }
+        let mut length = (LONGEST / longest).min(1.0);
+        let promised = -gradient.dot(&direction);
+        let accepted = (0..8).find_map(|_| {
+            let to = clamped(&at + &direction * length);
+            let there = deviance(&to);
+            let good = there.is_finite() && there <= value - 1e-4 * length * promised.max(0.0);
+            length *= if good { 1.0 } else { 0.35 };
+            good.then_some((to, there))
+        });
+        let Some((to, there)) = accepted else { break };
+        let gained = value - there;
+        let next = differences(&deviance, &to, there, &slots);
+        updated(&mut inverse, &(&to - &at), &(&next - &gradient));
+        (at, value, gradient) = (to, there, next);
+        if gained < ENOUGH {
+            break;
+        }
+    }
+    (written(start, &slots, &at), value)
+}
+
+/// Central where there is room: the gradient decides when the search ends.
+fn differences(
+    deviance: &(impl Fn(&DVector<f64>) -> f64 + Sync),
+    at: &DVector<f64>,
+    value: f64,
+    slots: &[Slot],
+) -> DVector<f64> {
+    let parts: Vec<f64> = (0..slots.len())
+        .into_par_iter()
+        .map(|i| {
+            let step = if at[i] + STEP > slots[i].range.1 { -STEP } else { STEP };
+            let mut to = at.clone();
+            to[i] += step;
+            (deviance(&to) - value) / step
+        })
+        .collect();
+    DVector::from_vec(parts)
+}
+
+/// A direction that leaves no range: what stands at an end and would go beyond stays.
+fn held(direction: DVector<f64>, at: &DVector<f64>, gradient: &DVector<f64>, slots: &[Slot]) -> DVector<f64> {
+    let stuck = |i: usize| {
+        let (least, most) = slots[i].range;
+        at[i] <= least && gradient[i] > 0.0 || at[i] >= most && gradient[i] < 0.0
+    };
+    let free = DVector::from_fn(at.len(), |i, _| if stuck(i) { 0.0 } else { direction[i] });
+    // what is left may lead upwards: then straight down, slowly
+    if free.dot(gradient) < 0.0 {
+        return free;
+    }
+    let size = gradient.amax().max(1.0);
+    DVector::from_fn(at.len(), |i, _| if stuck(i) { 0.0 } else { -gradient[i] / size })
+}
+
+/// The BFGS update of the inverse Hessian, left out where curvature is not positive.
+fn updated(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f64>) {
+    let along = moved.dot(change);
+    if along <= 1e-12 {
+        return;
+    }
+    let through = &*inverse * change;
+    let factor = (1.0 + change.dot(&through) / along) / along;
+    *inverse += moved * moved.transpose() * factor;
+    let cross = moved * through.transpose();
+    *inverse -= (&cross + cross.transpose()) / along;
+}

@@ -1,0 +1,82 @@
+//! A run, linearised about a path: what the sweep needs and nothing else. Rows of numbers, no names.
+
+/// One measured value against the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Place of the channel.
+    pub channel: usize,
+    /// When, s.
+    pub time: f64,
+    /// Measured minus predicted at the path.
+    pub residual: f64,
+    /// Rate of change of the predicted value, per s: a timestamp that is off shows in proportion to it.
+    pub slope: f64,
+    /// Share of the weight that noise alone would give; 0 for an outlier.
+    pub weight: f64,
+}
+
+/// One run about a path x̂ of `rows` rows, with n states and p parameters.
+#[derive(Debug, Clone, Default)]
+pub struct Linearised {
+    /// States.
+    pub states: usize,
+    /// Parameters.
+    pub parameters: usize,
+    /// Times of the rows, s.
+    pub time: Vec<f64>,
+    /// ∂F/∂x of each interval, row by row (n x n).
+    pub transition: Vec<f64>,
+    /// ∂F/∂θ of each interval, a column behind the other (p columns of n).
+    pub drive: Vec<f64>,
+    /// F(x̂(k)) - x̂(k+1) of each interval (n).
+    pub defect: Vec<f64>,
+    /// Where the values of each row begin in `measured`; one more than rows.
+    pub first: Vec<usize>,
+    /// The values.
+    pub measured: Vec<Measured>,
+    /// ∂h/∂x of each value (n).
+    pub observe: Vec<f64>,
+    /// ∂h/∂θ of each value (p).
+    pub direct: Vec<f64>,
+    /// Prior of the deviation of the first row's state: mean and standard deviation (n each).
+    pub start: (Vec<f64>, Vec<f64>),
+}
+
+impl Linearised {
+    /// Rows.
+    pub fn rows(&self) -> usize {
+        self.time.len()
+    }
+
+    /// The values of a row, as places in `measured`.
+    pub fn values(&self, row: usize) -> std::ops::Range<usize> {
+        self.first[row]..self.first[row + 1]
+    }
+
+    /// Length of the interval after a row, s.
+    pub fn interval(&self, row: usize) -> f64 {
+        self.time[row + 1] - self.time[row]
+    }
+
+    /// ∂F/∂θ of one interval and parameter.
+    pub fn column(&self, row: usize, parameter: usize) -> &[f64] {
+        let at = (row * self.parameters + parameter) * self.states;
+        &self.drive[at..at + self.states]
+    }
+
+    /// The same about the same path, after the parameters moved by `shift` (place, amount), to first order.
+    pub fn shifted(&self, shift: &[(usize, f64)]) -> Self {
+        let mut moved = self.clone();
+        for (place, by) in shift.iter().filter(|(_, by)| *by != 0.0) {
+            for row in 0..self.rows().saturating_sub(1) {
+                for (state, column) in self.column(row, *place).iter().enumerate() {
+                    moved.defect[row * self.states + state] += by * column;
+                }
+            }
+            for (value, measured) in moved.measured.iter_mut().enumerate() {
+                measured.residual -= by * self.direct[value * self.parameters + place];
+            }
+        }
+        moved
+    }
+}

@@ -1,0 +1,35 @@
+//! Sizes of the noises: of each channel, of each state equation, of the timestamps.
+
+/// What the model leaves to chance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of each channel, in its own unit.
+    pub channels: Vec<f64>,
+    /// Size of the process noise of each state equation, unit of the state per √s.
+    pub process: Vec<f64>,
+    /// Standard deviation of the timestamps, s.
+    pub jitter: f64,
+    /// An unlisted input at one equation, with a memory.
+    pub disturbance: Option<Disturbance>,
+}
+
+/// An unlisted input as a first-order Gauss-Markov process: white noise for a short time constant, a random walk for a long one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disturbance {
+    /// The state equation it acts on.
+    pub equation: usize,
+    /// Standard deviation, unit of the state per s.
+    pub size: f64,
+    /// Correlation time, s.
+    pub memory: f64,
+}
+
+impl Noise {
+    /// Variance of a measured value.
+    #[inline]
+    pub fn variance(&self, channel: usize, slope: f64) -> f64 {
+        let sigma = self.channels[channel];
+        let late = self.jitter * slope;
+        sigma * sigma + late * late
+    }
+}

@@ -1,0 +1,243 @@
+//! The Kalman sweep over a run: innovations and their sensitivities, states eliminated.
+//!
+//! With δx = m + M δθ + ξ, ξ ~ N(0, P), a value r = H δx + D δθ + ε has the innovation e - J δθ with e = r - H m,
+//! J = H M + D and variance s = H P Hᵀ + R. Values of a row are taken one after the other, which needs no matrix inverse
+//! (their noises are independent). An unlisted input with a memory is one more state.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "i and j are the indices of matrices, in the formulas and here"
+)]
+
+use super::linearised::Linearised;
+use super::noise::Noise;
+use crate::statistics::linear::Reduced;
+use nalgebra::{DMatrix, DVector};
+
+/// Most states, the unlisted input among them.
+pub const MOST_STATES: usize = 24;
+
+/// What the backward pass needs: one entry a value or row.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// Innovation of each value.
+    pub innovation: Vec<f64>,
+    /// Its variance.
+    pub variance: Vec<f64>,
+    /// P Hᵀ of each value, before it was taken in.
+    pub gain: Vec<f64>,
+    /// m of each row after its values.
+    pub mean: Vec<f64>,
+    /// P of each row after its values.
+    pub covariance: Vec<f64>,
+}
+
+/// Runs the filter over a run, with the columns of the chosen parameters.
+pub fn sweep(run: &Linearised, noise: &Noise, columns: &[usize]) -> Reduced {
+    dispatch(run, noise, columns, None)
+}
+
+/// The same, and keeps what smoothing needs. The size of a state is that of [`dimension`].
+pub fn sweep_kept(run: &Linearised, noise: &Noise) -> (Reduced, Kept) {
+    let mut kept = Kept::default();
+    let reduced = dispatch(run, noise, &[], Some(&mut kept));
+    (reduced, kept)
+}
+
+/// States with the unlisted input.
+pub fn dimension(run: &Linearised, noise: &Noise) -> usize {
+    run.states + usize::from(noise.disturbance.is_some())
+}
+
+macro_rules! sized {
+    ($n:expr, $run:expr, $noise:expr, $columns:expr, $kept:expr; $($size:literal)*) => {
+        match $n {
+            $($size => filter::<$size>($run, $noise, $columns, $kept),)*
+            more => unreachable!("{more} states; the pipeline refuses more than {MOST_STATES}"),
+        }
+    };
+}
+
+fn dispatch(run: &Linearised, noise: &Noise, columns: &[usize], kept: Option<&mut Kept>) -> Reduced {
+    let n = dimension(run, noise);
+    sized!(n, run, noise, columns, kept; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+}
+
+/// Transition of one interval with the unlisted input as the last state, and the covariance of the process noise.
+pub struct Interval<const N: usize> {
+    /// ∂x(k+1)/∂x(k).
+    pub transition: [[f64; N]; N],
+    /// Covariance of what the process noise adds.
+    pub covariance: [[f64; N]; N],
+}
+
+impl<const N: usize> Interval<N> {
+    /// Of the interval after a row.
+    #[inline]
+    pub fn new(run: &Linearised, noise: &Noise, row: usize) -> Self {
+        let n = run.states;
+        let dt = run.interval(row);
+        let a = &run.transition[row * n * n..(row + 1) * n * n];
+        let mut transition = [[0.0; N]; N];
+        for i in 0..n {
+            transition[i][..n].copy_from_slice(&a[i * n..(i + 1) * n]);
+        }
+        let direction = |equation: usize, i: usize| {
+            0.5 * dt * (a[i * n + equation] + if i == equation { 1.0 } else { 0.0 })
+        };
+        let mut covariance = [[0.0; N]; N];
+        for equation in 0..n {
+            let q = noise.process[equation];
+            if q > 0.0 {
+                let variance = q * q / dt;
+                for i in 0..n {
+                    let along = direction(equation, i) * variance;
+                    for j in 0..=i {
+                        covariance[i][j] += along * direction(equation, j);
+                    }
+                }
+            }
+        }
+        if let Some(unlisted) = noise.disturbance {
+            let keeps = libm::exp(-dt / unlisted.memory);
+            for (i, row) in transition.iter_mut().enumerate().take(n) {
+                row[n] = direction(unlisted.equation, i);
+            }
+            transition[n][n] = keeps;
+            covariance[n][n] = unlisted.size * unlisted.size * (1.0 - keeps * keeps);
+        }
+        for i in 0..N {
+            for j in 0..i {
+                covariance[j][i] = covariance[i][j];
+            }
+        }
+        Self { transition, covariance }
+    }
+}
+
+fn filter<const N: usize>(
+    run: &Linearised,
+    noise: &Noise,
+    columns: &[usize],
+    mut kept: Option<&mut Kept>,
+) -> Reduced {
+    let (n, p) = (run.states, columns.len());
+    let mut mean = [0.0; N];
+    let mut covariance = [[0.0; N]; N];
+    for i in 0..n {
+        mean[i] = run.start.0[i];
+        covariance[i][i] = run.start.1[i] * run.start.1[i];
+    }
+    if let Some(unlisted) = noise.disturbance {
+        covariance[n][n] = unlisted.size * unlisted.size;
+    }
+    let mut sensitivity = vec![[0.0; N]; p];
+    let mut innovation_columns = vec![0.0; p];
+    let mut score = vec![0.0; p];
+    let mut gram = vec![0.0; p * p];
+    let (mut square, mut log_det, mut count) = (0.0, 0.0, 0.0);
+    for row in 0..run.rows() {
+        for value in run.values(row) {
+            let measured = &run.measured[value];
+            let observe = &run.observe[value * n..(value + 1) * n];
+            let mut gain = [0.0; N];
+            let mut predicted = 0.0;
+            for (j, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+                predicted += h * mean[j];
+                for (gain, row) in gain.iter_mut().zip(&covariance) {
+                    *gain += h * row[j];
+                }
+            }
+            let spread: f64 = observe.iter().zip(&gain).map(|(h, gain)| h * gain).sum();
+            let own = noise.variance(measured.channel, measured.slope);
+            let innovation = measured.residual - predicted;
+            let variance = spread.max(0.0) + own;
+            if let Some(kept) = kept.as_deref_mut() {
+                kept.innovation.push(innovation);
+                kept.variance.push(if measured.weight > 0.0 { variance } else { f64::INFINITY });
+                kept.gain.extend_from_slice(&gain);
+            }
+            if measured.weight == 0.0 {
+                continue;
+            }
+            let direct = &run.direct[value * run.parameters..(value + 1) * run.parameters];
+            for (slot, (column, m)) in columns.iter().zip(&sensitivity).enumerate() {
+                let through: f64 = observe.iter().zip(m).map(|(h, m)| h * m).sum();
+                innovation_columns[slot] = through + direct[*column];
+            }
+            square += innovation * innovation / variance;
+            log_det += libm::log(variance);
+            count += 1.0;
+            for i in 0..p {
+                let weighted = innovation_columns[i] / variance;
+                score[i] += weighted * innovation;
+                for j in 0..=i {
+                    gram[i * p + j] += weighted * innovation_columns[j];
+                }
+            }
+            for i in 0..N {
+                let k = gain[i] / variance;
+                mean[i] += k * innovation;
+                for (m, column) in sensitivity.iter_mut().zip(&innovation_columns) {
+                    m[i] -= k * column;
+                }
+                for j in 0..N {
+                    covariance[i][j] -= k * gain[j];
+                }
+            }
+        }
+        if let Some(kept) = kept.as_deref_mut() {
+            kept.mean.extend_from_slice(&mean);
+            covariance.iter().for_each(|row| kept.covariance.extend_from_slice(row));
+        }
+        if row + 1 < run.rows() {
+            let step = Interval::<N>::new(run, noise, row);
+            let defect = &run.defect[row * n..(row + 1) * n];
+            mean = times(&step.transition, &mean);
+            mean.iter_mut().zip(defect).for_each(|(mean, defect)| *mean += defect);
+            for (m, column) in sensitivity.iter_mut().zip(columns) {
+                *m = times(&step.transition, m);
+                m.iter_mut().zip(run.column(row, *column)).for_each(|(m, column)| *m += column);
+            }
+            covariance = spread(&step.transition, &covariance);
+            for i in 0..N {
+                for j in 0..N {
+                    covariance[i][j] += step.covariance[i][j];
+                }
+            }
+        }
+    }
+    let gram = DMatrix::from_fn(p, p, |i, j| gram[i.max(j) * p + i.min(j)]);
+    Reduced { square, score: DVector::from_vec(score), gram, freedom: count, log_det }
+}
+
+/// A v.
+#[inline]
+pub fn times<const N: usize>(a: &[[f64; N]; N], v: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i].iter().zip(v).map(|(a, v)| a * v).sum())
+}
+
+/// A P Aᵀ, symmetric to the last bit.
+#[inline]
+fn spread<const N: usize>(a: &[[f64; N]; N], p: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut half = [[0.0; N]; N];
+    for i in 0..N {
+        for k in 0..N {
+            let factor = a[i][k];
+            if factor != 0.0 {
+                for j in 0..N {
+                    half[i][j] += factor * p[k][j];
+                }
+            }
+        }
+    }
+    let mut whole = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..=i {
+            let sum: f64 = half[i].iter().zip(&a[j]).map(|(half, a)| half * a).sum();
+            whole[i][j] = sum;
+            whole[j][i] = sum;
+        }
+    }
+    whole
+}

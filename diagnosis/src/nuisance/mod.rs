@@ -1,0 +1,72 @@
+//! Parameters of the log that are nobody's fault: noise, quantisation, timestamps. Estimated with everything else, never
+//! candidates.
+
+/// What the values of one channel say of its noise, without any model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Standard deviation of what differs from row to row and follows no polynomial: at most the noise and the model's own
+    /// motion within a few rows.
+    pub noise: f64,
+    /// Distance of neighbouring values of the log, if it looks rounded; else 0.
+    pub quantum: f64,
+    /// Standard deviation of the values.
+    pub size: f64,
+}
+
+/// Highest order of differences that is tried: beyond it they amplify noise as fast as they damp motion.
+const ORDERS: usize = 5;
+/// A log looks rounded where fewer of its values are different than this share.
+const ROUNDED: f64 = 0.5;
+
+/// Looks at all runs of one channel.
+pub fn scatter(runs: &[&[f64]]) -> Scatter {
+    let all: Vec<f64> = runs.iter().flat_map(|run| run.iter().copied()).collect();
+    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    let size = (all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / all.len().max(1) as f64).sqrt();
+    let mut noise = f64::INFINITY;
+    let mut weight = 1.0;
+    let mut differences: Vec<Vec<f64>> = runs.iter().map(|run| run.to_vec()).collect();
+    for order in 1..=ORDERS {
+        for run in &mut differences {
+            *run = run.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        }
+        // Σ binomial(d, k)² = binomial(2d, d): the variance of a d-th difference of white noise
+        weight *= (4 * order - 2) as f64 / order as f64;
+        let (sum, count) = (differences.iter().flatten()).fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
+        if count > 2 {
+            noise = noise.min((sum / count as f64 / weight).sqrt());
+        }
+    }
+    Scatter { noise: if noise.is_finite() { noise } else { size }, quantum: quantum(&all), size }
+}
+
+fn quantum(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let span = sorted.last().zip(sorted.first()).map_or(0.0, |(last, first)| last - first);
+    let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    let real: Vec<f64> = gaps.filter(|gap| *gap > 1e-9 * span).collect();
+    if real.is_empty() || (real.len() + 1) as f64 > ROUNDED * sorted.len() as f64 {
+        return 0.0;
+    }
+    real.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    #[test]
+    fn law_noise_is_found_beside_a_motion_and_rounding_is_seen() {
+        let mut random = Random::new(3);
+        let motion = |k: usize| libm::sin(0.05 * k as f64);
+        let noisy: Vec<f64> = (0..2000).map(|k| motion(k) + 0.01 * random.normal()).collect();
+        let found = scatter(&[&noisy]);
+        // 2000 values of a fifth difference know their size to about 5 %
+        assert!((found.noise / 0.01 - 1.0).abs() < 0.1, "{found:?}");
+        assert_eq!(found.quantum, 0.0);
+        let rounded: Vec<f64> = noisy.iter().map(|v| (v / 0.02).round() * 0.02).collect();
+        assert!((scatter(&[&rounded]).quantum - 0.02).abs() < 1e-9);
+    }
+}

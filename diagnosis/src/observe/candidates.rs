@@ -1,0 +1,204 @@
+//! `[[candidate]]`: what may be missing, with the defaults that the units' descriptions give.
+
+use super::nominal::number;
+use super::raw::{self, File};
+use super::resolve::variable;
+use super::{Candidate, Nominal, Scale, State, VariableId};
+use crate::error::{Error, Notice};
+use orchestrator::fmu::{Causality, Variability, Variable};
+use orchestrator::{Kind, nearest};
+use toml::Spanned;
+
+const SCALES: [(&str, Scale); 5] = [
+    ("absolute", Scale::Absolute),
+    ("relative", Scale::Relative),
+    ("saturation", Scale::Saturation),
+    ("switch", Scale::Switch),
+    ("count", Scale::Count),
+];
+
+/// All candidates: those that the file lists, else every described parameter.
+pub(super) fn resolve(
+    model: &Nominal,
+    states: &[State],
+    file: &File,
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<Candidate>, Error> {
+    if file.raw.candidate.is_empty() {
+        let found = by_itself(model, states);
+        let names: Vec<&str> = found.iter().map(|candidate| candidate.name.as_str()).collect();
+        let message = match names.as_slice() {
+            [] => "no [[candidate]], and no parameter of the model has a description: only effects at ports are looked for".into(),
+            names => format!("no [[candidate]]: every described parameter may be off ({})", names.join(", ")),
+        };
+        notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
+        return Ok(found);
+    }
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for entry in &file.raw.candidate {
+        let one = candidate(model, file, entry, notices)?;
+        if let Some(first) = candidates.iter().find(|known| known.variable == one.variable) {
+            let problem = format!("a second candidate {}, the first is at line {}", one.name, first.line);
+            return Err(file.wrong(&entry.get_ref().variable.span(), problem));
+        }
+        candidates.push(one);
+    }
+    Ok(candidates)
+}
+
+/// Every tunable or fixed parameter that has a phrase, but those that start a state.
+fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
+    let every = (0..model.fmus.len()).flat_map(|unit| {
+        let places = 0..model.description(unit).variables.len();
+        places.map(move |place| VariableId { unit, place })
+    });
+    let fits = |id: &VariableId| {
+        let variable = model.variable(*id);
+        may_move(variable)
+            && !variable.description.is_empty()
+            && states.iter().all(|state| state.start != *id)
+    };
+    let made = |id: VariableId| {
+        let variable = model.variable(id);
+        let neutral = model.number(id)?;
+        Some(Candidate {
+            name: model.name(id),
+            variable: id,
+            neutral,
+            range: limits(variable),
+            phrase: variable.description.clone(),
+            scale: usual(variable, neutral),
+            line: 0,
+        })
+    };
+    every.filter(fits).filter_map(made).collect()
+}
+
+fn may_move(variable: &Variable) -> bool {
+    variable.causality == Causality::Parameter
+        && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
+        && variable.kind != Kind::String
+}
+
+/// Smallest and largest value by the description.
+fn limits(variable: &Variable) -> (f64, f64) {
+    match variable.kind {
+        Kind::Boolean => (0.0, 1.0),
+        _ => (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY)),
+    }
+}
+
+/// How a variable moves where nobody says.
+fn usual(variable: &Variable, neutral: f64) -> Scale {
+    match variable.kind {
+        Kind::Boolean => Scale::Switch,
+        Kind::Integer => Scale::Count,
+        _ if neutral != 0.0 => Scale::Relative,
+        _ => Scale::Absolute,
+    }
+}
+
+fn candidate(
+    model: &Nominal,
+    file: &File,
+    entry: &Spanned<raw::Candidate>,
+    notices: &mut Vec<Notice>,
+) -> Result<Candidate, Error> {
+    let raw = entry.get_ref();
+    let id = variable(model, &raw.variable, file)?;
+    let (name, described) = (model.name(id), model.variable(id));
+    if !may_move(described) {
+        let problem =
+            format!("{name} is no candidate: wanted is a tunable or fixed parameter that is a number");
+        return Err(file.wrong(&raw.variable.span(), problem));
+    }
+    let neutral = match &raw.neutral {
+        Some(value) => {
+            number(described.kind, value.get_ref()).filter(|value| value.is_finite()).ok_or_else(|| {
+                file.wrong(
+                    &value.span(),
+                    format!("neutral = {}: {name} is of type {}", value.get_ref(), described.kind),
+                )
+            })?
+        }
+        None => model.number(id).ok_or_else(|| {
+            file.wrong(&raw.variable.span(), format!("{name} has no start value: write its `neutral`"))
+        })?,
+    };
+    let scale = match &raw.scale {
+        None => match described.kind {
+            Kind::Boolean => Scale::Switch,
+            Kind::Integer => Scale::Count,
+            _ => Scale::Absolute,
+        },
+        Some(given) => scale(given, described, neutral, file)?,
+    };
+    let range = range(raw, described, neutral, scale, file, notices)?;
+    let phrase = raw.phrase.clone().unwrap_or_else(|| match described.description.as_str() {
+        "" => name.clone(),
+        text => text.to_owned(),
+    });
+    Ok(Candidate { name, variable: id, neutral, range, phrase, scale, line: file.line(&entry.span()) })
+}
+
+fn scale(given: &Spanned<String>, variable: &Variable, neutral: f64, file: &File) -> Result<Scale, Error> {
+    let text = given.get_ref().as_str();
+    let wrong = |problem: String| file.wrong(&given.span(), format!("scale = {text:?}: {problem}"));
+    let Some((_, scale)) = SCALES.iter().find(|(name, _)| *name == text) else {
+        return Err(wrong(nearest(text, SCALES.iter().map(|(name, _)| *name))));
+    };
+    match (scale, variable.kind) {
+        (Scale::Relative, _) if neutral == 0.0 => {
+            Err(wrong(format!("{} has the nominal value 0; wanted is \"absolute\"", variable.name)))
+        }
+        (Scale::Count, Kind::Boolean) => Err(wrong(format!("{} is a Boolean: \"switch\"", variable.name))),
+        (Scale::Absolute | Scale::Relative | Scale::Saturation, Kind::Boolean) => {
+            Err(wrong(format!("{} is a Boolean: \"switch\"", variable.name)))
+        }
+        (Scale::Absolute | Scale::Relative | Scale::Saturation, Kind::Integer) => {
+            Err(wrong(format!("{} is an Integer: \"count\", or \"switch\"", variable.name)))
+        }
+        _ => Ok(*scale),
+    }
+}
+
+/// The range in the variable's own unit. A relative candidate may be given it as factors of its neutral value (around 1) or
+/// as shares of it (around 0).
+fn range(
+    raw: &raw::Candidate,
+    variable: &Variable,
+    neutral: f64,
+    scale: Scale,
+    file: &File,
+    notices: &mut Vec<Notice>,
+) -> Result<(f64, f64), Error> {
+    let described = limits(variable);
+    let Some(given) = &raw.range else { return Ok(described) };
+    let (low, high) = *given.get_ref();
+    let wrong = |problem: String| file.wrong(&given.span(), format!("range = [{low}, {high}]: {problem}"));
+    if low.is_nan() || high.is_nan() || low >= high {
+        return Err(wrong("the smaller value first".into()));
+    }
+    let holds = |(low, high): (f64, f64)| low <= neutral && neutral <= high;
+    // 0 of a saturation is none, wherever its values begin
+    if holds((low, high)) || scale == Scale::Saturation {
+        return Ok((low, high));
+    }
+    let ordered = |one: f64, other: f64| (one.min(other), one.max(other));
+    let read = match (scale, low <= 1.0 && 1.0 <= high, low <= 0.0 && 0.0 <= high) {
+        (Scale::Relative, true, false) => Some((ordered(low * neutral, high * neutral), "factors")),
+        (Scale::Relative, _, true) => {
+            Some((ordered((1.0 + low) * neutral, (1.0 + high) * neutral), "shares"))
+        }
+        _ => None,
+    };
+    let Some((range, how)) = read else {
+        return Err(wrong(format!("the neutral value {neutral} of {} lies outside", variable.name)));
+    };
+    let message = format!(
+        "range = [{low}, {high}] doesn't hold the neutral value {neutral} of {}: read as {how} of it, [{}, {}]",
+        variable.name, range.0, range.1
+    );
+    notices.push(Notice { file: "dataset.toml".into(), line: file.line(&given.span()), message });
+    Ok(range)
+}

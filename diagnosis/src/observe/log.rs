@@ -1,0 +1,179 @@
+//! One log: a CSV file with a column of time and columns of numbers.
+//!
+//! An empty cell, or `nan`, was not measured then. Rows whose time is not later than the one before are left out, with a
+//! notice; what is no number is an error with its line.
+
+use super::Series;
+use crate::error::{Error, Notice};
+use orchestrator::nearest;
+use std::path::{Path, PathBuf};
+
+/// Rows out of order from which on the file is refused, as a share and as a number: its times are not what they are said to be.
+const DISORDER: (f64, usize) = (0.1, 2);
+
+/// A log with its columns as text.
+#[derive(Debug)]
+pub(super) struct Log {
+    path: PathBuf,
+    /// The first line.
+    pub(super) columns: Vec<String>,
+    rows: Vec<(usize, csv::StringRecord)>,
+}
+
+/// The times of a log's rows that are used, s.
+#[derive(Debug)]
+pub(super) struct Times {
+    /// Row and its time.
+    rows: Vec<(usize, f64)>,
+}
+
+impl Log {
+    /// Reads a file.
+    pub(super) fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err(wrong(1, "the file is in UTF-16; save it as CSV in UTF-8".into()));
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()]
+                .iter()
+                .filter(|b| **b == b'\n')
+                .count();
+            wrong(line, "not UTF-8; save the file as CSV in UTF-8".into())
+        })?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text).replace("\r\n", "\n");
+        let head = text.lines().next().unwrap_or("");
+        if head.contains(';') && !head.contains(',') {
+            return Err(wrong(
+                1,
+                "columns are separated by semicolons; wanted are commas between columns and points in numbers (`acroscope \
+                 import` converts such a file)"
+                    .into(),
+            ));
+        }
+        if head.contains('\t') && !head.contains(',') {
+            return Err(wrong(
+                1,
+                "columns are separated by tabs; wanted are commas (`acroscope import` converts such a file)"
+                    .into(),
+            ));
+        }
+        let mut reader =
+            csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let columns: Vec<String> = match reader.headers() {
+            Ok(headers) => headers.iter().map(str::to_owned).collect(),
+            Err(error) => return Err(wrong(1, format!("not CSV: {error}"))),
+        };
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| {
+                wrong(error.position().map_or(1, |at| at.line() as usize), format!("not CSV: {error}"))
+            })?;
+            let line = record.position().map_or(0, |position| position.line() as usize);
+            if record.len() != columns.len() {
+                let problem = format!("{} cells where the first line has {}", record.len(), columns.len());
+                return Err(wrong(line, problem + comma(&record)));
+            }
+            rows.push((line, record));
+        }
+        if rows.is_empty() {
+            return Err(wrong(1, "no rows after the first line".into()));
+        }
+        Ok(Self { path: path.to_owned(), columns, rows })
+    }
+
+    /// Place of a column.
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+
+    /// What to say of a column that isn't there.
+    pub(super) fn lacks(&self, name: &str) -> String {
+        let known = nearest(name, self.columns.iter().map(String::as_str));
+        format!("{} has no column {name:?}: {known}", self.path.display())
+    }
+
+    fn wrong(&self, line: usize, problem: String) -> Error {
+        Error::Manifest { path: self.path.clone(), line, problem }
+    }
+
+    fn number(&self, row: usize, place: usize) -> Result<Option<f64>, Error> {
+        let (line, record) = &self.rows[row];
+        match record.get(place).unwrap_or("") {
+            "" => Ok(None),
+            "true" | "True" | "TRUE" => Ok(Some(1.0)),
+            "false" | "False" | "FALSE" => Ok(Some(0.0)),
+            text => match text.parse::<f64>() {
+                Ok(number) if number.is_finite() => Ok(Some(number)),
+                Ok(number) if number.is_nan() => Ok(None),
+                _ => {
+                    let hint = if text.contains(',') { " (write 0.5, not 0,5)" } else { "" };
+                    let problem =
+                        format!("column {:?}: {text:?} is not a finite number{hint}", self.columns[place]);
+                    Err(self.wrong(*line, problem))
+                }
+            },
+        }
+    }
+
+    /// The times in s, from a column in a unit of `seconds`.
+    pub(super) fn times(
+        &self,
+        place: usize,
+        seconds: f64,
+        label: &str,
+        notices: &mut Vec<Notice>,
+    ) -> Result<Times, Error> {
+        let mut rows: Vec<(usize, f64)> = Vec::with_capacity(self.rows.len());
+        let mut late: Option<(usize, usize)> = None;
+        for row in 0..self.rows.len() {
+            let Some(time) = self.number(row, place)? else {
+                let problem = format!("column {:?}: a row without a time", self.columns[place]);
+                return Err(self.wrong(self.rows[row].0, problem));
+            };
+            let time = time * seconds;
+            if rows.last().is_some_and(|(_, before)| time <= *before) {
+                late = Some(late.map_or((self.rows[row].0, 1), |(line, count)| (line, count + 1)));
+                continue;
+            }
+            rows.push((row, time));
+        }
+        if let Some((line, count)) = late {
+            if count >= DISORDER.1 && count as f64 > DISORDER.0 * self.rows.len() as f64 {
+                let problem = format!(
+                    "column {:?} is no time: {count} of {} rows are not later than the row before, this is the first",
+                    self.columns[place],
+                    self.rows.len()
+                );
+                return Err(self.wrong(line, problem));
+            }
+            let message =
+                format!("not later than the row before; left out ({count} such rows, this is the first)");
+            notices.push(Notice { file: label.to_owned(), line, message });
+        }
+        Ok(Times { rows })
+    }
+
+    /// The numbers of a column, with their times.
+    pub(super) fn series(&self, place: usize, times: &Times) -> Result<Series, Error> {
+        let mut series = Series::default();
+        for (row, time) in &times.rows {
+            if let Some(value) = self.number(*row, place)? {
+                series.time.push(*time);
+                series.values.push(value);
+            }
+        }
+        Ok(series)
+    }
+}
+
+/// The usual cause of too many cells.
+fn comma(record: &csv::StringRecord) -> &'static str {
+    let whole = |cell: &str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
+    if record.iter().all(|cell| !cell.is_empty() && whole(cell)) {
+        "; are these decimal commas? Write points"
+    } else {
+        ""
+    }
+}

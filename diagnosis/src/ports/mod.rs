@@ -1,0 +1,67 @@
+//! What the master adds at ports by itself, without a parameter of any unit: the effects of `signal_effects.fmu`, in its
+//! order (delay, saturation, rate limit, lag, gain, bias), between the log and an input, or between an output and its log.
+//!
+//! - `input.rs`: the course of an input after its effects, in closed form
+//! - `output.rs`: gain, offset, drift and delay of a measured value; a lag is one more state
+
+pub mod input;
+pub mod output;
+
+use crate::dynamics::machine::{Machine, Parameter, Role};
+use crate::observe::{InputEffect, OutputEffect, Problem, Scale};
+
+/// A delay or lag is looked for up to this share of the shortest run.
+const LATEST: f64 = 0.1;
+/// A gain of less than a twentieth or more than twenty is a broken wire or a wrong unit.
+const GAIN: (f64, f64) = (0.05, 20.0);
+
+/// The parameters of all ports.
+pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
+    let span = |run: &crate::observe::Run| {
+        let (first, last) = run.span();
+        last - first
+    };
+    let shortest = problem.runs.iter().map(span).fold(f64::INFINITY, f64::min);
+    let latest = if shortest.is_finite() { LATEST * shortest } else { f64::INFINITY };
+    let mut list = Vec::new();
+    for (place, input) in machine.inputs.iter().enumerate() {
+        for effect in problem.ports.inputs.iter().copied() {
+            let (neutral, range, scale, words) = match effect {
+                InputEffect::Gain => (1.0, GAIN, Scale::Relative, "gain"),
+                InputEffect::Bias => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "bias"),
+                InputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
+                InputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),
+                InputEffect::Saturation => (0.0, (0.0, f64::INFINITY), Scale::Saturation, "saturation"),
+                InputEffect::RateLimit => (0.0, (0.0, f64::INFINITY), Scale::Saturation, "rate limit"),
+            };
+            list.push(Parameter {
+                name: format!("{}:{}", input.name, effect.name()),
+                phrase: format!("{words} of the input {}", input.name),
+                neutral,
+                range,
+                scale,
+                role: Role::Input(place, effect),
+            });
+        }
+    }
+    for (place, output) in machine.channels.iter().enumerate() {
+        for effect in problem.ports.outputs.iter().copied() {
+            let (neutral, range, scale, words) = match effect {
+                OutputEffect::Gain => (1.0, GAIN, Scale::Relative, "gain"),
+                OutputEffect::Offset => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "offset"),
+                OutputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
+                OutputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),
+                OutputEffect::Drift => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "drift"),
+            };
+            list.push(Parameter {
+                name: format!("{}:{}", output.name, effect.name()),
+                phrase: format!("{words} of the measured {}", output.name),
+                neutral,
+                range,
+                scale,
+                role: Role::Output(place, effect),
+            });
+        }
+    }
+    list
+}

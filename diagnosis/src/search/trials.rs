@@ -1,0 +1,73 @@
+//! From where an effect is tried.
+
+use crate::dynamics::linearise::{Chord, Engine};
+use crate::dynamics::machine::Role;
+use crate::observe::{InputEffect, Scale};
+
+/// Shares of the largest magnitude at which a limit is tried.
+const LIMITS: [f64; 4] = [0.4, 0.6, 0.8, 0.92];
+/// Rows over which the largest jump is spread where a rate limit is tried.
+const RAMPS: [f64; 3] = [2.0, 6.0, 20.0];
+/// Rows by which a delay or lag is tried; less follows from the derivative.
+const LATE: [f64; 3] = [2.0, 5.0, 15.0];
+
+/// Chords of one parameter at its present value.
+pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
+    let described = &engine.machine.parameters[parameter];
+    let here = theta[parameter];
+    let (least, most) = described.range;
+    let whole = |to: f64| Chord { parameter, to, per: 1.0 };
+    let fits = |to: &f64| *to >= least && *to <= most && *to != here;
+    match described.scale {
+        Scale::Switch => vec![whole(if here > 0.5 { 0.0 } else { 1.0 })],
+        Scale::Count => [-1.0, 1.0, 2.0, 3.0].iter().map(|by| here + by).filter(fits).map(whole).collect(),
+        Scale::Saturation if here == 0.0 => {
+            limits(engine, parameter).into_iter().filter(fits).map(whole).collect()
+        }
+        _ => {
+            let local = engine.local(theta, parameter);
+            let late = matches!(described.role, Role::Input(_, InputEffect::Delay | InputEffect::Lag));
+            let rows = if late && here == 0.0 { &LATE[..] } else { &[] };
+            let chords = rows.iter().map(|rows| rows * interval(engine)).filter(fits).map(whole);
+            std::iter::once(local).chain(chords).collect()
+        }
+    }
+}
+
+/// Usual distance of rows, s.
+pub fn interval(engine: &Engine) -> f64 {
+    let (span, rows) =
+        engine.grids.iter().fold((0.0, 0), |(s, r), grid| (s + grid.span(), r + grid.time.len() - 1));
+    span / rows.max(1) as f64
+}
+
+fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
+    let described = &engine.machine.parameters[parameter];
+    let largest = |input: usize| {
+        let all = engine.grids.iter().flat_map(|grid| grid.inputs[input].values.iter());
+        all.fold(0.0, |most: f64, value| most.max(value.abs()))
+    };
+    let jump = |input: usize| {
+        let pairs = engine.grids.iter().flat_map(|grid| grid.inputs[input].values.windows(2));
+        pairs.fold(0.0, |most: f64, pair| most.max((pair[1] - pair[0]).abs()))
+    };
+    match described.role {
+        Role::Input(input, InputEffect::RateLimit) => {
+            RAMPS.iter().map(|rows| jump(input) / (rows * interval(engine))).collect::<Vec<f64>>()
+        }
+        Role::Input(input, _) => LIMITS.iter().map(|share| share * largest(input)).collect(),
+        _ => {
+            let (least, most) = described.range;
+            if most.is_finite() && most > 0.0 {
+                return LIMITS.iter().map(|share| least.max(0.0) + share * (most - least.max(0.0))).collect();
+            }
+            let inputs = 0..engine.machine.inputs.len();
+            inputs
+                .flat_map(|input| LIMITS.iter().step_by(2).map(move |share| share * largest(input)))
+                .collect()
+        }
+    }
+    .into_iter()
+    .filter(|limit| *limit > 0.0)
+    .collect()
+}

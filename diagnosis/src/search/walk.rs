@@ -1,0 +1,200 @@
+//! The search: add the effect that gains most, then drop and swap what has become superfluous, until nothing gains enough.
+
+use super::Policy;
+use super::screen::{Screened, linearised, ranked};
+use crate::dynamics::linearise::Engine;
+use crate::error::Error;
+use crate::infer::Sizes;
+use crate::infer::fit::{At, Fit, Options, fit};
+use crate::observe::Scale;
+use std::collections::BTreeMap;
+
+/// The models that were fitted, by their effects.
+pub type Visited = BTreeMap<Vec<usize>, Fit>;
+
+/// A search under way.
+pub struct Search<'a> {
+    /// The machine with its runs.
+    pub engine: &'a Engine,
+    /// Which noises are free.
+    pub sizes: &'a Sizes,
+    /// Numbers.
+    pub policy: Policy,
+    /// Knobs of each fit.
+    pub options: Options,
+    /// Parameters that may be off.
+    pub candidates: Vec<usize>,
+    /// Memory.
+    pub visited: Visited,
+    /// What was done, in words.
+    pub story: Vec<String>,
+}
+
+impl Search<'_> {
+    /// A switch or count is set, everything else is fitted.
+    pub fn is_fitted(&self, parameter: usize) -> bool {
+        !matches!(self.engine.machine.parameters[parameter].scale, Scale::Switch | Scale::Count)
+    }
+
+    fn name(&self, parameter: usize) -> &str {
+        &self.engine.machine.parameters[parameter].name
+    }
+
+    /// Fits a model from a place on, unless it was visited. `effects` are the parameters off their neutral values.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn visit(&mut self, effects: &[usize], start: &At) -> Result<Fit, Error> {
+        let mut key = effects.to_vec();
+        key.sort_unstable();
+        let free: Vec<usize> = key.iter().copied().filter(|effect| self.is_fitted(*effect)).collect();
+        if let Some(known) = self.visited.get(&key) {
+            return Ok(known.clone());
+        }
+        let fitted = fit(self.engine, start, &free, Some(self.sizes), &self.options)?;
+        self.visited.insert(key, fitted.clone());
+        Ok(fitted)
+    }
+
+    /// A fit with its linearised runs, made anew if they were put away.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn fresh(&self, mut fit: Fit) -> Result<Fit, Error> {
+        if fit.runs.is_empty() {
+            fit.runs = crate::infer::fit::Linearise::linearise(
+                self.engine,
+                &fit.at.theta,
+                &fit.at.paths,
+                &fit.free,
+            )?;
+        }
+        Ok(fit)
+    }
+
+    /// Drops effects, the weakest first, until each gains enough beside the others.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn pruned(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+        while !effects.is_empty() {
+            let mut weakest: Option<(usize, Fit)> = None;
+            for place in 0..effects.len() {
+                let mut without = effects.clone();
+                let gone = without.remove(place);
+                let mut start = here.at.clone();
+                start.theta[gone] = self.engine.machine.parameters[gone].neutral;
+                let less = self.visit(&without, &start)?;
+                if weakest.as_ref().is_none_or(|(_, known)| less.deviance < known.deviance) {
+                    weakest = Some((place, less));
+                }
+            }
+            let Some((place, less)) =
+                weakest.filter(|(_, less)| less.deviance - here.deviance < self.policy.gain)
+            else {
+                break;
+            };
+            let gone = effects.remove(place);
+            self.story.push(format!("{} explains nothing that the unlisted input doesn't", self.name(gone)));
+            here = less;
+        }
+        Ok((effects, here))
+    }
+
+    /// What fitted models cost in memory: their linearised runs, which are made anew where they are wanted.
+    fn trim(&mut self) {
+        self.visited.values_mut().for_each(|fit| fit.runs.clear());
+    }
+
+    pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
+        self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
+    }
+
+    /// Tries the best of a screening beside `effects`; the best that was fitted.
+    pub(super) fn best(
+        &mut self,
+        effects: &[usize],
+        from: &Fit,
+        tried: &[Screened],
+    ) -> Option<(Vec<usize>, Fit)> {
+        let mut best: Option<(Vec<usize>, Fit)> = None;
+        for screened in tried {
+            let mut with = effects.to_vec();
+            with.push(screened.chord.parameter);
+            let mut start = from.at.clone();
+            if screened.chord.per == 1.0 {
+                start.theta[screened.chord.parameter] = screened.chord.to;
+            }
+            match self.visit(&with, &start) {
+                Ok(fit) if best.as_ref().is_none_or(|(_, known)| fit.deviance < known.deviance) => {
+                    best = Some((with, fit));
+                }
+                Ok(_) => {}
+                Err(error) => self
+                    .story
+                    .push(format!("{} can't be fitted: {error}", self.name(screened.chord.parameter))),
+            }
+        }
+        best
+    }
+
+    /// Searches from a fitted model on. The effects and their fit.
+    ///
+    /// # Errors
+    /// A unit failed at a place where it had worked.
+    pub fn walk(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+        while effects.len() < self.policy.most {
+            let screen = linearised(self.engine, &here, &self.others(&effects))?;
+            let ranked = ranked(self.engine, &here, &screen, self.sizes, &self.policy);
+            let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
+            let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
+            let Some((with, fit)) = self.best(&effects, &here, &tried) else { break };
+            let gained = here.deviance - fit.deviance;
+            if gained < self.policy.gain {
+                break;
+            }
+            let name = self.name(with[with.len() - 1]).to_owned();
+            self.story
+                .push(format!("{name} explains most of what is left: it gains {gained:.0} of deviance"));
+            (effects, here) = (with, fit);
+            (effects, here) = self.settled(effects, here)?;
+            self.trim();
+        }
+        Ok((effects, here))
+    }
+
+    /// Drops what gains too little beside the others, and swaps what another explains better.
+    fn settled(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+        let mut place = 0;
+        while place < effects.len() && effects.len() > 1 {
+            let mut without = effects.clone();
+            let gone = without.remove(place);
+            let mut start = here.at.clone();
+            start.theta[gone] = self.engine.machine.parameters[gone].neutral;
+            let less = self.visit(&without, &start)?;
+            if less.deviance - here.deviance < self.policy.gain {
+                self.story.push(format!("{} is no longer needed beside the others", self.name(gone)));
+                (effects, here, place) = (without, less, 0);
+                continue;
+            }
+            let screen = linearised(self.engine, &less, &self.others(&without))?;
+            let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
+            let floor = less.deviance - here.deviance - self.policy.class;
+            let near: Vec<Screened> = (ranked.iter())
+                .filter(|screened| screened.chord.parameter != gone && screened.gain > 0.8 * floor)
+                .take(self.policy.fitted)
+                .copied()
+                .collect();
+            if let Some((with, fit)) = self.best(&without, &less, &near)
+                && fit.deviance < here.deviance - 1.0
+            {
+                let other = self.name(with[with.len() - 1]).to_owned();
+                self.story.push(format!("{other} fits better than {} in its place", self.name(gone)));
+                (effects, here, place) = (with, fit, 0);
+                continue;
+            }
+            place += 1;
+        }
+        Ok((effects, here))
+    }
+}

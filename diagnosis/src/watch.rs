@@ -1,0 +1,109 @@
+//! What a diagnosis says while it works, and how long it may: the one thing that every stage is handed.
+
+use std::time::Instant;
+
+/// What is being done.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doing<'a> {
+    /// The stage of the work.
+    pub stage: &'a str,
+    /// What is tried in it, if it tries one thing after the other.
+    pub trying: &'a str,
+    /// How many were tried, and of how many; both 0 where that isn't known.
+    pub count: (usize, usize),
+}
+
+/// What a repeated search begins from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// Coordinates of all candidates.
+    pub point: Vec<f64>,
+    /// Those that are on.
+    pub active: Vec<usize>,
+}
+
+/// Who hears of the work.
+pub type Listener<'a> = &'a mut dyn FnMut(&Doing<'_>);
+
+/// Tells a listener, and knows when time is up.
+pub struct Watch<'a> {
+    listener: Listener<'a>,
+    stage: String,
+    until: Option<Instant>,
+    known: Option<Known>,
+    /// The stages that ended early since time was up, each once.
+    ended: Vec<String>,
+}
+
+impl<'a> Watch<'a> {
+    /// A watch that ends searches at `until`, if given.
+    pub fn new(listener: Listener<'a>, until: Option<Instant>) -> Self {
+        Self { listener, stage: String::new(), until, known: None, ended: Vec::new() }
+    }
+
+    /// A new stage begins.
+    pub fn stage(&mut self, stage: &str) {
+        stage.clone_into(&mut self.stage);
+        (self.listener)(&Doing { stage, trying: "", count: (0, 0) });
+    }
+
+    /// One of several things is tried in this stage.
+    pub fn trying(&mut self, what: &str, done: usize, of: usize) {
+        (self.listener)(&Doing { stage: &self.stage, trying: what, count: (done, of) });
+    }
+
+    /// Whether time is up. Who asks and hears yes ends with what it has; `what` it was is told in the end.
+    pub fn is_over(&mut self, what: &str) -> bool {
+        let over = self.until.is_some_and(|until| Instant::now() >= until);
+        if over && !self.ended.iter().any(|known| known == what) {
+            self.ended.push(what.to_owned());
+        }
+        over
+    }
+
+    /// Ends searches at a time.
+    pub fn end_at(&mut self, until: Instant) {
+        self.until = Some(until);
+    }
+
+    /// From now on searches begin from what is known, and only what they find counts, not what looks like it.
+    pub fn begin_from(&mut self, known: Option<Known>) {
+        self.known = known;
+    }
+
+    /// What searches begin from, if they are repeated.
+    pub fn known(&self) -> Option<&Known> {
+        self.known.as_ref()
+    }
+
+    /// What ended early, in the order in which it did.
+    pub fn ended(&self) -> &[String] {
+        &self.ended
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stage_is_told_with_its_count() {
+        let mut heard = Vec::new();
+        let mut listener = |doing: &Doing<'_>| {
+            heard.push(format!("{}|{}|{:?}", doing.stage, doing.trying, doing.count));
+        };
+        let mut watch = Watch::new(&mut listener, None);
+        watch.stage("plant");
+        watch.trying("plant.k_tau", 2, 6);
+        assert!(!watch.is_over("the search") && watch.ended().is_empty());
+        assert_eq!(heard, ["plant||(0, 0)", "plant|plant.k_tau|(2, 6)"]);
+    }
+
+    #[test]
+    fn every_stage_that_ends_early_is_known_once() {
+        let mut nobody = |_: &Doing<'_>| {};
+        let mut watch = Watch::new(&mut nobody, Some(Instant::now()));
+        assert!(watch.is_over("the search") && watch.is_over("the search") && watch.is_over("classes"));
+        assert_eq!(watch.ended(), ["the search", "classes"]);
+    }
+}

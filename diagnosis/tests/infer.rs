@@ -1,0 +1,193 @@
+//! The sweep against the same Gaussian likelihood computed the slow way: one dense covariance of all values.
+
+#![allow(clippy::needless_range_loop, reason = "rows and indices of matrices, as in the formulas")]
+
+use diagnosis::infer::{Disturbance, Linearised, Measured, Noise, smooth, sweep};
+use nalgebra::{DMatrix, DVector};
+
+/// Deterministic numbers in (-1, 1).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+    fn some(&mut self, count: usize, scale: f64) -> Vec<f64> {
+        (0..count).map(|_| scale * self.next()).collect()
+    }
+}
+
+/// Three states, two parameters, two channels at uneven times with gaps, one outlier of weight 0.
+fn run() -> Linearised {
+    let mut numbers = Numbers(7);
+    let (n, p, rows) = (3, 2, 9);
+    let mut time = vec![0.0];
+    for row in 1..rows {
+        time.push(time[row - 1] + 0.1 + 0.03 * numbers.next());
+    }
+    let mut transition = numbers.some((rows - 1) * n * n, 0.3);
+    for row in 0..rows - 1 {
+        for i in 0..n {
+            transition[row * n * n + i * n + i] += 0.9;
+        }
+    }
+    let mut first = vec![0];
+    let mut measured = Vec::new();
+    for (row, &at) in time.iter().enumerate() {
+        for channel in 0..2 {
+            if (row + channel) % 3 != 1 {
+                let (residual, slope) = (numbers.next(), 2.0 * numbers.next());
+                let weight = if row == 4 && channel == 1 { 0.0 } else { 1.0 };
+                measured.push(Measured { channel, time: at, residual, slope, weight });
+            }
+        }
+        first.push(measured.len());
+    }
+    Linearised {
+        states: n,
+        parameters: p,
+        transition,
+        drive: numbers.some((rows - 1) * n * p, 0.5),
+        defect: numbers.some((rows - 1) * n, 0.2),
+        observe: numbers.some(measured.len() * n, 1.0),
+        direct: numbers.some(measured.len() * p, 0.3),
+        start: (numbers.some(n, 0.3), vec![0.8, 1.2, 0.5]),
+        time,
+        first,
+        measured,
+    }
+}
+
+fn noise(disturbance: Option<Disturbance>) -> Noise {
+    Noise { channels: vec![0.1, 0.2], process: vec![0.3, 0.0, 0.7], jitter: 0.02, disturbance }
+}
+
+/// Mean, sensitivity and covariance of all (states with unlisted input) and values, by plain propagation of linear maps.
+/// Every random number is a coordinate of one big vector ξ ~ N(0, I): start, noise of each interval, noise of each value.
+struct Dense {
+    values: DMatrix<f64>,
+    mean: DVector<f64>,
+    columns: DMatrix<f64>,
+    states: Vec<(DMatrix<f64>, DVector<f64>)>,
+    process: Vec<DMatrix<f64>>,
+}
+
+fn dense(run: &Linearised, noise: &Noise) -> Dense {
+    let (n, p, rows) = (run.states, run.parameters, run.rows());
+    let used: Vec<usize> = (0..run.measured.len()).filter(|v| run.measured[*v].weight > 0.0).collect();
+    let wide = n + 1;
+    let all = wide + (rows - 1) * wide + used.len();
+    let mut state = DMatrix::zeros(wide, all);
+    let mut mean = DVector::zeros(wide);
+    let mut sensitivity = DMatrix::zeros(wide, p);
+    for i in 0..n {
+        mean[i] = run.start.0[i];
+        state[(i, i)] = run.start.1[i];
+    }
+    state[(n, n)] = noise.disturbance.map_or(0.0, |d| d.size);
+    let mut out = Dense {
+        values: DMatrix::zeros(used.len(), all),
+        mean: DVector::zeros(used.len()),
+        columns: DMatrix::zeros(used.len(), p),
+        states: Vec::new(),
+        process: Vec::new(),
+    };
+    for row in 0..rows {
+        out.states.push((state.clone(), mean.clone()));
+        for value in run.values(row) {
+            let Some(place) = used.iter().position(|known| *known == value) else { continue };
+            let m = run.measured[value];
+            let h = DMatrix::from_fn(1, wide, |_, j| if j < n { run.observe[value * n + j] } else { 0.0 });
+            out.values.set_row(place, &(&h * &state).row(0));
+            let late = noise.jitter * m.slope;
+            out.values[(place, wide + (rows - 1) * wide + place)] =
+                (noise.channels[m.channel].powi(2) + late * late).sqrt();
+            out.mean[place] = m.residual - (&h * &mean)[0];
+            for c in 0..p {
+                out.columns[(place, c)] = (&h * sensitivity.column(c))[0] + run.direct[value * p + c];
+            }
+        }
+        if row + 1 == rows {
+            break;
+        }
+        let dt = run.interval(row);
+        let a = DMatrix::from_fn(n, n, |i, j| run.transition[row * n * n + i * n + j]);
+        let g = (DMatrix::identity(n, n) + &a) * (0.5 * dt);
+        let keeps = noise.disturbance.map_or(0.0, |d| (-dt / d.memory).exp());
+        let mut whole = DMatrix::zeros(wide, wide);
+        whole.view_mut((0, 0), (n, n)).copy_from(&a);
+        if let Some(d) = noise.disturbance {
+            whole.view_mut((0, n), (n, 1)).copy_from(&g.column(d.equation));
+            whole[(n, n)] = keeps;
+        }
+        state = &whole * state;
+        mean = &whole * mean;
+        sensitivity = &whole * sensitivity;
+        let mut w = DMatrix::zeros(n, all);
+        for i in 0..n {
+            mean[i] += run.defect[row * n + i];
+            for c in 0..p {
+                sensitivity[(i, c)] += run.column(row, c)[i];
+            }
+            w[(i, wide + row * wide + i)] = noise.process[i] / dt.sqrt();
+        }
+        let pushed = &g * &w + state.rows(0, n);
+        state.rows_mut(0, n).copy_from(&pushed);
+        out.process.push(w);
+        if let Some(d) = noise.disturbance {
+            state[(n, wide + row * wide + n)] = d.size * (1.0 - keeps * keeps).sqrt();
+        }
+    }
+    out
+}
+
+fn close(a: f64, b: f64, what: &str) {
+    // sums of a few hundred products of numbers near 1, in two orders
+    assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{what}: {a} against {b}");
+}
+
+fn both(disturbance: Option<Disturbance>) {
+    let (run, noise) = (run(), noise(disturbance));
+    let reduced = sweep(&run, &noise, &[0, 1]);
+    let dense = dense(&run, &noise);
+    let covariance = &dense.values * dense.values.transpose();
+    let solved = covariance.clone().cholesky().expect("noise makes it positive");
+    let weighted = solved.solve(&dense.mean);
+    close(reduced.square, dense.mean.dot(&weighted), "square");
+    close(reduced.log_det, solved.determinant().ln(), "log det");
+    let score = dense.columns.transpose() * &weighted;
+    let gram = dense.columns.transpose() * solved.solve(&dense.columns);
+    for i in 0..2 {
+        close(reduced.score[i], score[i], "score");
+        for j in 0..2 {
+            close(reduced.gram[(i, j)], gram[(i, j)], "gram");
+        }
+    }
+    let smoothed = smooth(&run, &noise);
+    for (row, (state, mean)) in dense.states.iter().enumerate() {
+        let most_likely = mean + state * dense.values.transpose() * &weighted;
+        for i in 0..3 {
+            close(smoothed.state[row * 3 + i], most_likely[i], "smoothed state");
+        }
+        if disturbance.is_some() {
+            close(smoothed.disturbance[row], most_likely[3], "unlisted input");
+        }
+    }
+    for (row, process) in dense.process.iter().enumerate() {
+        let most_likely = process * dense.values.transpose() * &weighted;
+        for i in 0..3 {
+            close(smoothed.process[row * 3 + i], most_likely[i], "process noise");
+        }
+    }
+}
+
+#[test]
+fn law_the_sweep_is_the_dense_gaussian_likelihood() {
+    both(None);
+}
+
+#[test]
+fn law_the_same_with_an_unlisted_input_that_remembers() {
+    both(Some(Disturbance { equation: 2, size: 0.9, memory: 0.35 }));
+}

@@ -39,7 +39,7 @@ impl Progress for Bar {
     fn at(&mut self, time: f64, real_time_factor: f64) -> ControlFlow<()> {
         self.bar.set_position(((time - self.start) * RESOLUTION) as u64);
         self.bar.set_message(format!("{time:.1} s simulated, {real_time_factor:.0} x real time"));
-        ControlFlow::Continue(())
+        if crate::signals::caught().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn end(&mut self, _: f64, real_time_factor: f64) {

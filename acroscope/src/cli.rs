@@ -1,6 +1,7 @@
 //! What can be typed.
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use std::path::PathBuf;
 
 /// Co-simulation bench for visual servoing: an acrobot balanced by what a camera sees.
@@ -20,6 +21,11 @@ fn zero_or_more(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "wanted is a finite number, 0 or more".to_owned())
 }
 
+fn above_zero(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1e9);
+    number.ok_or_else(|| "wanted is a number of seconds above 0".to_owned())
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -29,14 +35,25 @@ pub enum Command {
     Reproduce(Reproduce),
     /// Find what a model lacks against measured data: writes diagnosis.json, amended.toml and report.html.
     Diagnose(Diagnose),
+    /// Make a data set of a unit and measured logs: columns matched to variables, each guess marked with its evidence.
+    Import(Import),
     /// Turn finished runs into a measured data set, to rehearse a diagnosis.
     Record(Record),
+    /// List what can be set in a scenario: values, units, ranges, neutral values.
+    Params(Params),
+    /// Print a script that completes commands and options in a shell.
+    Completions(Completions),
+    /// Write manual pages, one a command.
+    Man(Man),
 }
 
 /// `acroscope run`
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope run visual-servo\n  acroscope run visual-servo --set camera.k1=0.1 --stop 20\n  acroscope run my-scenario.toml --out out/mine"
+)]
 pub struct Run {
-    /// A scenario file, or the name of a shipped one: visual-servo, full-state.
+    /// A scenario file, or the name of a shipped one: visual-servo, full-state, dual-loop.
     pub scenario: String,
     /// Set a parameter or start value; may be given several times.
     #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
@@ -44,43 +61,86 @@ pub struct Run {
     /// Simulated time at which to stop, in s (a number or a fraction such as 1/3); the scenario's own if not given.
     #[arg(long, value_name = "T")]
     pub stop: Option<String>,
+    /// Run every unit in a process of its own: whatever it does, the run comes to a clear end.
+    #[arg(long)]
+    pub isolate: bool,
+    /// Seconds that a call into an isolated unit may take [default: 30].
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    pub step_limit: Option<f64>,
+    /// Memory that the process of an isolated unit may have, in MiB [default: no limit].
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40))]
+    pub memory_limit: Option<u64>,
+    /// Keep a checkpoint beside the results, a new one each S simulated seconds.
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    pub checkpoint: Option<f64>,
+    /// Go on from the checkpoint of an earlier call with the same arguments, or begin if there is none.
+    #[arg(long)]
+    pub resume: bool,
     /// Also say which start values gave way to connected outputs.
     #[arg(long, short)]
     pub verbose: bool,
-    /// Folder for the results, made if it is missing [default: out/SCENARIO].
+    /// Folder for the results, made if it is missing [default: out/SCENARIO, with +NAME=VALUE for each change].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
 /// `acroscope reproduce`
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  acroscope reproduce\n  acroscope reproduce table-3 C42")]
 pub struct Reproduce {
     /// Studies, or claims that they decide: table-3, C25, ...; all if none is given.
     #[arg(value_name = "ID")]
     pub ids: Vec<String>,
-    /// Folder for the results, made if it is missing [default: out/reproduce].
+    /// Folder for the results, made if it is missing; studies of earlier calls stay in it [default: out/reproduce].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
 /// `acroscope diagnose`
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope diagnose examples/hidden-effect\n  acroscope diagnose my-data --without camera.k2 --out out/mine"
+)]
 pub struct Diagnose {
     /// Folder of the data set: dataset.toml and a folder for each run.
     pub dataset: PathBuf,
     /// An effect that is not to be named; may be given several times.
     #[arg(long, value_name = "UNIT.VARIABLE")]
     pub without: Vec<String>,
+    /// Seconds after which searches end with what they have [default: 60 for each run].
+    #[arg(long, value_name = "SECONDS", value_parser = zero_or_more, allow_negative_numbers = true)]
+    pub budget: Option<f64>,
+    /// Fit these parameters, in place of a search: values with intervals, and whether they explain the data (format = 2).
+    #[arg(long, value_name = "UNIT.VARIABLE,...", value_delimiter = ',')]
+    pub fit: Vec<String>,
     /// Folder of an earlier diagnosis of the same machine, before an experiment: what it told apart counts, too.
     #[arg(long, value_name = "DIR")]
     pub after: Option<PathBuf>,
-    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET].
+    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET, with +without=NAME for each].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
+/// `acroscope import`
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  acroscope import log-1.csv log-2.csv --fmu heater.fmu --out out/heater")]
+pub struct Import {
+    /// Logs, one CSV file a run.
+    #[arg(required = true, value_name = "LOG.csv")]
+    pub logs: Vec<PathBuf>,
+    /// The unit that models what was measured.
+    #[arg(long, value_name = "FILE.fmu")]
+    pub fmu: PathBuf,
+    /// Folder for the data set, made if it is missing.
+    #[arg(long, value_name = "DATASET")]
+    pub out: PathBuf,
+}
+
 /// `acroscope record`
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Example: two runs with a hidden friction become a data set\n  acroscope run visual-servo --set plant.b_joint=0.02 --out out/one\n  acroscope run visual-servo --set plant.b_joint=0.02 --set plant.q2_0=0.05 --out out/two\n  acroscope record out/one out/two --out out/rehearsal"
+)]
 pub struct Record {
     /// Folders of finished runs, each with a results.csv.
     #[arg(required = true, value_name = "RUN")]
@@ -103,4 +163,64 @@ pub struct Record {
     /// Folder for the data set, made if it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+}
+
+/// `acroscope params`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope params visual-servo\n  acroscope params visual-servo camera.k camera.p1\n  acroscope params my-scenario.toml --json"
+)]
+pub struct Params {
+    /// A scenario file, or the name of a shipped one.
+    pub scenario: String,
+    /// Only those whose UNIT.VARIABLE begins like this; all if none is given.
+    #[arg(value_name = "BEGINNING")]
+    pub beginnings: Vec<String>,
+    /// As JSON, for programs.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `acroscope completions`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  acroscope completions bash > ~/.local/share/bash-completion/completions/acroscope"
+)]
+pub struct Completions {
+    /// The shell.
+    pub shell: Shell,
+}
+
+/// `acroscope man`
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  acroscope man --out ~/.local/share/man/man1")]
+pub struct Man {
+    /// Folder for the pages, made if it is missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Arguments;
+    use clap::{CommandFactory as _, Parser as _};
+
+    #[test]
+    fn every_command_has_an_example_that_can_be_typed() {
+        let commands = Arguments::command();
+        commands.clone().debug_assert();
+        for command in commands.get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let typed = format!("  acroscope {} ", command.get_name());
+            assert!(
+                help.lines().any(|line| format!("{line} ").starts_with(&typed)),
+                "{} has none",
+                command.get_name()
+            );
+            for line in help.lines().filter(|line| line.starts_with("  acroscope ")) {
+                let words = line.split(" > ").next().unwrap_or_default().split_whitespace();
+                assert!(Arguments::try_parse_from(words).is_ok(), "{line}");
+            }
+        }
+    }
 }

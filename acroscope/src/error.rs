@@ -35,6 +35,17 @@ pub enum Error {
         /// What is wrong and what would be right.
         why: String,
     },
+    /// A signal asked for the end.
+    #[error("{} at t = {time} s; what there is of the run is kept", crate::signals::name(*signal))]
+    Interrupted {
+        /// Its number.
+        signal: i32,
+        /// Simulated time in s.
+        time: f64,
+    },
+    /// Words that are no command.
+    #[error("{0}")]
+    Words(String),
     /// A file or folder can't be read or written.
     #[error("{}: {why}", path.display())]
     File {
@@ -46,7 +57,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 if the user can mend the input, else 1.
+    /// 2 if the user can mend the input, 128 + its number after a signal, else 1.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Orchestrator(error) if !error.is_input() => 1,
@@ -54,7 +65,11 @@ impl Error {
             Self::Diagnosis(error) if !error.is_input() => 1,
             Self::Study(_) | Self::Diagnosis(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
-            Self::Report(_) | Self::File { .. } => 1,
+            Self::Words(_) => 2,
+            Self::Interrupted { signal, .. } => crate::signals::exit_status(*signal),
+            // A folder that can't be written, a disk that is full: another one will do.
+            Self::File { .. } => 2,
+            Self::Report(_) => 1,
         }
     }
 

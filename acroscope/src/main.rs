@@ -1,26 +1,17 @@
-//! The command line: parses, calls, prints. No physics, no algorithm.
-//!
-//! Exit status: 0 done; 2 the user's input is wrong; 1 anything else.
+//! The program: [`acroscope::command_line`] on what was typed.
 
-#[macro_use]
-mod tell;
-
-mod bar;
-mod cli;
-mod commands;
-mod error;
-mod run_report;
-
-use clap::Parser as _;
 use std::process::ExitCode;
 
+/// Units that call the C library's `_exit` find this one first (`build.rs` exports it), so that an end of theirs is told.
+#[cfg(target_os = "linux")]
+#[unsafe(no_mangle)]
+extern "C" fn _exit(status: i32) -> ! {
+    orchestrator::exit_at_once(status)
+}
+
 fn main() -> ExitCode {
-    let arguments = cli::Arguments::parse();
-    match commands::dispatch(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    // First, since this process may be that of a unit.
+    orchestrator::host_units(["(the process of a unit)"]);
+    let _guard = orchestrator::Guard::begin();
+    ExitCode::from(acroscope::command_line(std::env::args_os()))
 }

@@ -13,10 +13,14 @@ fn paper_one_study_by_the_name_of_a_claim() {
     let output = acroscope(&["reproduce", "C25", "--out", &out.to_string_lossy()]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(text.contains("statements hold") && text.contains("index.html"), "{text}");
+    assert!(
+        text.contains("1 of 1 statements of the paper hold; beside them: 6 of 6")
+            && text.contains("index.html"),
+        "{text}"
+    );
 
     let claims = std::fs::read_to_string(out.join("claims.json")).expect("written");
-    for key in ["id", "quantity", "paper", "ours", "tolerance", "holds"] {
+    for key in ["id", "kind", "quantity", "paper", "ours", "tolerance", "holds"] {
         assert!(claims.contains(&format!("\"{key}\":")), "claims.json lacks {key}");
     }
     assert!(claims.contains("\"id\": \"T3.k1\""), "{claims}");
@@ -35,13 +39,13 @@ fn law_an_unknown_id_ends_with_status_2_and_names_those_there_are() {
 }
 
 #[test]
-fn law_a_folder_that_cannot_be_made_ends_with_status_1() {
+fn law_a_folder_that_cannot_be_made_ends_with_status_2() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("file");
     std::fs::write(&file, "in the way").expect("writable");
     let output = acroscope(&["reproduce", "table-3", "--out", &file.join("below").to_string_lossy()]);
     let text = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("below"), "{text}");
 }
 
@@ -65,4 +69,35 @@ fn law_a_pipe_closed_by_its_reader_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn law_a_later_call_joins_what_is_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_string_lossy().into_owned();
+    let reproduce = |id: &str| {
+        let output = acroscope(&["reproduce", id, "--out", &out]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("written");
+        (read("claims.json"), read("index.html"))
+    };
+    let first = reproduce("figures-4-8");
+    assert!(first.0.contains("\"C1\"") && !first.0.contains("\"C6\""));
+    let both = reproduce("figure-9");
+    for id in ["C1", "C6"] {
+        assert!(both.0.contains(&format!("\"id\": \"{id}\"")), "{id} is in claims.json");
+        assert!(both.1.contains(&format!("<td>{id}</td>")), "{id} is on the page");
+    }
+    assert!(both.0.find("\"C1\"") < both.0.find("\"C6\""), "in the order of the paper");
+    let figures = |page: &str| page.matches("<svg").count();
+    assert!(figures(&first.1) > 0 && figures(&both.1) >= figures(&first.1), "figures stay, too");
+    assert!(both.1.contains("Where this comes from") && !both.1.contains("made by an earlier call"));
+    assert_eq!(reproduce("figure-9"), both, "again: the same bytes");
+    // What another program made says so.
+    let stored = folder.path().join("studies/figures-4-8.json");
+    let text = std::fs::read_to_string(&stored).expect("written");
+    let commit =
+        text.split("\"commit\":\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a commit");
+    std::fs::write(&stored, text.replace(commit, "0123abc")).expect("writable");
+    assert!(reproduce("figure-9").1.contains("made by an earlier call (acroscope 0.1.0, commit 0123abc)"));
 }

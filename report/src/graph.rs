@@ -1,11 +1,10 @@
 //! A graph of lines over an axis, as the paper draws them: solid, dashed, dotted, or marks.
 
 use crate::Error;
+use crate::legend;
 use crate::thin::thin;
-use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
-use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 /// Size of a graph on the page, in CSS pixels.
@@ -95,12 +94,14 @@ pub struct Graph {
     pub y: Axis,
     /// Lines, drawn in this order.
     pub lines: Vec<Line>,
+    /// An upright line at this x, and what happened there.
+    pub event: Option<(f64, String)>,
 }
 
 impl Graph {
     /// An empty graph with its axes.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), x, y, lines: Vec::new() }
+        Self { title: title.into(), x, y, lines: Vec::new(), event: None }
     }
 
     /// Adds a line.
@@ -129,8 +130,24 @@ impl Graph {
 
     fn draw(&self, root: &Area<'_>, x: (f64, f64), y: (f64, f64)) -> Result<(), Refusal> {
         root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(root)
-            .caption(&self.title, (FONT, 16))
+        let named = self.lines.iter().enumerate().filter(|(_, line)| !line.label.is_empty());
+        let event = self.event.iter().map(|(_, what)| legend::Entry {
+            text: what,
+            style: Style::Dotted,
+            colour: EVENT,
+        });
+        let entries: Vec<legend::Entry<'_>> = named
+            .map(|(index, line)| legend::Entry {
+                text: &line.label,
+                style: line.style,
+                colour: colour(index),
+            })
+            .chain(event)
+            .collect();
+        let titled = if self.title.is_empty() { root.clone() } else { root.titled(&self.title, (FONT, 16))? };
+        let (top, plot) = titled.split_vertically(legend::height(&entries));
+        legend::draw(&top, &entries)?;
+        let mut chart = ChartBuilder::on(&plot)
             .margin(8)
             .x_label_area_size(38)
             .y_label_area_size(64)
@@ -146,17 +163,12 @@ impl Graph {
             .x_label_formatter(&|value| tick(*value, x))
             .y_label_formatter(&|value| tick(*value, y))
             .draw()?;
-        for (index, line) in self.lines.iter().enumerate() {
-            draw_line(&mut chart, line, colour(index))?;
+        if let Some((at, _)) = self.event.iter().find(|(at, _)| (x.0..=x.1).contains(at)) {
+            let upright = vec![(*at, y.0), (*at, y.1)];
+            chart.draw_series(DashedLineSeries::new(upright, 2, 4, EVENT.stroke_width(1)))?;
         }
-        if self.lines.iter().any(|line| !line.label.is_empty()) {
-            chart
-                .configure_series_labels()
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font((FONT, 13))
-                .position(SeriesLabelPosition::UpperRight)
-                .draw()?;
+        for (index, line) in self.lines.iter().enumerate() {
+            draw_line(&mut chart, line, colour(index), y)?;
         }
         Ok(())
     }
@@ -179,6 +191,9 @@ impl Graph {
         Ok((low - pad, high + pad))
     }
 }
+
+/// Colour of the upright line at an event.
+const EVENT: RGBColor = RGBColor(166, 54, 3);
 
 /// Colours that stay apart in print and for colour-blind eyes (Okabe and Ito, 2008).
 pub(crate) fn colour(index: usize) -> RGBColor {
@@ -208,48 +223,73 @@ pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 pub(crate) type Refusal = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
 
-fn draw_line<'a>(chart: &mut Chart<'a>, line: &Line, colour: RGBColor) -> Result<(), Refusal> {
+fn draw_line(chart: &mut Chart<'_>, line: &Line, colour: RGBColor, y: (f64, f64)) -> Result<(), Refusal> {
     let stroke = colour.stroke_width(if matches!(line.style, Style::Dotted) { 2 } else { 1 });
     let pieces =
         line.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
-    let mut label = (!line.label.is_empty()).then_some(line.label.as_str());
     for piece in pieces {
         let points = thin(piece, SIZE.0 as usize);
-        let style = line.style;
-        let drawn = match style {
-            Style::Solid => chart.draw_series(LineSeries::new(points, stroke))?,
-            Style::Dashed => chart.draw_series(DashedLineSeries::new(points, 6, 4, stroke))?,
-            Style::Dotted => chart.draw_series(DashedLineSeries::new(points, 2, 4, stroke))?,
-            Style::Points(Marks::Dot) => {
-                chart.draw_series(points.iter().map(|at| Circle::new(*at, 2, colour.filled())))?
+        match line.style {
+            Style::Points(marks) => {
+                let inside = points.iter().filter(|(_, value)| (y.0..=y.1).contains(value));
+                match marks {
+                    Marks::Dot => chart.draw_series(inside.map(|at| Circle::new(*at, 2, colour.filled())))?,
+                    Marks::Cross => chart.draw_series(inside.map(|at| Cross::new(*at, 3, stroke)))?,
+                };
             }
-            Style::Points(Marks::Cross) => {
-                chart.draw_series(points.iter().map(|at| Cross::new(*at, 3, stroke)))?
+            style => {
+                for part in clip(&points, y) {
+                    match style {
+                        Style::Dashed => chart.draw_series(DashedLineSeries::new(part, 6, 4, stroke))?,
+                        Style::Dotted => chart.draw_series(DashedLineSeries::new(part, 2, 4, stroke))?,
+                        _ => chart.draw_series(LineSeries::new(part, stroke))?,
+                    };
+                }
             }
-        };
-        if let Some(text) = label.take() {
-            name(drawn, text, style, colour);
         }
     }
     Ok(())
 }
 
-/// Enters a line in the legend, with a sample of how it is drawn.
-fn name<'a>(drawn: &mut SeriesAnno<'a, SVGBackend<'a>>, text: &str, style: Style, colour: RGBColor) {
-    let drawn = drawn.label(text);
-    let ends = |(x, y): (i32, i32)| vec![(x, y), (x + 18, y)];
-    match style {
-        Style::Solid => drawn.legend(move |at| PathElement::new(ends(at), colour)),
-        Style::Dashed => drawn.legend(move |at| DashedPathElement::new(ends(at), 6, 3, colour)),
-        Style::Dotted => drawn.legend(move |at| DashedPathElement::new(ends(at), 2, 3, colour)),
-        Style::Points(Marks::Dot) => drawn.legend(move |(x, y)| Circle::new((x + 9, y), 2, colour.filled())),
-        Style::Points(Marks::Cross) => drawn.legend(move |(x, y)| Cross::new((x + 9, y), 3, colour)),
-    };
+/// The parts of a line that lie between two values, cut where it crosses them: drawn outside, it would run along the
+/// frame and look like data.
+fn clip(points: &[(f64, f64)], (low, high): (f64, f64)) -> Vec<Vec<(f64, f64)>> {
+    if points.iter().all(|(_, value)| (low..=high).contains(value)) {
+        return vec![points.to_vec()];
+    }
+    let mut parts: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
+    for (index, &(x, value)) in points.iter().enumerate() {
+        if let Some(&(x0, before)) = index.checked_sub(1).and_then(|before| points.get(before)) {
+            let crossed = |limit: f64| (before < limit) != (value < limit);
+            let at = |limit: f64| (x0 + (limit - before) / (value - before) * (x - x0), limit);
+            let mut crossings: Vec<(f64, f64)> =
+                [low, high].into_iter().filter(|limit| crossed(*limit)).map(at).collect();
+            crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for crossing in crossings {
+                let part = parts.last_mut().filter(|part| !part.is_empty());
+                match part {
+                    // It leaves: the part ends here.
+                    Some(part) => {
+                        part.push(crossing);
+                        parts.push(Vec::new());
+                    }
+                    None => parts.push(vec![crossing]),
+                }
+            }
+        }
+        if (low..=high).contains(&value)
+            && let Some(part) = parts.last_mut()
+        {
+            part.push((x, value));
+        }
+    }
+    parts.retain(|part| part.len() > 1);
+    parts
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Axis, Graph, Line, tick};
+    use super::{Axis, Graph, Line, clip, tick};
 
     #[test]
     fn law_a_line_ends_up_in_the_drawing() {
@@ -278,5 +318,46 @@ mod tests {
         assert_eq!(tick(-0.0001, (0.0, 1.0)), "0");
         assert_eq!(tick(30.0, (0.0, 30.0)), "30");
         assert_eq!(tick(2.5e-4, (0.0, 5e-4)), "2.5e-4");
+    }
+
+    #[test]
+    fn law_the_legend_lies_above_the_data() {
+        // Lines that fill the whole frame: wherever a legend lay inside it, it would lie over them.
+        let full =
+            |phase: f64| (0..200).map(|i| (f64::from(i), (f64::from(i) * 0.7 + phase).sin())).collect();
+        let graph = Graph::new("t", Axis::fitted("x"), Axis::fitted("y"))
+            .with(Line::solid("first of the lines", full(0.0)))
+            .with(Line::dashed("second of the lines", full(1.0)));
+        let svg = graph.to_svg().expect("drawn");
+        let y_of = |tag: &str| -> f64 {
+            let at = svg.find(tag).unwrap_or_else(|| panic!("{tag} is drawn"));
+            let open = svg[..at].rfind("<text").expect("in a text");
+            let y = svg[open..at].split(" y=\"").nth(1).expect("placed");
+            y.split('"').next().and_then(|y| y.parse().ok()).expect("a number")
+        };
+        let highest = svg
+            .split("<polyline")
+            .skip(1)
+            .filter_map(|line| line.split("points=\"").nth(1)?.split('"').next())
+            .filter(|points| points.split_whitespace().count() > 100)
+            .flat_map(|points| {
+                points.split_whitespace().filter_map(|pair| pair.split(',').nth(1)?.parse::<f64>().ok())
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!(highest.is_finite(), "the solid line is drawn as one");
+        for label in ["first of the lines", "second of the lines"] {
+            assert!(y_of(label) + 10.0 < highest, "{label} at {}, data from {highest}", y_of(label));
+        }
+    }
+
+    #[test]
+    fn law_a_line_that_leaves_the_range_is_cut_there() {
+        let points = [(0.0, 0.0), (1.0, 0.5), (2.0, 100.0), (3.0, 0.5), (4.0, -100.0), (5.0, 100.0)];
+        let parts = clip(&points, (-1.0, 1.0));
+        assert_eq!(parts.len(), 3, "{parts:?}");
+        assert!(parts.iter().flatten().all(|(_, value)| (-1.0..=1.0).contains(value)));
+        let (left, value) = parts[0][2];
+        assert!(value == 1.0 && (1.0..1.1).contains(&left), "cut where it crosses, not at the next point");
+        assert_eq!(parts[2].len(), 2, "a line that only passes through is drawn from edge to edge");
     }
 }

@@ -5,6 +5,8 @@
 
 pub mod field;
 pub mod graph;
+pub mod head;
+mod legend;
 pub mod map;
 pub mod page;
 pub mod picture;
@@ -12,6 +14,7 @@ pub mod thin;
 
 pub use field::VectorField;
 pub use graph::{Axis, Graph, Line, Marks, Style};
+pub use head::{Change, Figure, Input, Origin, Program, Provenance, Standing, Verdict};
 pub use map::{Contour, HeatMap};
 pub use maud::{Markup, PreEscaped};
 pub use page::{Cell, Page, Table};

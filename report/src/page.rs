@@ -2,6 +2,7 @@
 
 use base64::Engine as _;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde::{Deserialize, Serialize};
 
 /// A page that is filled from top to bottom.
 #[derive(Debug, Clone)]
@@ -11,7 +12,7 @@ pub struct Page {
 }
 
 /// A table of text.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Heads of the columns.
     pub head: Vec<String>,
@@ -20,7 +21,8 @@ pub struct Table {
 }
 
 /// A cell of a table.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Cell {
     /// Words.
     Text(String),
@@ -55,6 +57,12 @@ figcaption { color: #444; font-size: .9rem; max-width: 640px; }
 table { border-collapse: collapse; margin: 1rem 0; font-size: .92rem; }
 th, td { border-bottom: 1px solid #e3e3e3; padding: .25rem .7rem; text-align: left; vertical-align: top; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.verdict { border-left: .4rem solid #777; padding: .2rem 1rem; margin: 1rem 0; background: #f6f6f6; }
+.verdict.good { border-color: #00664a; } .verdict.bad { border-color: #a63603; }
+.verdict .words { font-size: 1.3rem; font-weight: 600; margin: .3rem 0; } .verdict.bad .words { color: #a63603; }
+.verdict dl { display: flex; flex-wrap: wrap; gap: .3rem 2rem; margin: .3rem 0; } .verdict dt { color: #444; font-size: .9rem; }
+.verdict dd { margin: 0; font-weight: 600; } .verdict .note { margin: .3rem 0; }
+.provenance { margin: 1rem 0; } .provenance summary { cursor: pointer; } .provenance td { overflow-wrap: anywhere; }
 .yes { color: #00664a; } .no { color: #a63603; font-weight: 600; }
 code, pre { font-family: ui-monospace, monospace; font-size: .9em; } pre { background: #f6f6f6; padding: .7rem; overflow-x: auto; }
 ";
@@ -67,12 +75,12 @@ impl Page {
 
     /// A heading.
     pub fn heading(&mut self, text: &str) -> &mut Self {
-        self.push(html! { h2 { (text) } })
+        self.push(html! { h2 { (inline(text)) } })
     }
 
-    /// A paragraph.
+    /// A paragraph. What stands between backticks, here and in captions and cells, is set as code.
     pub fn text(&mut self, text: &str) -> &mut Self {
-        self.push(html! { p { (text) } })
+        self.push(html! { p { (inline(text)) } })
     }
 
     /// Text as it was typed.
@@ -94,7 +102,7 @@ impl Page {
     pub fn picture(&mut self, png: &[u8], caption: &str) -> &mut Self {
         let data = base64::engine::general_purpose::STANDARD.encode(png);
         let source = format!("data:image/png;base64,{data}");
-        self.push(html! { figure { img src=(source) alt=(caption); figcaption { (caption) } } })
+        self.push(html! { figure { img src=(source) alt=(caption.replace('`', "")); figcaption { (inline(caption)) } } })
     }
 
     /// A table.
@@ -132,15 +140,28 @@ impl Page {
 }
 
 fn figure(svg: &str, caption: &str) -> Markup {
-    html! { figure { (PreEscaped(svg)) @if !caption.is_empty() { figcaption { (caption) } } } }
+    html! { figure { (PreEscaped(svg)) @if !caption.is_empty() { figcaption { (inline(caption)) } } } }
 }
 
 fn cell_markup(cell: &Cell) -> Markup {
     match cell {
-        Cell::Text(text) => html! { td { (text) } },
-        Cell::Number(text) => html! { td.number { (text) } },
-        Cell::Holds(true, text) => html! { td.yes { "✓ " (text) } },
-        Cell::Holds(false, text) => html! { td.no { "✗ " (text) } },
+        Cell::Text(text) => html! { td { (inline(text)) } },
+        Cell::Number(text) => html! { td.number { (inline(text)) } },
+        Cell::Holds(true, text) => html! { td.yes { "✓ " (inline(text)) } },
+        Cell::Holds(false, text) => html! { td.no { "✗ " (inline(text)) } },
+    }
+}
+
+/// Text in which pairs of backticks enclose code; one without a partner stays as it is.
+pub fn inline(text: &str) -> Markup {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return html! { (text) };
+    }
+    html! {
+        @for (index, part) in parts.iter().enumerate() {
+            @if index % 2 == 1 { code { (part) } } @else { (part) }
+        }
     }
 }
 
@@ -157,5 +178,18 @@ mod tests {
             html.contains("a &lt; b") && html.contains("&lt;script&gt;") && html.contains("<th>&amp;</th>")
         );
         assert!(!html.contains("<script>"));
+    }
+
+    #[test]
+    fn law_backticks_become_code() {
+        let mut page = Page::new("x");
+        let cells = vec![Cell::from("set `a<b`"), Cell::Holds(false, "`c`".into()), Cell::from("a ` alone")];
+        page.text("run `cargo xtask pack` or `x`")
+            .figure("<svg/>", "set `damped`")
+            .table(&Table { head: vec![], rows: vec![cells] });
+        let html = page.to_html();
+        let code = |text: &str| html.contains(&format!("<code>{text}</code>"));
+        assert!(code("cargo xtask pack") && code("x") && code("damped") && code("a&lt;b") && code("c"));
+        assert_eq!(html.matches('`').count(), 1, "only the one without a partner is left");
     }
 }

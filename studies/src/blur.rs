@@ -253,7 +253,8 @@ fn lost_in_the_loop(bench: &Bench) -> Result<Claim, Error> {
         "± 0.03, as C19: the speed at which half of the runs fall, since a single frame decides",
         (half - PAPER_SPEED).abs() <= 0.03 + 1e-9,
         "N_min = 64, pole set \"damped\", E_t = 1, 30 Hz",
-    ))
+    )
+    .part())
 }
 
 fn below_threshold(scans: &[Vec<Ride>]) -> Claim {

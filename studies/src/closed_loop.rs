@@ -48,6 +48,8 @@ pub const ANY_AREA: [(&str, f64); 2] = [("N_min", 15.0), ("N_max", 400.0)];
 pub struct Case {
     scenario: &'static str,
     set: Vec<(String, String)>,
+    /// Inputs that another output feeds than in the scenario: (input, output).
+    fed: Vec<(String, String)>,
     points: Vec<(f64, f64)>,
     stop: Rational,
     intervals: Option<Rational>,
@@ -67,12 +69,23 @@ impl Case {
         Case::new("full-state", poles)
     }
 
+    /// An inner loop closed by the true state, whose set point the camera reads from an object, `dual-loop`.
+    pub fn dual_loop(poles: Poles) -> Case {
+        Case::new("dual-loop", poles)
+    }
+
     fn new(scenario: &'static str, poles: Poles) -> Case {
         let [omega_1, zeta_1, omega_2, zeta_2] = poles.pairs;
         let both_ways = [(0.0, 0.0), (2.0, 0.0), (12.0, 0.5), (18.0, 0.5), (28.0, 0.0), (31.0, 0.0)];
         let back = [(41.0, -0.5), (47.0, -0.5), (57.0, 0.0)];
-        let case =
-            Case { scenario, set: Vec::new(), points: Vec::new(), stop: Rational::ZERO, intervals: None };
+        let case = Case {
+            scenario,
+            set: Vec::new(),
+            fed: Vec::new(),
+            points: Vec::new(),
+            stop: Rational::ZERO,
+            intervals: None,
+        };
         case.along([&both_ways[..], &back[..]].concat(), 60)
             .with("controller.omega_1", omega_1)
             .with("controller.zeta_1", zeta_1)
@@ -84,6 +97,13 @@ impl Case {
     #[must_use]
     pub fn with(mut self, variable: &str, value: impl Display) -> Case {
         self.set.push((variable.to_owned(), value.to_string()));
+        self
+    }
+
+    /// With an input fed by another output than in the scenario.
+    #[must_use]
+    pub fn fed(mut self, input: &str, output: &str) -> Case {
+        self.fed.push((input.to_owned(), output.to_owned()));
         self
     }
 
@@ -125,8 +145,13 @@ impl Case {
     pub fn scenario(&self, bench: &Bench) -> Result<Scenario, Error> {
         let set: Vec<(&str, &str)> = self.set.iter().map(|(name, value)| (&**name, &**value)).collect();
         let mut scenario = bench.scenario(self.scenario, &set)?;
-        for source in scenario.sources.iter_mut().filter(|source| source.to == "controller.z_desired") {
+        for source in scenario.sources.iter_mut().filter(|source| source.to.ends_with(".z_desired")) {
             source.signal = SignalEntry::Table { shape: Shape::Smooth, points: self.points.clone() };
+        }
+        for (input, output) in &self.fed {
+            for connection in scenario.connections.iter_mut().filter(|connection| connection.to == *input) {
+                connection.from.clone_from(output);
+            }
         }
         scenario.stop = self.stop;
         if let Some(interval) = self.intervals {
@@ -143,7 +168,7 @@ impl Case {
         let mut simulation = bench.simulation(&self.scenario(bench)?)?;
         simulation.stop_when("plant.contact", Comparison::Above, 0.5)?;
         simulation.stop_when("plant.q1", Comparison::AbsoluteAbove, FALLEN)?;
-        Ok(ClosedLoop { simulation })
+        Ok(ClosedLoop { simulation, bench: bench.clone() })
     }
 
     /// Builds and runs it.
@@ -160,12 +185,13 @@ fn whole(seconds: u16) -> Rational {
 /// A built loop; its units are used again from run to run.
 pub struct ClosedLoop {
     simulation: Simulation,
+    bench: Bench,
 }
 
 impl ClosedLoop {
     /// Gives a start value or parameter for the next runs.
     pub fn set(&mut self, variable: &str, value: f64) -> Result<(), Error> {
-        Ok(self.simulation.set(variable, value)?)
+        Ok(self.simulation.set(variable, value * self.bench.factor(variable))?)
     }
 
     /// Runs it from the start to its end or to its fall.
@@ -226,6 +252,23 @@ impl Trace {
         let rows = self.rows(from, to);
         let count = rows.len() as f64;
         rows.map(|row| self.z_desired[row] - self.z[row]).sum::<f64>() / count
+    }
+
+    /// Mean of z over a span of time; NaN where it fell before.
+    pub fn mean_z(&self, from: f64, to: f64) -> f64 {
+        if self.fell.is_some_and(|time| time < to) {
+            return f64::NAN;
+        }
+        let rows = self.rows(from, to);
+        let count = rows.len() as f64;
+        rows.map(|row| self.z[row]).sum::<f64>() / count
+    }
+
+    /// Standard deviation of the torque over a span of time at rest.
+    pub fn ripple(&self, from: f64, to: f64) -> f64 {
+        let torques = &self.tau[self.rows(from, to)];
+        let mean = torques.iter().sum::<f64>() / torques.len() as f64;
+        rms(torques.iter().map(|torque| torque - mean))
     }
 
     /// z_desired − z over time, thirty times a second: with full state feedback the reference is read that often, and

@@ -157,6 +157,7 @@ fn claim(cases: &[Case]) -> Claim {
         "on the manifold, with an identified camera; see the table for 10 % of misidentification and for poses beside the \
          manifold",
     )
+    .part()
 }
 
 fn figure(case: &Case) -> Result<String, Error> {

@@ -193,17 +193,18 @@ fn claims(damped: &Fates, all: &Fates, fates: &[Fates]) -> Vec<Claim> {
         Claim::new(
             ["C44", "10 Hz without distortion, slowly varying reference", "stable"],
             format!(
-                "with `all`: {}; lowest stable rate {}",
-                all.at_ten.fate(),
-                each(&|f| lowest(f.lowest[0]))
+                "lowest stable rate with the camera {}; with the true state, sampled and held, {}",
+                each(&|f| lowest(f.lowest[0])),
+                each(&|f| lowest(f.lowest[1]))
             ),
             "lowest rate ± 1 Hz (the grid)",
-            all.at_ten.is_stable(),
+            all.at_ten.is_stable() && fates.iter().all(|f| f.lowest[1].is_some_and(|rate| rate <= 10)),
             format!(
-                "holds for `all`, not for `damped` ({}): a bandwidth that makes the steady error of C46 needs a faster \
-                 camera; with the true state, sampled and held, the lowest rates are {}",
-                damped.at_ten.fate(),
-                each(&|fates| lowest(fates.lowest[1]))
+                "with the camera and differenced rates it holds for `all`, not for `damped` ({}): a bandwidth that makes \
+                 the steady error of C46 needs a faster camera. The sentence speaks of sample rates; with the true state \
+                 sampled at 10 Hz every set stands, and then `damped` alone meets every statement of Sections 4.2 \
+                 and 5 but C51, which no set meets",
+                damped.at_ten.fate()
             ),
         ),
         Claim::new(
@@ -214,8 +215,9 @@ fn claims(damped: &Fates, all: &Fates, fates: &[Fates]) -> Vec<Claim> {
             ),
             "the short exposure leaves 0.5 T more, ± 0.15 T: three steps of the grid, for close to the boundary the chatter decides",
             fates.iter().all(|fates| (fates.largest[1] - fates.largest[0]).abs() < 0.16),
-            "only the total delay T_delay + E_t·T/2 counts",
-        ),
+            "only the total delay `T_delay` + `E_t`·T/2 counts",
+        )
+        .part(),
         Claim::new(
             [
                 "C55",

@@ -66,10 +66,38 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let (claim, table) = consistency();
     outcome.claims.push(claim);
     outcome.tables.push(("Lengths over gravity that Table 2 implies by Table 1".to_owned(), table));
-    let rows = named(&Theta::TABLE_2).map(|(name, value)| vec![name.into(), Cell::Number(value.to_string())]);
-    let head = vec!["parameter".to_owned(), "value, kg·m² or N·m".to_owned()];
-    outcome.tables.push(("Table 2, as both units have it".to_owned(), Table { head, rows: rows.to_vec() }));
+    outcome.tables.push(("Tables 1 and 2: the parameters as both units have them".to_owned(), parameters()));
     Ok(outcome)
+}
+
+/// Table 1: definition and type.
+const DEFINITIONS: [[&str; 2]; 7] = [
+    ["m₁R² + m₂l₁² + m₂R² + J₁", "inertial"],
+    ["2m₁R·l_c1 + 2m₂R·l₁", "inertial"],
+    ["J₂", "inertial"],
+    ["m₂R·l_c2", "inertial"],
+    ["m₂l₁l_c2", "inertial"],
+    ["m₁g·l_c1 + m₂g·l₁", "gravity"],
+    ["m₂g·l_c2", "gravity"],
+];
+
+/// Table 1 with Table 2's values, and with those of the robot for which Table 1 is checked.
+fn parameters() -> Table {
+    let robot = named(&ROBOT.theta());
+    let rows = named(&Theta::TABLE_2).into_iter().zip(robot).zip(DEFINITIONS).map(
+        |((paper, robot), [definition, kind])| {
+            let unit = if kind == "inertial" { "kg·m²" } else { "N·m" };
+            vec![
+                format!("`{}`", paper.0).into(),
+                definition.into(),
+                kind.into(),
+                Cell::Number(format!("{} {unit}", paper.1)),
+                Cell::Number(format!("{:.5} {unit}", robot.1)),
+            ]
+        },
+    );
+    let head = ["name", "definition (Table 1)", "type", "value (Table 2)", "by Table 1 for the robot of T1"];
+    Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
 /// The energy of two bodies, from where they are and how they move.
@@ -100,7 +128,8 @@ fn definitions(plant: &mut Unit) -> Result<Claim, Error> {
         "1e-12 J: rounding",
         off <= 1e-12,
         "J1 about the drum's centre and J2 about the joint, which the table doesn't say",
-    ))
+    )
+    .part())
 }
 
 fn declared(plant: &mut Unit, controller: &mut Unit) -> Result<Claim, Error> {
@@ -116,7 +145,8 @@ fn declared(plant: &mut Unit, controller: &mut Unit) -> Result<Claim, Error> {
         "exact",
         same == 7,
         "θ9 and θ10 are given in \"Nt\": N·m",
-    ))
+    )
+    .definition())
 }
 
 /// M(q)·q̈ + c = u as printed, and with velocity terms nothing is gained or lost.

@@ -12,20 +12,25 @@ mod compensation;
 mod composite;
 mod defocus_mask;
 mod delay;
+mod diagrams;
+mod drawing;
 mod dynamics;
 mod fields;
 mod four_graphs;
 pub mod lens;
 mod lens_errors;
 mod lens_loop;
+mod lever;
 mod loop_values;
 mod manifold;
+mod open;
 mod pages;
 mod photometry;
 mod quantisation;
 mod registry;
 mod setup;
 mod stability_map;
+mod store;
 mod table3;
 mod torque_rate;
 mod tracking;
@@ -34,11 +39,12 @@ pub mod unit;
 pub mod walk;
 
 pub use bench::Bench;
-pub use claim::{Claim, Figure, Outcome, Study};
+pub use claim::{Claim, Figure, Kind, Outcome, Study, Tally};
 pub use registry::STUDIES;
 pub use unit::{Signal, Unit};
 
 use rayon::prelude::*;
+use report::Provenance;
 use std::path::{Path, PathBuf};
 
 /// Why a study can't be run or written.
@@ -158,18 +164,25 @@ impl Reproduction {
         self.outcomes.iter().flat_map(|(_, outcome)| &outcome.claims)
     }
 
-    /// Writes `claims.json` and `index.html` into a folder.
-    pub fn write(&self, out: &Path) -> Result<(), Error> {
+    /// How many statements hold; it prints as the headline.
+    pub fn tally(&self) -> Tally {
+        Tally::of(self.claims())
+    }
+
+    /// Writes `claims.json` and `index.html` into a folder, and joins in both what an earlier call left there of other
+    /// studies.
+    pub fn write(&self, out: &Path, provenance: &Provenance) -> Result<(), Error> {
         let failed = |path: &Path, why: &dyn std::fmt::Display| Error::File {
             path: path.to_owned(),
             why: why.to_string(),
         };
         std::fs::create_dir_all(out).map_err(|why| failed(out, &why))?;
-        let claims: Vec<&Claim> = self.claims().collect();
+        let joined = store::join(out, &self.outcomes, provenance)?;
+        let claims: Vec<&Claim> = joined.iter().flat_map(|(_, outcome)| &outcome.claims).collect();
         let path = out.join("claims.json");
         let json = serde_json::to_string_pretty(&claims).map_err(|why| failed(&path, &why))?;
         std::fs::write(&path, json + "\n").map_err(|why| failed(&path, &why))?;
         let path = out.join("index.html");
-        std::fs::write(&path, pages::index(&self.outcomes)).map_err(|why| failed(&path, &why))
+        std::fs::write(&path, pages::index(&joined, provenance)).map_err(|why| failed(&path, &why))
     }
 }

@@ -260,7 +260,7 @@ fn parameterization(rig: &mut Rig) -> Result<Claim, Error> {
         (share - 0.75).abs() <= 0.01,
         "by scaling: the paper's z is that of its reference [27], which is not available. That z is nearly proportional \
          to the length besides is no choice",
-    ))
+    ).definition())
 }
 
 /// s³, s², s, 1 of det(sI − A − bk), by Faddeev and LeVerrier.

@@ -223,6 +223,7 @@ fn statement(counts: &[(&str, Vec<Square>)]) -> Claim {
         "a slowly growing motion does not fall within a run, and far from the manifold or under the noise of \
          differencing a linear boundary is not the whole truth",
     )
+    .measurement()
 }
 
 fn differing(counts: &[(&str, Vec<Square>)]) -> Table {

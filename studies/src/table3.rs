@@ -6,9 +6,9 @@ use crate::{Bench, Claim, Error, Outcome, Study};
 use report::{Cell, Table};
 
 /// Strength at which the constants are taken, as in Figures 13 to 17.
-const STRENGTH: f64 = 0.1;
+pub(crate) const STRENGTH: f64 = 0.1;
 /// The paper's (K_q1, K_q2).
-const PAPER: [[f64; 2]; 5] = [[0.2, 0.1], [0.8, 0.5], [1.0, 0.8], [0.8, 0.5], [0.3, 0.4]];
+pub(crate) const PAPER: [[f64; 2]; 5] = [[0.2, 0.1], [0.8, 0.5], [1.0, 0.8], [0.8, 0.5], [0.3, 0.4]];
 
 /// This study.
 pub const STUDY: Study = Study {
@@ -34,17 +34,20 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         let (paper, ours, ideal) = (PAPER[index], rendered[index], equations[index]);
         let each = agree(ours, paper);
         agreeing += each.iter().filter(|agrees| **agrees).count();
-        claims.push(Claim::new(
-            [
-                &format!("T3.{name}"),
-                &format!("K_q1, K_q2 of {name}: largest error on the manifold over the parameter"),
-                &walk::pair(paper, 1),
-            ],
-            format!("{} from frames, {} by the equations", walk::pair(ours, 3), walk::pair(ideal, 3)),
-            "± 0.05: the paper gives one decimal",
-            each == [true; 2] && agree(ideal, paper) == [true; 2],
-            "",
-        ));
+        claims.push(
+            Claim::new(
+                [
+                    &format!("T3.{name}"),
+                    &format!("K_q1, K_q2 of {name}: largest error on the manifold over the parameter"),
+                    &walk::pair(paper, 1),
+                ],
+                format!("{} from frames, {} by the equations", walk::pair(ours, 3), walk::pair(ideal, 3)),
+                "± 0.05: the paper gives one decimal",
+                each == [true; 2] && agree(ideal, paper) == [true; 2],
+                "",
+            )
+            .part(),
+        );
         let numbers = [paper[0], ideal[0], ours[0], paper[1], ideal[1], ours[1]];
         let cells = numbers.iter().enumerate().map(|(column, value)| {
             let decimals = if column % 3 == 0 { 1 } else { 3 };
@@ -67,7 +70,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         "≤ 0.025: the lattice of pixels moves an error by up to 2e-3 rad, which is 0.02 at a strength of 0.1",
         largest_difference(&rendered, &equations) <= 0.025,
         "",
-    ));
+    ).part());
     let head = [
         "parameter",
         "K_q1, paper",
@@ -83,7 +86,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
 }
 
 /// Whether a number is the paper's when written with one decimal.
-fn rounds_to(ours: f64, paper: f64) -> bool {
+pub(crate) fn rounds_to(ours: f64, paper: f64) -> bool {
     format!("{ours:.1}") == format!("{paper:.1}")
 }
 

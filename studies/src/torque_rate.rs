@@ -87,7 +87,15 @@ fn boundary(bench: &Bench, poles: Poles) -> Result<Vec<Option<f64>>, Error> {
 }
 
 fn boundary_at(bench: &Bench, poles: Poles, rate: u16) -> Result<Option<f64>, Error> {
-    let case = course(Case::visual(poles)).with("camera.omega_cam", rate).every(rate, 10);
+    lowest_limit(bench, course(Case::visual(poles)).with("camera.omega_cam", rate).every(rate, 10))
+}
+
+/// The lowest limit with which each of some loops follows 0 → 0.5 → 0.
+pub(crate) fn lowest_limits(bench: &Bench, cases: &[Case]) -> Result<Vec<Option<f64>>, Error> {
+    cases.par_iter().map(|case| lowest_limit(bench, course(case.clone()))).collect()
+}
+
+fn lowest_limit(bench: &Bench, case: Case) -> Result<Option<f64>, Error> {
     let mut closed = case.build(bench)?;
     let mut stands = |limit: f64| {
         closed.set("plant.dtau_max", limit)?;

@@ -7,6 +7,8 @@ use orchestrator::fmu::{Fmu, Instance, Status};
 /// An instance of a unit, used again and again: [`Unit::start`] takes it back to the beginning.
 pub struct Unit {
     instance: Instance,
+    /// Variables that act otherwise than they are set, [`crate::Bench::with_fault`].
+    faults: Vec<(String, f64)>,
 }
 
 /// A variable that was looked up: reading it costs one call and no search.
@@ -21,9 +23,9 @@ impl Unit {
     ///
     /// # Errors
     /// The unit refuses.
-    pub fn new(fmu: &Fmu) -> Result<Self, Error> {
+    pub(crate) fn new(fmu: &Fmu, faults: Vec<(String, f64)>) -> Result<Self, Error> {
         let name = &fmu.description().co_simulation.model_identifier;
-        Ok(Self { instance: fmu.instantiate(name)? })
+        Ok(Self { instance: fmu.instantiate(name)?, faults })
     }
 
     /// Looks up a variable.
@@ -60,7 +62,8 @@ impl Unit {
     /// No such variable, or the unit refuses the value.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), Error> {
         let signal = self.signal(name)?;
-        self.write(signal, value)
+        let factors = self.faults.iter().filter(|(faulty, _)| faulty == name).map(|(_, factor)| factor);
+        self.write(signal, factors.fold(value, |value, factor| value * factor))
     }
 
     /// Sets a variable; integers are rounded, Booleans are true unless 0.

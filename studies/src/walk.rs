@@ -205,6 +205,26 @@ pub fn finely_through(lens: Lens) -> Vec<(&'static str, f64)> {
     lens.settings().into_iter().chain(areas).chain([("width", 2048.0), ("height", 2048.0)]).collect()
 }
 
+/// By which factor one curve of errors is another, by least squares over both links: 1 if they agree in sign and size.
+pub fn gain(seen: &[[f64; 2]], said: &[[f64; 2]]) -> f64 {
+    let pairs = seen.iter().flatten().zip(said.iter().flatten()).filter(|(seen, _)| seen.is_finite());
+    let (product, square) = pairs
+        .fold((0.0, 0.0), |(product, square), (seen, said)| (product + seen * said, square + said * said));
+    product / square
+}
+
+/// Errors averaged over this many places to each side, fewer towards the ends: the lattice of pixels is no part of a
+/// curve's shape.
+pub fn smoothed(errors: &[[f64; 2]], reach: usize) -> Vec<[f64; 2]> {
+    let mean_around = |index: usize| {
+        // As many on both sides, so that a slope is kept.
+        let reach = reach.min(index).min(errors.len() - 1 - index);
+        let around = &errors[index - reach..=index + reach];
+        [0, 1].map(|link| around.iter().map(|error| error[link]).sum::<f64>() / around.len() as f64)
+    };
+    (0..errors.len()).map(mean_around).collect()
+}
+
 /// What the equations say at each place of [`lens::places`].
 pub fn by_equations(lens: Lens) -> Vec<[f64; 2]> {
     lens::places().into_iter().map(|q2| lens.error(q2)).collect()
@@ -254,7 +274,7 @@ pub fn framed(title: &str, x: &str, y: &str, lines: impl IntoIterator<Item = Lin
     let span = high - low;
     let room = 0.05 + 0.08 * lines.iter().filter(|line| !line.label.is_empty()).count() as f64;
     let y = Axis::over(y, low - 0.05 * span, high + room * span);
-    Graph { title: title.to_owned(), x: Axis::over(x, -2.5, 2.5), y, lines }
+    Graph { title: title.to_owned(), x: Axis::over(x, -2.5, 2.5), y, lines, event: None }
 }
 
 /// What stands in a table where there is no number.

@@ -2,25 +2,43 @@
 
 use crate::cli::Diagnose;
 use crate::error::Error;
-use diagnosis::{Diagnosis, Earlier, Options, Verdict};
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use crate::folder::Folder;
+use crate::request::folder_name;
+use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// What a diagnosis writes: an earlier one's next experiment must not stand beside a new diagnosis that has none.
+const FILES: [&str; 4] = ["diagnosis.json", "amended.toml", "report.html", "next_experiment.toml"];
+
+/// Time for each run, s, if nobody says how much.
+const MINUTE: f64 = 60.0;
+
 /// Diagnoses the data set and writes `diagnosis.json`, `amended.toml` and `report.html`.
 pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
-    let out = arguments.out.clone().unwrap_or_else(|| default_folder(&arguments.dataset));
-    // Before the work, so that a folder that can't be made costs no minute.
-    std::fs::create_dir_all(&out).map_err(Error::file(&out))?;
+    let out = arguments.out.clone().unwrap_or_else(|| default_folder(arguments));
+    // Before the work, so that a folder that can't be made costs no minute; it vanishes if nothing comes of the work.
+    let folder = Folder::make(&out)?;
     let spinner = spinner(quiet);
     let earlier = arguments.after.as_deref().map(Earlier::load).transpose()?;
-    let options = Options { without: arguments.without.clone(), earlier, ..Options::default() };
+    let options = Options {
+        without: arguments.without.clone(),
+        earlier,
+        budget: arguments.budget.map_or(Budget::EachRun(MINUTE), Budget::All),
+        fit: arguments.fit.clone(),
+        ..Options::default()
+    };
     let units = scenarios::unit_path();
-    let mut tell = |stage: &str| spinner.set_message(stage.to_owned());
+    let mut tell = |doing: &Doing<'_>| spinner.set_message(told(doing));
     let diagnosis = diagnosis::diagnose(&arguments.dataset, &units, &options, &mut tell);
     spinner.finish_and_clear();
-    let diagnosis = diagnosis?;
+    let mut diagnosis = diagnosis?;
+    diagnosis.provenance.command = command(arguments);
+    let commit = crate::provenance::program().commit;
+    diagnosis.provenance.version.push_str(&format!(", commit {commit}"));
+    folder.clear(&FILES)?;
     diagnosis.write(&out)?;
     if !quiet {
         summary(&diagnosis, &out);
@@ -28,9 +46,35 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     Ok(())
 }
 
-fn default_folder(dataset: &Path) -> PathBuf {
+/// A folder for each thing that can be asked.
+fn default_folder(arguments: &Diagnose) -> PathBuf {
+    // `.` has a name, too.
+    let dataset = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
     let name = dataset.file_name().map_or_else(|| "dataset".into(), |name| name.to_string_lossy());
-    Path::new("out").join(format!("diagnose-{name}"))
+    let mut without = arguments.without.clone();
+    without.sort();
+    without.dedup();
+    let after = arguments.after.iter().map(|folder| format!("after={}", folder.display()));
+    let changes = without.iter().map(|name| format!("without={name}")).chain(after);
+    Path::new("out").join(folder_name(&format!("diagnose-{name}"), changes))
+}
+
+/// The command that makes this diagnosis again.
+fn command(arguments: &Diagnose) -> String {
+    let mut words = vec!["acroscope diagnose".to_owned(), arguments.dataset.display().to_string()];
+    words.extend(arguments.without.iter().map(|name| format!("--without {name}")));
+    words.extend(arguments.budget.iter().map(|seconds| format!("--budget {seconds}")));
+    words.extend((!arguments.fit.is_empty()).then(|| format!("--fit {}", arguments.fit.join(","))));
+    words.extend(arguments.after.iter().map(|folder| format!("--after {}", folder.display())));
+    words.join(" ")
+}
+
+/// A stage, and what is being tried in it.
+fn told(doing: &Doing<'_>) -> String {
+    match doing.count {
+        (0, 0) => doing.stage.to_owned(),
+        (done, of) => format!("{}: {} ({done} of {of})", doing.stage, doing.trying),
+    }
 }
 
 /// Names the stage of the work; hidden if `quiet` or if nobody looks at a terminal.
@@ -38,11 +82,36 @@ fn spinner(quiet: bool) -> ProgressBar {
     let hidden = quiet || !std::io::stderr().is_terminal();
     let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let spinner = ProgressBar::with_draw_target(None, target);
+    // The template is a constant; were it wrong, indicatif's own style would do.
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}") {
+        spinner.set_style(style);
+    }
     spinner.enable_steady_tick(Duration::from_millis(120));
     spinner
 }
 
-/// The verdict in a few lines.
+fn effect(effect: &Effect) {
+    let [low, high] = effect.ci95;
+    let digits = effect.digits();
+    let unit = if effect.unit.is_empty() { String::new() } else { format!(" {}", effect.unit) };
+    tell!(
+        "  {} = {:.digits$}{unit} ({low:.digits$} to {high:.digits$}): {}{}",
+        effect.class.join(" or "),
+        effect.value,
+        effect.phrase,
+        if effect.at_end { ", at the end of the range that is searched: it may lie beyond" } else { "" }
+    );
+}
+
+fn unknown(unknown: &Unknown) {
+    let depends = match unknown.depends_on.as_slice() {
+        [] => String::new(),
+        names => format!(", depends on {}", names.join(", ")),
+    };
+    tell!("  unknown: {}{depends}: {}", unknown.signal, unknown.shape);
+}
+
+/// The verdict in a few lines, and where it comes from.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
         eprintln!("note: {notice}");
@@ -56,27 +125,11 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             Verdict::Unknown => "the model lacks something that no listed effect gives",
         }
     );
-    for effect in &diagnosis.effects {
-        let [low, high] = effect.ci95;
-        let digits = effect.digits();
-        tell!(
-            "  {} = {:.digits$} ({low:.digits$} to {high:.digits$}): {}",
-            effect.class.join(" or "),
-            effect.value,
-            effect.phrase
-        );
-    }
-    if let Some(unknown) = &diagnosis.unknown {
-        tell!(
-            "  unknown: {}, depends on {}: {}",
-            unknown.signal,
-            unknown.depends_on.join(", "),
-            unknown.shape
-        );
-    }
+    diagnosis.effects.iter().for_each(effect);
+    diagnosis.unknown.iter().for_each(unknown);
     if let Some(correction) = &diagnosis.correction {
         for term in &correction.terms {
-            tell!("  {} = {}: {}", term.name, term.short(), term.phrase);
+            tell!("  {} = {} {}: {}", term.name, term.short(), term.measure, term.phrase);
         }
         tell!(
             "  that is {}; it takes away {:.0} % of what is left",
@@ -86,7 +139,17 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     }
     let better = !diagnosis.effects.is_empty() || diagnosis.correction.is_some();
     if let Some(closed) = diagnosis.gap.closed.filter(|_| better) {
-        tell!("the gap closes by {:.0} % on runs that were left out", 100.0 * closed);
+        match diagnosis.gap.held_out_runs.as_slice() {
+            [] => tell!("the gap closes by {:.0} % by cross-validation", 100.0 * closed),
+            runs => tell!(
+                "the gap closes by {:.0} % on held-out runs ({}), for which the search was repeated without them",
+                100.0 * closed,
+                runs.join(", ")
+            ),
+        }
+    }
+    if !diagnosis.ended_early.is_empty() {
+        tell!("time was up; ended with what was there: {}", diagnosis.ended_early.join("; "));
     }
     if let Some(next) = &diagnosis.next_experiment {
         match next.separates.as_slice() {
@@ -94,6 +157,9 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
         tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+    }
+    for (what, value) in diagnosis.provenance.lines() {
+        tell!("{what}: {value}");
     }
     tell!("the report is {}", out.join("report.html").display());
 }

@@ -1,9 +1,15 @@
 //! One file a command.
 
+mod completions;
 mod diagnose;
+mod import;
+mod man;
+mod params;
 mod record;
 mod reproduce;
 mod run;
+
+pub use run::carry_out;
 
 use crate::cli::{Arguments, Command};
 use crate::error::Error;
@@ -11,7 +17,11 @@ use crate::error::Error;
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
+        Command::Completions(completions) => completions::completions(completions),
         Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
+        Command::Import(import) => import::import(import, arguments.quiet),
+        Command::Man(man) => man::man(man, arguments.quiet),
+        Command::Params(params) => params::params(params),
         Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),

@@ -2,7 +2,12 @@
 
 use crate::cli::Reproduce;
 use crate::error::Error;
+use crate::folder::Folder;
+use crate::provenance;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use orchestrator::Simulation;
+use report::Provenance;
+use report::head::shell_word;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 
@@ -10,19 +15,37 @@ use std::path::{Path, PathBuf};
 pub fn reproduce(arguments: &Reproduce, quiet: bool) -> Result<(), Error> {
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out/reproduce"));
     let bar = bar(quiet, studies::choose(&arguments.ids)?.len());
-    // Before the work, so that a folder that can't be made costs no minutes.
-    std::fs::create_dir_all(&out).map_err(Error::file(&out))?;
+    // Before the work, so that a folder that can't be made costs no minutes; it vanishes if nothing comes of the work.
+    let _folder = Folder::make(&out)?;
     let bench = studies::Bench::new(scenarios::unit_path());
     let reproduction = studies::reproduce(&arguments.ids, &bench, &|study| {
         bar.set_message(study.id);
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    reproduction.write(&out)?;
+    let provenance = provenance(arguments)?;
+    reproduction.write(&out, &provenance)?;
     if !quiet {
         summary(&reproduction, &out);
     }
     Ok(())
+}
+
+/// Where the studies of this call come from: the shipped scenarios and their units.
+fn provenance(arguments: &Reproduce) -> Result<Provenance, Error> {
+    let mut found = Provenance { program: provenance::program(), ..Provenance::default() };
+    for (name, text) in scenarios::SHIPPED {
+        found.inputs.push(provenance::shipped("scenario", name, text));
+        let simulation = Simulation::new(&scenarios::load(name)?, &scenarios::unit_path())?;
+        for unit in provenance::units(&simulation)? {
+            if !found.units.contains(&unit) {
+                found.units.push(unit);
+            }
+        }
+    }
+    let ids = arguments.ids.iter().map(|id| format!(" {}", shell_word(id)));
+    found.command = format!("acroscope reproduce{}", ids.collect::<String>());
+    Ok(found)
 }
 
 /// A bar that counts studies; hidden if `quiet` or if nobody looks at a terminal.
@@ -40,8 +63,7 @@ fn bar(quiet: bool, studies: usize) -> ProgressBar {
 
 /// How many statements hold, and which don't.
 fn summary(reproduction: &studies::Reproduction, out: &Path) {
-    let holding = reproduction.claims().filter(|claim| claim.holds).count();
-    tell!("{holding} of {} statements hold", reproduction.claims().count());
+    tell!("{}", reproduction.tally());
     for claim in reproduction.claims().filter(|claim| !claim.holds) {
         tell!("  {} does not: {}; {}", claim.id, claim.quantity, claim.ours);
     }

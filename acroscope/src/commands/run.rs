@@ -3,74 +3,203 @@
 use crate::bar::Bar;
 use crate::cli::Run;
 use crate::error::Error;
-use crate::run_report::{self, Layout};
-use orchestrator::{CsvRecorder, Scenario, Simulation};
+use crate::folder::Folder;
+use crate::request::Request;
+use crate::run_report::{Finished, How, Layout, Summary};
+use crate::signals::{self, Looking};
+use crate::{provenance, run_report};
+use orchestrator::{
+    Checkpoint, Checkpoints, CsvRecorder, Ended, Isolation, NoRecorder, Progress, Recorder, Scenario,
+};
+use orchestrator::{Simulation, Twice};
+use report::Figure;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-/// Runs the scenario and writes `results.csv`, `resolved.toml` and `report.html`.
+/// What a run writes, beside `frames`; the first is gone on with after a checkpoint.
+const FILES: [&str; 4] = ["results.csv", "resolved.toml", "report.html", "summary.json"];
+/// The newest checkpoint, beside the results.
+const CHECKPOINT: &str = "checkpoint.bin";
+
+/// What a run left.
+pub struct CarriedOut {
+    /// Where.
+    pub folder: PathBuf,
+    /// What is told of it, if there is a row to tell of.
+    summary: Option<Summary>,
+    /// How it ended.
+    pub ended: Result<Ended, Error>,
+    /// Inputs whose start value gave way.
+    replaced_starts: Vec<String>,
+}
+
+/// Runs the scenario and writes `results.csv`, `resolved.toml`, `report.html` and `summary.json`.
 pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
-    let out = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(stem(&arguments.scenario)));
-    let mut scenario = scenarios::load(&arguments.scenario)?;
-    let layout = Layout::of(&scenario)?;
-    std::fs::create_dir_all(&out).map_err(Error::file(&out))?;
-    if let Some(picture) = &layout.picture {
-        let frames = picture.fresh_folder(&out)?;
-        scenario.set(&picture.directory_parameter(), &frames.to_string_lossy())?;
-    }
-    apply(&mut scenario, arguments)?;
-
-    let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
-    layout.check(&scenario, simulation.columns().iter().map(|column| column.name.as_str()))?;
-    write(&out.join("resolved.toml"), &simulation.resolved())?;
-    let mut results = CsvRecorder::create(out.join("results.csv"))?;
     let mut bar = Bar::new(quiet);
-    let ended = simulation.run(&mut results, &mut bar);
+    let done = carry_out(arguments, quiet, &mut NoRecorder, &mut bar)?;
     if !quiet {
-        for notice in simulation.notices() {
-            eprintln!("note: {notice}");
-        }
-        for start in simulation.replaced_starts().iter().filter(|_| arguments.verbose) {
+        for start in done.replaced_starts.iter().filter(|_| arguments.verbose) {
             eprintln!("note: start value gave way to a connected output: {start}");
         }
+        if let Some(summary) = &done.summary {
+            tell_all(summary, &bar, &done.folder);
+        }
     }
-    ended?;
-
-    let page = run_report::page(&scenario, &layout, &out)?;
-    let report = out.join("report.html");
-    write(&report, &page)?;
-    if !quiet {
-        let speed =
-            bar.real_time_factor.map_or_else(String::new, |factor| format!(" at {factor:.0} x real time"));
-        tell!(
-            "{}: ran to t = {} s{speed}; the report is {}",
-            arguments.scenario,
-            simulation.time(),
-            report.display()
-        );
+    match done.ended? {
+        Ended::Interrupted { time } => {
+            Err(Error::Interrupted { signal: signals::caught().unwrap_or_default(), time })
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
-/// What was typed beside the scenario's name.
-fn apply(scenario: &mut Scenario, arguments: &Run) -> Result<(), Error> {
-    for given in &arguments.set {
-        let Some((name, value)) = given.split_once('=') else {
-            return Err(Error::Override { given: given.clone() });
-        };
-        scenario.set(name.trim(), value.trim())?;
+/// The run, for a second recorder beside the file of results. An error before the first step, or in the report of a run that
+/// ended well, is answered as such.
+pub fn carry_out(
+    arguments: &Run,
+    quiet: bool,
+    also: &mut dyn Recorder,
+    progress: &mut dyn Progress,
+) -> Result<CarriedOut, Error> {
+    let request = Request::of(arguments)?;
+    let out = arguments.out.clone().unwrap_or_else(|| request.folder());
+    let (text, origin) = scenarios::text(&arguments.scenario)?;
+    let mut scenario = Scenario::parse(&text, origin)?;
+    let mut layout = Layout::of(&scenario)?;
+    if let Some(picture) = &layout.picture {
+        let frames = std::path::absolute(out.join("frames")).map_err(Error::file(&out))?;
+        scenario.set(&picture.directory_parameter(), &frames.to_string_lossy())?;
     }
-    if let Some(stop) = &arguments.stop {
-        scenario.set_stop(stop)?;
-    }
-    Ok(())
+    request.apply(&mut scenario)?;
+    isolate(&mut scenario, arguments);
+    let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
+    layout.complete(&simulation)?;
+    let provenance = provenance::of_run(&request, &text, &simulation)?;
+
+    // All that can be seen without running is right: now the results of an earlier run give way.
+    let folder = Folder::make(&out)?;
+    let from = checkpoint(arguments, &folder, quiet)?;
+    folder.clear(if from.is_some() { &FILES[1..] } else { &FILES })?;
+    let frames = match (&layout.picture, &from) {
+        (Some(_), Some(_)) => Some(Folder::make(&out.join("frames"))?),
+        (Some(_), None) => Some(run_report::fresh_frames(&out)?),
+        (None, _) => None,
+    };
+    let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
+    folder.write("resolved.toml", &simulation.resolved())?;
+    let mut results = results(&folder, from.as_ref())?;
+    let mut recorder = Twice(&mut results, also);
+    let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
+    let finished = Finished {
+        simulation: &simulation,
+        layout: &layout,
+        folder: &out,
+        how: how(&ended),
+        error: ended.as_ref().err().map(ToString::to_string),
+        provenance,
+    };
+    let summary = match told(finished, &folder) {
+        Ok(Some(summary)) => Some(summary),
+        // It ended before its first row: nothing of it is worth keeping.
+        Ok(None) => folder.clear(&FILES).map(|()| None)?,
+        // The run's own error counts more than that of its report.
+        Err(error) if ended.is_ok() => return Err(error),
+        Err(_) => None,
+    };
+    drop(frames);
+    let replaced_starts = simulation.replaced_starts().to_vec();
+    Ok(CarriedOut { folder: out, summary, ended, replaced_starts })
 }
 
-fn write(path: &PathBuf, text: &str) -> Result<(), Error> {
-    std::fs::write(path, text).map_err(Error::file(path))
+/// Where the run goes on, if it is to. A checkpoint of results that are overwritten is removed.
+fn checkpoint(arguments: &Run, folder: &Folder, quiet: bool) -> Result<Option<Checkpoint>, Error> {
+    let file = folder.file(CHECKPOINT);
+    if !arguments.resume {
+        folder.clear(&[CHECKPOINT])?;
+        return Ok(None);
+    }
+    let from = Checkpoint::load(&file)?;
+    match &from {
+        _ if quiet => {}
+        Some(checkpoint) => eprintln!("note: the run goes on from t = {} s", checkpoint.time()),
+        None => eprintln!("note: there is no {}, so the run begins at its start", file.display()),
+    }
+    Ok(from)
 }
 
-/// Name under which the results of a scenario are kept.
-fn stem(scenario: &str) -> String {
-    let stem = Path::new(scenario).file_stem().map_or_else(|| scenario.into(), |stem| stem.to_string_lossy());
-    stem.into_owned()
+/// Units in processes of their own, and their limits.
+fn isolate(scenario: &mut Scenario, arguments: &Run) {
+    for unit in &mut scenario.units {
+        if arguments.isolate && unit.isolation.is_none() {
+            unit.isolation = Some(Isolation::default());
+        }
+        let Some(isolation) = &mut unit.isolation else { continue };
+        if let Some(limit) = arguments.step_limit {
+            isolation.step_limit = Duration::from_secs_f64(limit);
+        }
+        isolation.memory_limit = arguments.memory_limit.map(|limit| limit << 20).or(isolation.memory_limit);
+    }
+}
+
+/// The file of results, new or where a checkpoint left it.
+fn results(folder: &Folder, from: Option<&Checkpoint>) -> Result<CsvRecorder<std::fs::File>, Error> {
+    let file = folder.file("results.csv");
+    Ok(match from {
+        Some(checkpoint) => CsvRecorder::resume(file, checkpoint.position())?,
+        None => CsvRecorder::create(file)?,
+    })
+}
+
+/// The run itself. A signal ends it at the next communication point.
+fn go(
+    simulation: &mut Simulation,
+    from: Option<&Checkpoint>,
+    checkpoints: Option<&Checkpoints>,
+    recorder: &mut dyn Recorder,
+    progress: &mut dyn Progress,
+) -> Result<Ended, Error> {
+    let _looking = Looking::now();
+    let ended = simulation.run_on(from, checkpoints, recorder, progress);
+    simulation.terminate();
+    Ok(ended?)
+}
+
+fn how(ended: &Result<Ended, Error>) -> How {
+    match ended {
+        Ok(Ended::Interrupted { .. }) => How::Interrupted,
+        Ok(_) => How::Stop,
+        Err(_) => How::Error,
+    }
+}
+
+/// Writes page and summary, if there is a row to tell of.
+fn told(finished: Finished<'_>, folder: &Folder) -> Result<Option<Summary>, Error> {
+    // Empty where a unit refused to begin.
+    if std::fs::metadata(folder.file("results.csv")).map_or(0, |file| file.len()) == 0 {
+        return Ok(None);
+    }
+    let Some((summary, page)) = finished.tell()? else { return Ok(None) };
+    folder.write("summary.json", &summary.to_json())?;
+    folder.write("report.html", &page)?;
+    Ok(Some(summary))
+}
+
+/// The verdict, then where it comes from.
+fn tell_all(summary: &Summary, bar: &Bar, out: &Path) {
+    let verdict = &summary.verdict;
+    tell!("{}", verdict.words);
+    if !verdict.figures.is_empty() {
+        let figures: Vec<String> = verdict.figures.iter().map(Figure::line).collect();
+        tell!("  {}", figures.join(", "));
+    }
+    for note in &verdict.notes {
+        tell!("  note: {note}");
+    }
+    tell!("{}", summary.title);
+    for (label, text) in summary.provenance.rows() {
+        tell!("  {label}: {text}");
+    }
+    tell!("  again: {}", summary.provenance.command);
+    let speed = bar.real_time_factor.map_or_else(String::new, |factor| format!(" ({factor:.0} x real time)"));
+    tell!("the report is {}{speed}", out.join("report.html").display());
 }

@@ -1,19 +1,25 @@
 //! The scenario's `[report]` table: which signals the page shows, and where pictures come from.
 
+use super::defaults;
+use super::verdict::VerdictEntry;
 use crate::error::Error;
-use orchestrator::Scenario;
+use orchestrator::{Scenario, Simulation};
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 /// What the page shows.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Layout {
-    /// Graphs over time, in order.
-    pub graphs: Vec<GraphEntry>,
+    /// Graphs over time, in order; without the key, the outputs of all units.
+    graphs: Option<Vec<GraphEntry>>,
     /// A picture that a unit wrote.
     pub picture: Option<PictureEntry>,
+    /// What is wished and counted.
+    pub verdict: VerdictEntry,
+    /// Graphs that were left out for want of room.
+    #[serde(skip)]
+    pub more_graphs: usize,
 }
 
 /// One graph over time.
@@ -74,7 +80,7 @@ pub struct PictureEntry {
 }
 
 impl Layout {
-    /// Reads the table of a scenario; a scenario without one gets a page without graphs.
+    /// Reads the table of a scenario.
     pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let table = scenario.report.clone();
         table.try_into().map_err(|error: toml::de::Error| Error::Layout {
@@ -83,65 +89,38 @@ impl Layout {
         })
     }
 
-    /// Refuses a page that needs a variable which is not recorded, before the run rather than after it.
-    pub fn check<'a>(
-        &self,
-        scenario: &Scenario,
-        recorded: impl Iterator<Item = &'a str>,
-    ) -> Result<(), Error> {
-        let recorded: BTreeSet<&str> = recorded.collect();
-        match self.signals().into_iter().find(|name| !recorded.contains(name.as_str())) {
-            None => Ok(()),
-            Some(missing) => Err(Error::Layout {
-                scenario: scenario.origin.display().to_string(),
-                why: format!("`{missing}` is shown but not recorded: no such variable, or not in [record]"),
-            }),
+    /// Chooses graphs where the scenario names none, and refuses a page that needs a variable which is not recorded,
+    /// before the run rather than after it.
+    pub fn complete(&mut self, simulation: &Simulation) -> Result<(), Error> {
+        let recorded: BTreeSet<&str> =
+            simulation.columns().iter().map(|column| column.name.as_str()).collect();
+        if let Some(missing) = self.signals().into_iter().find(|name| !recorded.contains(name.as_str())) {
+            let why = format!("`{missing}` is shown but not recorded: no such variable, or not in [record]");
+            return Err(Error::Layout { scenario: simulation.scenario().origin.display().to_string(), why });
         }
+        if self.graphs.is_none() {
+            let (graphs, more) = defaults::graphs(simulation);
+            self.graphs = Some(graphs);
+            self.more_graphs = more;
+        }
+        Ok(())
+    }
+
+    /// The graphs.
+    pub fn graphs(&self) -> impl Iterator<Item = &GraphEntry> {
+        self.graphs.iter().flatten()
     }
 
     /// Every variable that the page needs.
     fn signals(&self) -> Vec<String> {
-        let lines = self.graphs.iter().flat_map(|graph| &graph.lines);
+        let lines = self.graphs().flat_map(|graph| &graph.lines);
         let mut names: Vec<String> =
             lines.flat_map(|line| [Some(line.signal.clone()), line.minus.clone()]).flatten().collect();
         if let Some(picture) = &self.picture {
             let marks = picture.marks.iter().flat_map(|(u, v)| [u, v]);
             names.extend(marks.chain([&picture.index]).map(|name| format!("{}.{name}", picture.unit)));
         }
+        names.extend(self.verdict.signals().cloned());
         names
     }
-}
-
-impl PictureEntry {
-    /// The folder for this run's pictures, emptied of those of the last run.
-    pub fn fresh_folder(&self, out: &Path) -> Result<PathBuf, Error> {
-        let folder = out.join("frames");
-        std::fs::create_dir_all(&folder).map_err(Error::file(&folder))?;
-        for (path, _) in pictures(&folder)? {
-            std::fs::remove_file(&path).map_err(Error::file(&path))?;
-        }
-        std::path::absolute(&folder).map_err(Error::file(&folder))
-    }
-
-    /// `unit.variable` of the parameter that takes the folder.
-    pub fn directory_parameter(&self) -> String {
-        format!("{}.{}", self.unit, self.directory)
-    }
-}
-
-/// The numbered pictures of a folder, in order.
-pub fn pictures(folder: &Path) -> Result<Vec<(PathBuf, u64)>, Error> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(Error::file(folder))? {
-        let path = entry.map_err(Error::file(folder))?.path();
-        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let number = stem.strip_prefix("frame_").and_then(|digits| digits.parse().ok());
-        if let (Some(number), Some("png")) =
-            (number, path.extension().and_then(|extension| extension.to_str()))
-        {
-            found.push((path, number));
-        }
-    }
-    found.sort_by_key(|(_, number)| *number);
-    Ok(found)
 }

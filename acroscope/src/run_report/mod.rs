@@ -1,61 +1,182 @@
-//! `report.html` of a run: the graphs and the picture that the scenario's `[report]` table asks for.
+//! What is told of a run, from what lies in the folder of results: the verdict, where the run comes from, and the graphs
+//! and the picture that the scenario's `[report]` table asks for. `report.html` shows it, `summary.json` holds it.
 
+mod defaults;
 mod layout;
+mod picture;
 mod series;
+mod summary;
+mod verdict;
 
 pub use layout::Layout;
+pub use picture::fresh_folder as fresh_frames;
+pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;
-use layout::{GraphEntry, LineStyle, PictureEntry, pictures};
-use orchestrator::Scenario;
-use report::{Axis, Graph, Line, Page, Picture, Style};
+use layout::{GraphEntry, LineStyle};
+use orchestrator::Simulation;
+use picture::pictures;
+use report::head::short;
+use report::{Axis, Figure, Graph, Line, Page, Provenance, Standing, Style, Verdict};
 use series::{Series, Wanted};
 use std::path::Path;
 
-/// The page as HTML, from what lies in the folder of results.
-pub fn page(scenario: &Scenario, layout: &Layout, out: &Path) -> Result<String, Error> {
-    let title = if scenario.description.is_empty() { "A run" } else { &scenario.description };
-    let mut page = Page::new(title);
-    page.text(&format!(
-        "Scenario {}. Every signal is in results.csv, every value that was used in resolved.toml, both beside this page.",
-        scenario.origin.display()
-    ));
-    let shots = match &layout.picture {
-        Some(_) => pictures(&out.join("frames"))?,
-        None => Vec::new(),
-    };
-    let wanted = wanted(layout, shots.iter().map(|(_, number)| *number).collect());
-    let series = series::read(&out.join("results.csv"), &wanted)?;
-    let graphs = layout.graphs.iter().map(|entry| Ok((graph(entry, &series).to_svg()?, String::new())));
-    page.figures(&graphs.collect::<Result<Vec<_>, Error>>()?);
-    if let Some(entry) = &layout.picture {
-        // The middle of the pictures that were delivered with their marks: the arm is at its farthest there.
-        let delivered: Vec<_> =
-            shots.iter().filter(|(_, number)| series.at_index.contains_key(number)).collect();
-        if let Some((path, number)) = delivered.get(delivered.len() / 2) {
-            let svg = picture(entry, path, &series.at_index[number])?.to_svg();
-            page.figure(&svg, &format!("{}: frame {number}", entry.caption));
+/// A run that came to an end, of whatever kind.
+pub struct Finished<'a> {
+    /// What was run.
+    pub simulation: &'a Simulation,
+    /// What the page shows.
+    pub layout: &'a Layout,
+    /// Folder with `results.csv` and, where the layout has a picture, `frames`.
+    pub folder: &'a Path,
+    /// How it ended.
+    pub how: How,
+    /// The error that ended it.
+    pub error: Option<String>,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+impl Finished<'_> {
+    /// The summary, and the page as HTML. `None` if the run ended before its first row.
+    pub fn tell(self) -> Result<Option<(Summary, String)>, Error> {
+        let shots = match &self.layout.picture {
+            Some(_) => pictures(&self.folder.join("frames"))?,
+            None => Vec::new(),
+        };
+        let wanted = self.wanted(shots.iter().map(|(_, number)| *number).collect());
+        let series = series::read(&self.folder.join("results.csv"), &wanted)?;
+        if series.rows == 0 {
+            return Ok(None);
+        }
+        let summary = self.summary(&series);
+        let mut page = Page::new(&summary.title);
+        page.verdict(&summary.verdict).provenance(&summary.provenance);
+        page.text(
+            "Every signal is in `results.csv`, every value that was used in `resolved.toml`, this head for programs in \
+             `summary.json`, all beside this page.",
+        );
+        self.graphs(&series, &mut page)?;
+        if let Some(entry) = &self.layout.picture {
+            entry.show(&shots, &series.at_index, &mut page)?;
+        }
+        Ok(Some((summary, page.to_html())))
+    }
+
+    fn wanted(&self, numbers: Vec<u64>) -> Wanted<'_> {
+        let lines = self.layout.graphs().flat_map(|graph| &graph.lines);
+        let mut lines: Vec<_> = lines.map(|line| (line.signal.clone(), line.minus.clone())).collect();
+        lines.sort();
+        lines.dedup();
+        let watch = self.layout.picture.as_ref().map(|entry| {
+            let named = |name: &String| format!("{}.{name}", entry.unit);
+            let marks = entry.marks.iter().flat_map(|(u, v)| [named(u), named(v)]).collect();
+            (named(&entry.index), numbers, marks)
+        });
+        Wanted { lines, watch, verdict: &self.layout.verdict }
+    }
+
+    fn summary(&self, series: &Series) -> Summary {
+        Summary {
+            format: 1,
+            title: self.simulation.scenario().description.clone(),
+            ended: Ended { how: self.how, time: series.last, error: self.error.clone() },
+            rows: series.rows,
+            failed_at: series.failed,
+            verdict: self.verdict(series),
+            provenance: self.provenance.clone(),
         }
     }
-    Ok(page.to_html())
+
+    fn verdict(&self, series: &Series) -> Verdict {
+        let entry = &self.layout.verdict;
+        let last = short(series.last);
+        let words = match (series.failed, self.how) {
+            (Some(failed), How::Stop) => format!("{} at t = {} s", entry.failed, short(failed)),
+            (Some(failed), How::Interrupted) => {
+                format!("{} at t = {} s, interrupted at t = {last} s", entry.failed, short(failed))
+            }
+            (Some(failed), How::Error) => {
+                format!("{} at t = {} s, ended by an error after t = {last} s", entry.failed, short(failed))
+            }
+            (None, How::Stop) => format!("{} to t = {last} s", entry.held),
+            (None, How::Interrupted) => format!("{} until it was interrupted at t = {last} s", entry.held),
+            (None, How::Error) => format!("ended by an error after t = {last} s"),
+        };
+        let standing = match (series.failed, self.how) {
+            (Some(_), _) | (_, How::Error) => Standing::Bad,
+            (None, How::Stop) if entry.fails_when.is_some() && series.not_finite.is_empty() => Standing::Good,
+            _ => Standing::Plain,
+        };
+        let figures = entry.figures.iter().zip(&series.figures);
+        let figures = figures.map(|(figure, value)| Figure {
+            label: figure.label.clone(),
+            value: *value,
+            unit: self.unit(figure),
+        });
+        Verdict { standing, words, figures: figures.collect(), notes: self.notes(series) }
+    }
+
+    /// Physical unit of a figure, as its signal's description has it.
+    fn unit(&self, figure: &verdict::FigureEntry) -> String {
+        let column = self.simulation.columns().iter().find(|column| column.name == figure.signal);
+        let unit = column.and_then(|column| column.unit.clone());
+        unit.filter(|unit| unit != "1" && figure.reduce != verdict::Reduce::Lost).unwrap_or_default()
+    }
+
+    fn notes(&self, series: &Series) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(error) = &self.error {
+            notes.push(format!("The error: {error}"));
+        }
+        if series.failed.is_some() {
+            notes.push(
+                "The numbers are those up to then; graphs are scaled up to then and end a little later."
+                    .to_owned(),
+            );
+        }
+        if let Some((name, time, text)) = series.not_finite.first() {
+            let others = match series.not_finite.len() - 1 {
+                0 => String::new(),
+                more => format!("; {more} more signals are not finite at some time"),
+            };
+            notes.push(format!("{name} is {text} at t = {} s{others}", short(*time)));
+        }
+        notes.extend(self.simulation.notices());
+        notes
+    }
+
+    fn graphs(&self, series: &Series, page: &mut Page) -> Result<(), Error> {
+        let event = series.failed.map(|time| {
+            let words = &self.layout.verdict.failed;
+            (time, format!("{words} at {} s; scaled up to then", short(time)))
+        });
+        let mut drawn = Vec::new();
+        let mut empty = Vec::new();
+        for entry in self.layout.graphs() {
+            let graph = graph(entry, series, event.clone());
+            match graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| value.is_finite()) {
+                true => drawn.push((graph.to_svg()?, String::new())),
+                false => empty.push(entry.title.as_str()),
+            }
+        }
+        page.figures(&drawn);
+        if !empty.is_empty() {
+            page.text(&format!("Without a finite value, and so without a graph: {}.", empty.join(", ")));
+        }
+        if self.layout.more_graphs > 0 {
+            page.text(&format!(
+                "{} more graphs of outputs are left out; `[report]` in the scenario chooses which are shown.",
+                self.layout.more_graphs
+            ));
+        }
+        Ok(())
+    }
 }
 
-fn wanted(layout: &Layout, numbers: Vec<u64>) -> Wanted {
-    let lines = layout.graphs.iter().flat_map(|graph| &graph.lines);
-    let mut lines: Vec<_> = lines.map(|line| (line.signal.clone(), line.minus.clone())).collect();
-    lines.sort();
-    lines.dedup();
-    let watch = layout.picture.as_ref().map(|entry| {
-        let named = |name: &String| format!("{}.{name}", entry.unit);
-        let marks = entry.marks.iter().flat_map(|(u, v)| [named(u), named(v)]).collect();
-        (named(&entry.index), numbers, marks)
-    });
-    Wanted { lines, watch }
-}
-
-fn graph(entry: &GraphEntry, series: &Series) -> Graph {
-    let axes = (Axis::fitted("time in s"), Axis::fitted(entry.y.clone()));
-    let mut graph = Graph::new(entry.title.clone(), axes.0, axes.1);
+/// One graph; after the event lines go on a little, but the scale is that of what came before.
+fn graph(entry: &GraphEntry, series: &Series, event: Option<(f64, String)>) -> Graph {
+    let mut graph = Graph::new(entry.title.clone(), Axis::fitted("time in s"), Axis::fitted(entry.y.clone()));
     for line in &entry.lines {
         let style = match line.style {
             LineStyle::Solid => Style::Solid,
@@ -66,20 +187,18 @@ fn graph(entry: &GraphEntry, series: &Series) -> Graph {
         let points = series.lines.get(&key).cloned().unwrap_or_default();
         graph.lines.push(Line { label: line.label.clone(), style, points });
     }
+    if let Some((time, _)) = &event {
+        let before = graph.lines.iter().flat_map(|line| &line.points).filter(|(at, _)| at <= time);
+        let range = before
+            .map(|(_, value)| *value)
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        if range.0 < range.1 {
+            // As wide a margin as a fitted axis has.
+            let margin = 0.06 * (range.1 - range.0);
+            graph.y.range = Some((range.0 - margin, range.1 + margin));
+        }
+    }
+    graph.event = event;
     graph
-}
-
-/// The picture with its marks; `places` holds u and v of each in turn, in pixels from the centre, v up.
-fn picture(entry: &PictureEntry, path: &Path, places: &[f64]) -> Result<Picture, Error> {
-    let png = std::fs::read(path).map_err(Error::file(path))?;
-    let decoder = png::Decoder::new(std::io::Cursor::new(png.as_slice()));
-    let reader =
-        decoder.read_info().map_err(|why| Error::File { path: path.to_owned(), why: why.to_string() })?;
-    let size = (reader.info().width, reader.info().height);
-    let centre = (f64::from(size.0) / 2.0, f64::from(size.1) / 2.0);
-    let names = entry.marks.iter().map(|(u, v)| format!("{u}, {v}"));
-    let marks = names
-        .zip(places.chunks_exact(2))
-        .map(|(name, place)| (name, centre.0 + place[0], centre.1 - place[1]));
-    Ok(Picture { png, size, marks: marks.collect() })
 }

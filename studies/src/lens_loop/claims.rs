@@ -1,10 +1,8 @@
 //! What the runs of Section 4.2.2 say about C45 to C53.
 
-use super::{FAR, Lens, Measured, PLACES, Stairs, UPRIGHT, size};
+use super::{FAR, Lens, Measured, Stairs, UPRIGHT, growth, opposite, size};
 use crate::closed_loop::{DAMPED, Poles, Trace};
-use crate::walk::Look;
 use crate::{Claim, Error};
-use mechanics::{Place, Theta};
 
 /// The stairs of one set of poles, by lens.
 struct Shown<'a> {
@@ -36,31 +34,47 @@ pub(super) fn claims(measured: &Measured) -> Result<Vec<Claim>, Error> {
     let stairs = measured.stairs.iter().find(|(poles, _)| *poles == DAMPED);
     let stairs = stairs.map(|(_, stairs)| stairs.as_slice()).unwrap_or_default();
     let shown = Shown { measured, stairs };
-    let mut claims: Vec<Claim> = measured.figures.iter().map(figure_claim).collect();
+    let mut claims: Vec<Claim> = measured.figures.iter().map(figure_claim).collect::<Result<_, _>>()?;
     claims.extend(sizes(&shown)?);
-    claims.extend(growth(&shown)?);
+    claims.extend(growth::claims(stairs)?);
     claims.extend(shapes(&shown)?);
+    claims.push(growth::against_the_estimates(shown.of("s1", true)?, &measured.looks)?);
     claims.push(larger(measured));
     claims.push(tangential(measured));
     Ok(claims)
 }
 
-fn figure_claim((lens, trace): &(Lens, Trace)) -> Claim {
+/// How far a steady error may be from first-order theory: a share of it for the terms of higher order, and what an
+/// undistorted loop is off by through the lattice of pixels.
+const SHARE: f64 = 0.1;
+const OFFSET: f64 = 0.004;
+/// The same in words.
+const SIGN_AND_SIZE: &str = "stable; sign and size of first-order theory with the equations of the lens: 10 % for terms of higher order (k1 = 0.1 \
+     has 7 %), 0.004 for the lattice of pixels, which moves the undistorted loop by 0.003";
+
+fn is_by_theory(measured: f64, theory: f64) -> bool {
+    (measured - theory).abs() <= SHARE * theory.abs() + OFFSET
+}
+
+fn figure_claim((lens, trace): &(Lens, Trace)) -> Result<Claim, Error> {
     let figure = lens.figure.unwrap_or_default().replace("Figure ", "F");
-    let far = trace.steady_error(15.0, 18.0);
-    let other = trace.steady_error(44.0, 47.0);
-    let ours = match lens.is_shown_both_ways() {
-        true => format!("{}; z_d − z = {far:.3} at z_d = 0.5, {other:.3} at −0.5", trace.fate()),
-        false => format!("{}; z_d − z = {far:.3} at z_d = 0.5", trace.fate()),
-    };
+    let holds = [(0.5, 15.0, 18.0), (-0.5, 44.0, 47.0)];
+    let mut by_theory = true;
+    let mut texts = Vec::new();
+    for (z, from, to) in holds.into_iter().take(if lens.is_shown_both_ways() { 2 } else { 1 }) {
+        let (measured, theory) = (trace.steady_error(from, to), lens.theory(z)?);
+        by_theory &= is_by_theory(measured, theory);
+        texts.push(format!("{measured:.3} at z_d = {z} (by theory {theory:.3})"));
+    }
     let quantity = format!("closed loop with {}: stable, with a steady error", lens.label());
-    Claim::new(
+    Ok(Claim::new(
         [&figure, &quantity, "tracks with a steady error"],
-        ours,
-        "stable; the error exceeds 0.01, three times the offset without distortion",
-        trace.is_stable() && far.abs() > 0.01,
+        format!("{}; z_d − z = {}", trace.fate(), texts.join(", ")),
+        SIGN_AND_SIZE,
+        trace.is_stable() && by_theory,
         "reference and axes of the paper's figure are not given; pole set `damped`",
     )
+    .part())
 }
 
 /// C45 to C47.
@@ -68,8 +82,13 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let far = |stairs: &[Stairs], parameter: &str, positive| {
         Ok::<_, Error>(find(stairs, parameter, positive)?.at(FAR))
     };
-    let listed = shown.stairs.iter().map(|stairs| format!("{}: {:.3}", stairs.lens.label(), stairs.at(FAR)));
+    let theory = shown.stairs.iter().map(|stairs| stairs.lens.theory(0.5)).collect::<Result<Vec<_>, _>>()?;
+    let listed = shown.stairs.iter().zip(&theory).map(|(stairs, theory)| {
+        format!("{}: {:.3} (by theory {theory:.3})", stairs.lens.label(), stairs.at(FAR))
+    });
     let listed: Vec<String> = listed.collect();
+    let by_theory =
+        shown.stairs.iter().zip(&theory).all(|(stairs, theory)| is_by_theory(stairs.at(FAR), *theory));
     let falling = shown.each(|stairs| {
         let falls: Vec<String> =
             stairs.iter().filter(|stairs| !stairs.is_stable()).map(|stairs| stairs.lens.label()).collect();
@@ -81,8 +100,8 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
         Claim::new(
             ["C45", "all the distortions of Figures 21-27, both signs", "stable, nonzero steady error"],
             format!("z_d − z at z_d = 0.5: {}", listed.join("; ")),
-            "stable; each error exceeds 0.01, three times the offset without distortion",
-            shown.stairs.iter().all(|stairs| stairs.is_stable() && stairs.at(FAR).abs() > 0.01),
+            SIGN_AND_SIZE,
+            shown.stairs.iter().all(Stairs::is_stable) && by_theory,
             format!("shown with `damped`; stairs on which a set falls: {falling}"),
         ),
         Claim::new(
@@ -114,66 +133,21 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     ])
 }
 
-/// C48, and C48 for each lens.
-fn growth(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
-    let grows = |stairs: &Stairs| [0, FAR].iter().all(|&end| stairs.at(end).abs() > stairs.at(UPRIGHT).abs());
-    let paper = "greater in every case";
-    let tolerance = "none: the order of two averages over 4 s; they repeat to 0.002 (p1) ... 0.005 (k1)";
-    let mut claims = vec![Claim::new(
-        ["C48", "steady error at large abs(z) against z = 0, every distortion", paper],
-        shown
-            .stairs
-            .iter()
-            .filter(|stairs| !grows(stairs))
-            .map(|stairs| {
-                let [low, middle, high] = [0, UPRIGHT, FAR].map(|place| stairs.at(place));
-                format!(
-                    "not for {}: {low:.3}, {middle:.3}, {high:.3} at z = -0.5, 0, 0.5",
-                    stairs.lens.label()
-                )
-            })
-            .collect::<Vec<_>>()
-            .join("; "),
-        tolerance,
-        shown.stairs.iter().all(grows),
-        "k1, p2, s1 and s2 do as the paper says, p1 doesn't: its estimation error falls towards the ends of the arm \
-         faster than the law's sensitivity grows (see the tuning study). An independent search found p1 = -0.015 \
-         failing in all of its 94 pole sets",
-    )];
-    for parameter in ["k1", "p1", "p2", "s1", "s2"] {
-        let own: Vec<&Stairs> = shown.stairs.iter().filter(|s| s.lens.parameter == parameter).collect();
-        let text = |stairs: &&Stairs| {
-            let [low, middle, high] = [0, UPRIGHT, FAR].map(|place| stairs.at(place));
-            format!("{}: {low:.3}, {middle:.3}, {high:.3} at z = -0.5, 0, 0.5", stairs.lens.label())
-        };
-        let note = if parameter == "p1" { "see C48: this is the one that doesn't" } else { "" };
-        claims.push(Claim::new(
-            [&format!("C48.{parameter}"), &format!("steady error grows with abs(z), {parameter}"), paper],
-            own.iter().map(text).collect::<Vec<_>>().join("; "),
-            tolerance,
-            own.iter().all(|stairs| grows(stairs)),
-            note,
-        ));
-    }
-    Ok(claims)
-}
-
-/// C49 to C52.
+/// C49, C50 and C52.
 fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let (p1, p1_reversed) = (shown.of("p1", true)?, shown.of("p1", false)?);
     let (p2, s1, s2) = (shown.of("p2", true)?, shown.of("s1", true)?, shown.of("s2", true)?);
     let k1_reversed = shown.of("k1", false)?;
     let sum = |a: &Stairs, b: &Stairs| -> f64 {
-        (0..PLACES.len()).map(|place| (a.at(place) + b.at(FAR - place)).abs()).fold(0.0, f64::max)
+        (opposite(FAR)..=FAR).map(|place| (a.at(place) + b.at(opposite(place))).abs()).fold(0.0, f64::max)
     };
     let (mirrored, swapped) = (sum(k1_reversed, k1_reversed), sum(p1, p1_reversed));
     let same_signs = |a: &Stairs, b: &Stairs| {
         (UPRIGHT..=FAR).all(|place| a.at(place) * b.at(place) > 0.0 || place == UPRIGHT)
     };
-    let [near, far] = estimation_at(&shown.measured.looks, [0.0, 0.5])?;
     let range = |stairs: &Stairs| {
-        let low = stairs.errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = stairs.errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = stairs.figured().iter().copied().fold(f64::INFINITY, f64::min);
+        let high = stairs.figured().iter().copied().fold(f64::NEG_INFINITY, f64::max);
         format!("{low:.3} to {high:.3}")
     };
     Ok(vec![
@@ -181,7 +155,7 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             ["C49", "sign of the steady error under p1 > 0, and s1 > 0", "always the same"],
             format!("z_d − z over z_d = −0.5 ... 0.5: {} (p1), {} (s1)", range(p1), range(s1)),
             "exact: negative at all nine places",
-            [p1, s1].iter().all(|stairs| stairs.errors.iter().all(|error| *error < 0.0)),
+            [p1, s1].iter().all(|stairs| stairs.figured().iter().all(|error| *error < 0.0)),
             "",
         ),
         Claim::new(
@@ -189,17 +163,6 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             format!("largest departure {mirrored:.4} (k1 = −0.1), {swapped:.4} (p1 = ±0.015)"),
             "0.005: the lattice of pixels is no mirror image of itself under the noise of differencing",
             mirrored <= 0.005 && swapped <= 0.005,
-            "",
-        ),
-        Claim::new(
-            ["C51", "s1: the error in z is largest at large z though the estimates are better there", "yes"],
-            format!(
-                "abs(z_d − z) {:.3} at 0, {:.3} at 0.5; estimation error of q1 for s1 = 0.1: {near:.3} and {far:.3} rad",
-                s1.at(UPRIGHT).abs(),
-                s1.at(FAR).abs()
-            ),
-            "none: an order of two numbers",
-            s1.at(FAR).abs() > s1.at(UPRIGHT).abs() && far.abs() < near.abs(),
             "",
         ),
         Claim::new(
@@ -218,19 +181,6 @@ fn shapes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     ])
 }
 
-/// Estimation error of q₁ at two places, averaged over ±0.05 rad of q₂ against the lattice of pixels.
-fn estimation_at(looks: &[Look], places: [f64; 2]) -> Result<[f64; 2], Error> {
-    let place = Place::new(&Theta::TABLE_2).map_err(|error| Error::Mechanics(error.to_string()))?;
-    Ok(places.map(|z| {
-        let q2 = place.q2(z);
-        let near: Vec<f64> = (looks.iter())
-            .filter(|look| look.valid && (look.pose[1] - q2).abs() <= 0.05)
-            .map(|look| look.error()[0])
-            .collect();
-        near.iter().sum::<f64>() / near.len() as f64
-    }))
-}
-
 /// Section 5 on tangential components.
 fn tangential(measured: &Measured) -> Claim {
     let texts: Vec<String> =
@@ -241,8 +191,9 @@ fn tangential(measured: &Measured) -> Claim {
         format!("smallest value that fells the loop on the way to z = 0.5: {}", texts.join(", ")),
         "each of p1, p2, s1, s2 fells it at a smaller value than k1",
         measured.limits.iter().all(|(name, value)| *name == "k1" || *value < radial),
-        "pole set `damped`, positive values, N_min = 15 and N_max = 400",
+        "pole set `damped`, positive values, `N_min` = 15 and `N_max` = 400",
     )
+    .part()
 }
 
 /// C53.

@@ -1,10 +1,13 @@
 //! Section 4.2.2, Figures 21 to 27: the closed loop behind a lens that distorts.
 
 mod claims;
+mod growth;
 
 use crate::closed_loop::{Case, DAMPED, Poles, SETS, Trace, run_all};
+use crate::lens::Lens as Equations;
 use crate::walk::{Look, Walk};
-use crate::{Bench, Error, Outcome, Study, four_graphs};
+use crate::{Bench, Error, Outcome, Study, four_graphs, lever};
+use mechanics::{Place, Theta};
 use rayon::prelude::*;
 use report::{Axis, Cell, Graph, Line, Table};
 
@@ -70,6 +73,11 @@ impl Lens {
         format!("{} = {}", self.parameter, self.value)
     }
 
+    /// z_desired − z at a place by the equations of the lens and first-order theory, pole set `damped`.
+    fn theory(&self, z_desired: f64) -> Result<f64, Error> {
+        lever::rest(Equations::with(self.parameter, self.value), &DAMPED, z_desired)
+    }
+
     fn variable(&self) -> String {
         format!("camera.{}", self.parameter)
     }
@@ -80,24 +88,33 @@ impl Lens {
     }
 }
 
-/// Places at which a steady error is measured.
-const PLACES: [f64; 9] = [-0.5, -0.375, -0.25, -0.125, 0.0, 0.125, 0.25, 0.375, 0.5];
+/// Places at which a steady error is measured. The outermost are near the arm's end, z = 0.66.
+const PLACES: [f64; 11] = [-0.6, -0.5, -0.375, -0.25, -0.125, 0.0, 0.125, 0.25, 0.375, 0.5, 0.6];
 /// Index of z = 0.
-const UPRIGHT: usize = 4;
+const UPRIGHT: usize = 5;
 /// Index of z = 0.5.
-const FAR: usize = 8;
+const FAR: usize = 9;
+/// Index of the place on the other arm.
+const fn opposite(place: usize) -> usize {
+    PLACES.len() - 1 - place
+}
 
-/// Steady errors z_desired − z of one lens with one set of poles, at [`PLACES`]; NaN where it fell.
+/// Steady errors z_desired − z of one lens with one set of poles, at [`PLACES`]; NaN where it fell or was not asked.
 struct Stairs {
     lens: Lens,
-    errors: [f64; 9],
+    errors: [f64; 11],
 }
 
 impl Stairs {
-    /// The largest magnitude; infinite where it fell.
+    /// The errors from z = −0.5 to 0.5, where the paper's figures end.
+    fn figured(&self) -> &[f64] {
+        &self.errors[opposite(FAR)..=FAR]
+    }
+
+    /// The largest magnitude there; infinite where it fell.
     fn largest(&self) -> f64 {
         let size = |error: &f64| if error.is_finite() { error.abs() } else { f64::INFINITY };
-        self.errors.iter().map(size).fold(0.0, f64::max)
+        self.figured().iter().map(size).fold(0.0, f64::max)
     }
 
     fn at(&self, place: usize) -> f64 {
@@ -105,29 +122,66 @@ impl Stairs {
     }
 
     fn is_stable(&self) -> bool {
-        self.errors.iter().all(|error| error.is_finite())
+        self.figured().iter().all(|error| error.is_finite())
     }
 }
 
-/// Holds at 0, ±1/8, ... ±1/2 for 9 s each, with ramps of 3 s between.
-fn stairs(case: Case, side: f64) -> Case {
+/// Steps of the stairs: to ±0.6 with `damped`, to ±0.5 with the other sets.
+fn steps(poles: Poles) -> usize {
+    if poles == DAMPED { UPRIGHT } else { FAR - UPRIGHT }
+}
+
+/// Holds at the places of one arm for 9 s each, with ramps of 3 s between.
+fn stairs(case: Case, side: f64, steps: usize) -> Case {
     let mut points = vec![(0.0, 0.0), (12.0, 0.0)];
-    for step in 1..=4 {
-        let (z, begin) = (0.125 * side * f64::from(step), 12.0 * f64::from(step));
-        points.extend([(begin + 3.0, z), (begin + 12.0, z)]);
+    let mut end: u16 = 12;
+    for z in PLACES.iter().skip(UPRIGHT + 1).take(steps) {
+        let begin = f64::from(end);
+        points.extend([(begin + 3.0, side * z), (begin + 12.0, side * z)]);
+        end += 12;
     }
-    case.along(points, 60)
+    case.along(points, end)
 }
 
 /// The error at the end of each hold: the mean of its last 4 s, in which the chatter averages out.
-fn read(up: &Trace, down: &Trace) -> [f64; 9] {
+fn read(up: &Trace, down: &Trace) -> [f64; 11] {
     let at = |trace: &Trace, step: usize| {
         let end = 12.0 * (step + 1) as f64;
-        trace.steady_error(end - 4.0, end)
+        if trace.times.last().is_some_and(|last| *last >= end - 1e-9) {
+            trace.steady_error(end - 4.0, end)
+        } else {
+            f64::NAN
+        }
     };
     std::array::from_fn(
         |place| if place >= UPRIGHT { at(up, place - UPRIGHT) } else { at(down, UPRIGHT - place) },
     )
+}
+
+/// Steady errors over z, each from a rest of its own on the manifold.
+struct Fine {
+    lens: Lens,
+    errors: Vec<(f64, f64)>,
+}
+
+/// The two whose curves have the shape of a W, with `damped`.
+fn fine(bench: &Bench) -> Result<Vec<Fine>, Error> {
+    const HALF: i32 = 12;
+    let place = Place::new(&Theta::TABLE_2).map_err(|why| Error::Mechanics(why.to_string()))?;
+    let shown = [lens("p1", 0.015, None), lens("s1", 0.0125, None)];
+    let places: Vec<f64> = (-HALF..=HALF).map(|step| 0.6 * f64::from(step) / f64::from(HALF)).collect();
+    let case = |lens: &Lens, z: f64| {
+        let start = crate::lens::on_manifold(place.q2(z));
+        Case::visual(DAMPED).with(&lens.variable(), lens.value).resting(start, z, 12)
+    };
+    let cases: Vec<Case> = shown.iter().flat_map(|lens| places.iter().map(|z| case(lens, *z))).collect();
+    let errors: Vec<f64> =
+        run_all(bench, &cases)?.iter().map(|trace| trace.steady_error(6.0, 12.0)).collect();
+    let of = |(lens, errors): (Lens, &[f64])| Fine {
+        lens,
+        errors: places.iter().copied().zip(errors.iter().copied()).collect(),
+    };
+    Ok(shown.into_iter().zip(errors.chunks_exact(places.len())).map(of).collect())
 }
 
 /// Everything that was measured.
@@ -138,8 +192,10 @@ struct Measured {
     figures: Vec<(Lens, Trace)>,
     /// Whether larger distortions fall: (set, lens, trace).
     large: Vec<(Poles, Lens, Trace)>,
-    /// Estimation error of s1 = 0.1 along the manifold.
+    /// What the camera makes of the manifold with s1 of Figure 26.
     looks: Vec<Look>,
+    /// The two curves over z that have the shape of a W.
+    fine: Vec<Fine>,
     /// The smallest value of each parameter with which `damped` falls on the way to z = 0.5.
     limits: Vec<(&'static str, f64)>,
 }
@@ -150,7 +206,8 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     outcome.notes.push(
         "Figures 21 to 27 show the pole set `damped`. The paper's reference is unknown: 0 → 0.5 → 0 → −0.5 → 0 at \
          0.05/s on average where it speaks of both signs, and its positive half for thin prism. No noise, defocus, \
-         delay or blur. Steady errors are read from stairs of nine places between z = −0.5 and 0.5, 9 s each."
+         delay or blur. Steady errors are read from stairs of places between z = −0.5 and 0.5, with `damped` between \
+         −0.6 and 0.6, 9 s each. By theory: what the equations of the lens and the loop's polynomial give, to first order."
             .to_owned(),
     );
     for (lens, trace) in &measured.figures {
@@ -163,9 +220,16 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
             outcome.figure(graph(stairs, positive)?, caption);
         }
     }
+    outcome.figure(
+        growth::figure(&measured.fine)?,
+        "The size of the steady error over the place, pole set damped: for p1 it has the shape of a W, at whose bottoms \
+         z = ±0.5 lies. At the ends of the arm it is larger than at z = 0, as Section 5 says.",
+    );
     outcome.claims = claims::claims(&measured)?;
     for (poles, stairs) in &measured.stairs {
-        outcome.tables.push((format!("Steady error z_desired − z, pole set {}", poles.name), table(stairs)));
+        outcome
+            .tables
+            .push((format!("Steady error z_desired − z, pole set {}", poles.name), table(*poles, stairs)));
     }
     Ok(outcome)
 }
@@ -193,7 +257,7 @@ fn measure(bench: &Bench) -> Result<Measured, Error> {
     cases.extend(large.iter().map(strong));
     for poles in SETS {
         for lens in &LENSES {
-            cases.extend([1.0, -1.0].map(|side| stairs(behind(poles, lens), side)));
+            cases.extend([1.0, -1.0].map(|side| stairs(behind(poles, lens), side, steps(poles))));
         }
     }
     let mut traces = run_all(bench, &cases)?.into_iter();
@@ -204,7 +268,8 @@ fn measure(bench: &Bench) -> Result<Measured, Error> {
         stairs: Vec::new(),
         figures,
         large,
-        looks: Walk::new(bench, &[("s1", 0.1)])?.looks,
+        looks: Walk::new(bench, &[("s1", 0.0125)])?.looks,
+        fine: fine(bench)?,
         limits: limits(bench)?,
     };
     for poles in SETS {
@@ -254,10 +319,15 @@ fn size(error: f64) -> String {
     if error.is_finite() { format!("{error:.3}") } else { "falls".to_owned() }
 }
 
-fn table(stairs: &[Stairs]) -> Table {
+fn table(poles: Poles, stairs: &[Stairs]) -> Table {
     let head = std::iter::once("lens".to_owned()).chain(PLACES.map(|z| format!("z = {z}"))).collect();
     let rows = stairs.iter().map(|stairs| {
-        let cells = stairs.errors.iter().map(|error| Cell::Number(size(*error)));
+        let asked = |place: usize| steps(poles) == UPRIGHT || (opposite(FAR)..=FAR).contains(&place);
+        let cell = |(place, error): (usize, &f64)| match asked(place) {
+            true => Cell::Number(size(*error)),
+            false => Cell::Number("-".to_owned()),
+        };
+        let cells = stairs.errors.iter().enumerate().map(cell);
         std::iter::once(Cell::Text(stairs.lens.label())).chain(cells).collect()
     });
     Table { head, rows: rows.collect() }

@@ -1,0 +1,97 @@
+//! A folder for results: nothing of an earlier call stands beside what a new one writes, and a call that writes nothing
+//! leaves nothing.
+
+use crate::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Folders that this process made, in the order in which they were made.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A folder that is there. Dropped, it takes away again what was made of it and is still empty.
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Makes it, and those above it, where they are missing.
+    pub fn make(path: &Path) -> Result<Self, Error> {
+        let missing: Vec<PathBuf> =
+            path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
+        // Noted first: what is made of them vanishes also if the last one can't be made.
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        made.extend(missing.into_iter().rev().filter(|part| !part.as_os_str().is_empty()));
+        drop(made);
+        let folder = Self { path: path.to_owned() };
+        std::fs::create_dir_all(path).map_err(Error::file(path))?;
+        Ok(folder)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The path of a file in it.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Removes files of an earlier call.
+    pub fn clear(&self, names: &[&str]) -> Result<(), Error> {
+        for name in names {
+            let path = self.file(name);
+            match std::fs::remove_file(&path) {
+                Err(why) if why.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(Error::file(&path)(why));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), Error> {
+        let path = self.file(name);
+        std::fs::write(&path, text).map_err(Error::file(&path))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        remove_empty();
+    }
+}
+
+/// Removes the folders that this process made and that hold nothing.
+pub fn remove_empty() {
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    for folder in made.drain(..).rev() {
+        // Refused where it holds something, which is the point.
+        let _ = std::fs::remove_dir(folder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Folder;
+
+    #[test]
+    fn law_an_empty_folder_vanishes_with_those_above_it_and_a_full_one_stays() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let at = |path: &str| root.path().join(path);
+        drop(Folder::make(&at("a/b/c")).expect("made"));
+        assert!(!at("a").exists() && root.path().exists(), "only what was made is taken away");
+        let folder = Folder::make(&at("d/e")).expect("made");
+        folder.write("file", "text").expect("written");
+        drop(folder);
+        assert!(at("d/e/file").exists());
+        let folder = Folder::make(&at("d/e")).expect("it is there");
+        folder.clear(&["file", "never was"]).expect("cleared");
+        drop(folder);
+        assert!(at("d/e").exists(), "it was there before");
+        std::fs::write(at("in the way"), "").expect("written");
+        assert!(Folder::make(&at("in the way/below")).is_err());
+    }
+}

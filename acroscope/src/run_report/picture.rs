@@ -1,0 +1,75 @@
+//! The picture on the page: of those that a unit wrote, with the places that it found in them.
+
+use super::layout::PictureEntry;
+use crate::error::Error;
+use crate::folder::Folder;
+use report::{Page, Picture};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+impl PictureEntry {
+    /// `unit.variable` of the parameter that takes the folder.
+    pub fn directory_parameter(&self) -> String {
+        format!("{}.{}", self.unit, self.directory)
+    }
+
+    /// Puts onto the page the middle one of the pictures whose marks came, `places` by number: the arm is at its farthest
+    /// there.
+    pub fn show(
+        &self,
+        shots: &[(PathBuf, u64)],
+        places: &BTreeMap<u64, Vec<f64>>,
+        page: &mut Page,
+    ) -> Result<(), Error> {
+        let delivered: Vec<_> = shots.iter().filter(|(_, number)| places.contains_key(number)).collect();
+        if let Some((path, number)) = delivered.get(delivered.len() / 2) {
+            let svg = self.marked(path, &places[number])?.to_svg();
+            page.figure(&svg, &format!("{}: frame {number}", self.caption));
+        }
+        Ok(())
+    }
+
+    /// The picture with its marks; `places` holds u and v of each in turn, in pixels from the centre, v up.
+    fn marked(&self, path: &Path, places: &[f64]) -> Result<Picture, Error> {
+        let png = std::fs::read(path).map_err(Error::file(path))?;
+        let decoder = png::Decoder::new(std::io::Cursor::new(png.as_slice()));
+        let reader =
+            decoder.read_info().map_err(|why| Error::File { path: path.to_owned(), why: why.to_string() })?;
+        let size = (reader.info().width, reader.info().height);
+        let centre = (f64::from(size.0) / 2.0, f64::from(size.1) / 2.0);
+        let names = self.marks.iter().map(|(u, v)| format!("{u}, {v}"));
+        let marks = names
+            .zip(places.chunks_exact(2))
+            .map(|(name, place)| (name, centre.0 + place[0], centre.1 - place[1]));
+        Ok(Picture { png, size, marks: marks.collect() })
+    }
+}
+
+/// The folder for a run's pictures, emptied of those of the last run.
+pub fn fresh_folder(out: &Path) -> Result<Folder, Error> {
+    let folder = Folder::make(&out.join("frames"))?;
+    for (path, _) in pictures(folder.path())? {
+        std::fs::remove_file(&path).map_err(Error::file(&path))?;
+    }
+    Ok(folder)
+}
+
+/// The numbered pictures of a folder, in order; none if there is no folder.
+pub fn pictures(folder: &Path) -> Result<Vec<(PathBuf, u64)>, Error> {
+    let mut found = Vec::new();
+    if !folder.is_dir() {
+        return Ok(found);
+    }
+    for entry in std::fs::read_dir(folder).map_err(Error::file(folder))? {
+        let path = entry.map_err(Error::file(folder))?.path();
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let number = stem.strip_prefix("frame_").and_then(|digits| digits.parse().ok());
+        if let (Some(number), Some("png")) =
+            (number, path.extension().and_then(|extension| extension.to_str()))
+        {
+            found.push((path, number));
+        }
+    }
+    found.sort_by_key(|(_, number)| *number);
+    Ok(found)
+}

@@ -1,0 +1,178 @@
+//! The verdict on a run: the scenario's `[report.verdict]` says what is wished and what is counted; without it a verdict
+//! is that the run came to its end.
+//!
+//! ```toml
+//! [report.verdict]
+//! fails_when = "plant.contact"     # Boolean; once it is true, the run has failed
+//! failed = "lost balance"          # words for that
+//! held = "balanced"                # and for a run that did not fail
+//! figures = [                      # numbers, up to the failure
+//!     { label = "rms tracking error", signal = "controller.z_desired", minus = "plant.z", reduce = "rms" },
+//!     { label = "lost frames", signal = "camera.frame_index", valid = "camera.valid", reduce = "lost" },
+//! ]
+//! ```
+//!
+//! `reduce` is `last`, `min`, `max`, `mean`, `rms`, `peak` (the largest absolute value), each over the rows, or `lost`: of
+//! a counter, the numbers that were passed over, and those that came while `valid` was false.
+
+use serde::Deserialize;
+
+/// `[report.verdict]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct VerdictEntry {
+    /// `unit.variable` of a Boolean.
+    pub fails_when: Option<String>,
+    /// Words for a run that failed.
+    pub failed: String,
+    /// Words for one that did not.
+    pub held: String,
+    /// Numbers.
+    pub figures: Vec<FigureEntry>,
+}
+
+impl Default for VerdictEntry {
+    fn default() -> Self {
+        Self { fails_when: None, failed: "failed".into(), held: "ran".into(), figures: Vec::new() }
+    }
+}
+
+/// A number of the verdict.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FigureEntry {
+    /// What it is called.
+    pub label: String,
+    /// `unit.variable`
+    pub signal: String,
+    /// Taken off the signal.
+    pub minus: Option<String>,
+    /// Only for `lost`: false in rows whose count is lost, too.
+    pub valid: Option<String>,
+    /// What becomes of the rows.
+    pub reduce: Reduce,
+}
+
+/// What becomes of the rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reduce {
+    /// The last value.
+    Last,
+    /// The least.
+    Min,
+    /// The greatest.
+    Max,
+    /// The mean.
+    Mean,
+    /// The root of the mean square.
+    Rms,
+    /// The greatest absolute value.
+    Peak,
+    /// Counts that were passed over or not valid.
+    Lost,
+}
+
+impl VerdictEntry {
+    /// Every variable that it needs.
+    pub fn signals(&self) -> impl Iterator<Item = &String> {
+        let figures = self.figures.iter();
+        let named =
+            figures.flat_map(|figure| [Some(&figure.signal), figure.minus.as_ref(), figure.valid.as_ref()]);
+        named.flatten().chain(&self.fails_when)
+    }
+}
+
+/// Takes the values of a figure, row by row.
+#[derive(Debug, Clone)]
+pub struct Tally {
+    reduce: Reduce,
+    rows: f64,
+    /// The sum, of squares for `rms`.
+    sum: f64,
+    value: f64,
+    lost: f64,
+}
+
+impl Tally {
+    /// Nothing yet.
+    pub fn new(reduce: Reduce) -> Self {
+        Self { reduce, rows: 0.0, sum: 0.0, value: f64::NAN, lost: 0.0 }
+    }
+
+    /// The next row. What is no number counts as none.
+    pub fn push(&mut self, value: f64, valid: bool) {
+        if value.is_nan() {
+            return;
+        }
+        self.rows += 1.0;
+        match self.reduce {
+            Reduce::Last => self.value = value,
+            Reduce::Min => self.value = self.value.min(value),
+            Reduce::Max => self.value = self.value.max(value),
+            Reduce::Peak => self.value = self.value.max(value.abs()),
+            Reduce::Mean => self.sum += value,
+            Reduce::Rms => self.sum += value * value,
+            Reduce::Lost => {
+                // A counter below zero hasn't begun.
+                if value >= 0.0 {
+                    let before =
+                        if self.value.is_nan() || self.value < 0.0 { value - 1.0 } else { self.value };
+                    if value > before {
+                        self.lost += value - before - 1.0 + f64::from(u8::from(!valid));
+                    }
+                }
+                self.value = value;
+            }
+        }
+    }
+
+    /// The number; `None` if there was no row.
+    pub fn finish(&self) -> Option<f64> {
+        let value = match self.reduce {
+            Reduce::Mean => self.sum / self.rows,
+            Reduce::Rms => (self.sum / self.rows).sqrt(),
+            Reduce::Lost => self.lost,
+            _ => self.value,
+        };
+        (self.rows > 0.0).then_some(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reduce, Tally};
+
+    fn of(reduce: Reduce, rows: &[(f64, bool)]) -> Option<f64> {
+        let mut tally = Tally::new(reduce);
+        rows.iter().for_each(|(value, valid)| tally.push(*value, *valid));
+        tally.finish()
+    }
+
+    #[test]
+    fn value_reductions() {
+        let rows = [3.0, -4.0, f64::NAN, 1.0].map(|value| (value, true));
+        // (9 + 16 + 1)/3 = 8.6667; NaN is no row.
+        let expected = [
+            (Reduce::Last, 1.0),
+            (Reduce::Min, -4.0),
+            (Reduce::Max, 3.0),
+            (Reduce::Mean, 0.0),
+            (Reduce::Rms, (26.0_f64 / 3.0).sqrt()),
+            (Reduce::Peak, 4.0),
+        ];
+        for (reduce, value) in expected {
+            assert_eq!(of(reduce, &rows), Some(value), "{reduce:?}");
+            assert_eq!(of(reduce, &[]), None);
+        }
+    }
+
+    #[test]
+    fn value_lost_counts_gaps_and_invalid_ones_once() {
+        let rows =
+            [(-1.0, false), (-1.0, false), (0.0, true), (0.0, true), (1.0, false), (1.0, false), (4.0, true)];
+        // 1 came invalid, 2 and 3 were passed over; before the first there is nothing to lose.
+        assert_eq!(of(Reduce::Lost, &rows), Some(3.0));
+        assert_eq!(of(Reduce::Lost, &[(7.0, true), (8.0, true)]), Some(0.0), "a run may begin at any count");
+    }
+}

@@ -1,0 +1,95 @@
+//! Signals that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP.
+//!
+//! A run ends at its next communication point, with its rows and its report. Whatever does not come to an end by itself,
+//! since it is no run, or its unit hangs, or the person asks a second time, ends at once; units that were unpacked and
+//! folders that are empty are taken away first. The exit status is 128 + the signal's number, as a shell has it.
+
+use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
+
+/// The signal that came; 0: none.
+static CAUGHT: AtomicI32 = AtomicI32::new(0);
+/// How many parts of the program look at [`caught`] by themselves.
+static LOOKING: AtomicUsize = AtomicUsize::new(0);
+
+/// The signal that asks for the end.
+pub fn caught() -> Option<i32> {
+    match CAUGHT.load(Ordering::Relaxed) {
+        0 => None,
+        signal => Some(signal),
+    }
+}
+
+/// Says, while it lives, that its owner looks at [`caught`] and ends by itself.
+pub struct Looking;
+
+impl Looking {
+    /// From now on.
+    pub fn now() -> Self {
+        LOOKING.fetch_add(1, Ordering::Relaxed);
+        Self
+    }
+}
+
+impl Drop for Looking {
+    fn drop(&mut self) {
+        LOOKING.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// The exit status after a signal.
+pub fn exit_status(signal: i32) -> u8 {
+    u8::try_from(128 + signal).unwrap_or(1)
+}
+
+/// The signal's name.
+#[cfg(unix)]
+pub fn name(signal: i32) -> &'static str {
+    signal_hook::low_level::signal_name(signal).unwrap_or("a signal")
+}
+
+/// The signal's name.
+#[cfg(not(unix))]
+pub fn name(_: i32) -> &'static str {
+    "a signal"
+}
+
+/// Begins to listen, once a process. Where that can't be done, signals do what they always do.
+#[cfg(unix)]
+pub fn listen() {
+    static LISTENING: std::sync::Once = std::sync::Once::new();
+    LISTENING.call_once(begin);
+}
+
+#[cfg(unix)]
+fn begin() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            let first = CAUGHT.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok();
+            if first && LOOKING.load(Ordering::Relaxed) > 0 {
+                // What ends by itself has this long; a unit that hangs would keep it for ever.
+                std::thread::spawn(move || {
+                    std::thread::sleep(std::time::Duration::from_secs(10));
+                    end_at_once(signal);
+                });
+                continue;
+            }
+            end_at_once(signal);
+        }
+    });
+}
+
+/// Nothing to listen to.
+#[cfg(not(unix))]
+pub fn listen() {}
+
+#[cfg(unix)]
+fn end_at_once(signal: i32) {
+    for word in orchestrator::give_up() {
+        eprintln!("error: {word}");
+    }
+    orchestrator::fmu::discard_unpacked();
+    crate::folder::remove_empty();
+    signal_hook::low_level::exit(i32::from(exit_status(signal)));
+}

@@ -1,0 +1,136 @@
+//! Units that take the program down, or try to: in this process a word and the rows stay, in one of their own the run comes
+//! to a clear end.
+
+#[path = "../../orchestrator/tests/common/mod.rs"]
+mod common;
+
+use common::Units;
+use std::path::Path;
+use std::process::Command;
+
+/// One unit that steps by 1/8 s to 1 s, with a fault in the step to 0.5 s.
+fn scenario_of(fault: i32) -> String {
+    format!(
+        "format = 1\nexperiment = {{ stop = 1 }}\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n\
+         set = {{ fault = {fault}, fault_time = 0.5, mode = 2 }}\n"
+    )
+}
+
+/// Exit status, standard error and the last time in `results.csv`.
+fn run(units: &Units, out: &Path, fault: i32, more: &[&str]) -> (Option<i32>, String, f64) {
+    let text = scenario_of(fault);
+    let scenario = units.path().join("scenario.toml");
+    std::fs::write(&scenario, text).expect("writable");
+    let out = out.join(fault.to_string());
+    let done = Command::new(env!("CARGO_BIN_EXE_acroscope"))
+        .arg("run")
+        .args([scenario.as_os_str(), "--out".as_ref(), out.as_os_str()])
+        .args(more)
+        .output()
+        .expect("starts");
+    let rows = std::fs::read_to_string(out.join("results.csv")).expect("results");
+    assert!(rows.ends_with('\n'), "whole rows");
+    let last = rows.lines().last().and_then(|row| row.split(',').next()?.parse().ok());
+    (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned(), last.expect("a row"))
+}
+
+#[test]
+fn every_end_that_a_unit_brings_about_is_told_and_rows_are_kept() {
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    for (fault, here, elsewhere) in [
+        (9, "it ended the program by calling exit in fmi2DoStep", "its process ended by exit with status 0"),
+        (10, "it crashed with a segmentation fault (SIGSEGV) in fmi2DoStep", "SIGSEGV"),
+        (11, "it gave up (SIGABRT) in fmi2DoStep", "SIGABRT"),
+        (
+            12,
+            "it ended the program by calling _exit in fmi2DoStep",
+            "its process ended by exit with status 0",
+        ),
+        (
+            21,
+            "it crashed with a segmentation fault (SIGSEGV) in fmi2DoStep",
+            "its process was ended by signal",
+        ),
+    ] {
+        let (status, text, last) = run(&units, out.path(), fault, &[]);
+        assert_eq!((status, last), (Some(1), 0.375), "{text}");
+        let word = format!(
+            "error: unit a: {here} after t = 0.375 s; the rows up to there are kept; in a process of its own"
+        );
+        assert!(text.contains(&word), "{text}");
+
+        let (status, text, last) = run(&units, out.path(), fault, &["--isolate"]);
+        assert_eq!((status, last), (Some(1), 0.375), "{text}");
+        assert!(
+            text.contains("error: unit a: in fmi2DoStep at t = 0.375 s") && text.contains(elsewhere),
+            "{text}"
+        );
+        assert!(
+            text.contains("last calls: ") && text.contains("fmi2DoStep from 0.375 s by 0.125 s"),
+            "{text}"
+        );
+    }
+    let (status, text, _) = run(&units, out.path(), 14, &["--isolate", "--step-limit", "0.5"]);
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("did not come back within 0.5 s"), "{text}");
+    let (status, text, last) = run(&units, out.path(), 0, &["--isolate", "--memory-limit", "512"]);
+    assert_eq!((status, last), (Some(0), 1.0), "{text}");
+}
+
+#[test]
+fn law_a_unit_that_hangs_is_named_when_somebody_ends_it() {
+    let units = Units::new();
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let scenario = units.path().join("scenario.toml");
+    std::fs::write(&scenario, scenario_of(14)).expect("writable");
+    let child = Command::new(env!("CARGO_BIN_EXE_acroscope"))
+        .arg("run")
+        .args([scenario.as_os_str(), "--out".as_ref(), folder.path().as_os_str()])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("starts");
+    // Once its first row is there it is about to hang; asked twice, it does not wait for the unit.
+    let results = folder.path().join("results.csv");
+    let limit = std::time::Instant::now() + std::time::Duration::from_secs(60);
+    while std::fs::read_to_string(&results).map_or(0, |text| text.lines().count()) < 2 {
+        assert!(std::time::Instant::now() < limit, "a row in a minute");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    for _ in 0..2 {
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        let pid = child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill").success());
+    }
+    let done = child.wait_with_output().expect("ends");
+    let text = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(130), "{text}");
+    let word =
+        "unit a: it does not come back from fmi2DoStep after t = 0.375 s; the rows up to there are kept";
+    assert!(text.contains(word), "{text}");
+    let rows = std::fs::read_to_string(&results).expect("results");
+    assert!(rows.lines().last().is_some_and(|row| row.starts_with("0.375,")), "{rows}");
+}
+
+#[test]
+fn law_a_run_goes_on_from_its_checkpoint() {
+    let units = Units::new();
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let out = folder.path();
+    let (status, text, last) = run(&units, out, 0, &["--checkpoint", "0.25", "--resume"]);
+    assert_eq!((status, last), (Some(0), 1.0), "{text}");
+    assert!(text.contains("so the run begins at its start"), "{text}");
+    let files =
+        ["results.csv", "report.html", "summary.json", "resolved.toml"].map(|name| out.join("0").join(name));
+    let read = || files.clone().map(|file| std::fs::read(file).expect("written"));
+    let whole = read();
+    // The last checkpoint is at the end; what came after it is nothing, and what is beside it is made again.
+    std::fs::write(&files[0], [&whole[0][..], b"half a row"].concat()).expect("writable");
+    let (status, text, _) = run(&units, out, 0, &["--checkpoint", "0.25", "--resume"]);
+    assert_eq!(status, Some(0), "{text}");
+    assert!(text.contains("the run goes on from t = "), "{text}");
+    assert!(read() == whole);
+    let (status, text, _) = run(&units, out, 0, &["--resume", "--set", "a.k=2"]);
+    assert_eq!(status, Some(2), "{text}");
+    assert!(text.contains("`k = 2.0` instead of `k = 1.0`"), "{text}");
+}

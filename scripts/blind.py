@@ -27,6 +27,7 @@ GATES = {
     "unknown_caught": (">=", 1.0),
     "pairs_one": (">=", 1.0),
     "over_confident": ("<=", 0.0),
+    "gap_overclaimed": ("<=", 0.0),
 }
 # Names and how they are called: the strong search is given the maker's own machine and camera, the textbook one the product's units.
 RIVALS = {"sindy": "sindy", "bic": "bic", "stepwise": f"--units {ROOT / 'target' / 'fmus'} stepwise"}
@@ -55,7 +56,7 @@ def main():
     what = ["make", "--part", "all", "--count", arguments.count, "--jobs", os.cpu_count()] if arguments.count else ["slice"]
     hidden(*what, "--seed", arguments.seed, "--out", sets, "--answers", answers)
     hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope")
-    hidden("score", diagnoses, answers, "--out", out / "score.json")
+    hidden("score", diagnoses, answers, "--out", out / "score.json", "--sets", sets)
     if arguments.rivals:
         for rival, call in RIVALS.items():
             hidden("diagnose", sets, out / rival, "--command-line", f"{sys.executable} -m hidden.rivals {call}")

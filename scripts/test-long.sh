@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The long suites: random calls by the ten thousand and under valgrind, the cross-check by fmi-rs, and the hidden data
-# sets. Takes hours on two cores, and needs the Python environment that scripts/test.sh makes; scripts/test.sh itself has
-# a slice of each that matters for every change.
+# The long suites: random calls by the ten thousand and under valgrind, the cross-check by fmi-rs, the hidden data sets,
+# and binaries for other platforms, the wheel, the crates. Takes hours on two cores, and needs the Python environment that
+# scripts/test.sh makes; scripts/test.sh itself has a slice of each that matters for every change.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 units=(target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu target/fmus/acrobot_controller.fmu
-    target/fmus/acrobot_residual.fmu)
+    target/fmus/acrobot_residual.fmu target/fmus/signal_effects.fmu)
 
 step() { printf '\n== %s ==\n' "$*"; }
 
@@ -22,6 +22,14 @@ done
 
 step "Same source, same bytes"
 cargo xtask same-bytes
+
+step "Units for all platforms, Windows' under Wine; the wheel in bare environments"
+scripts/platforms.sh
+scripts/wheel.sh
+scripts/test-wheel.sh
+
+step "Crates that are for others build from their own archives"
+scripts/crates.sh
 
 step "fmi-rs drives the units to the same bits"
 CARGO_TARGET_DIR=target/fmi-rs cargo test --quiet --release --manifest-path tests/fmi-rs/Cargo.toml

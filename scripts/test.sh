@@ -32,11 +32,12 @@ step "Foreign programs drive the units (FMPy, libcosim, scipy, OpenCV, PythonFMU
 
 step "The maker of hidden data, and a slice of blind diagnoses"
 (cd tests && ../.venv/bin/python -m pytest -q hidden)
+(cd tests && ../.venv/bin/python -m pytest -q hidden_any)
 .venv/bin/python scripts/blind.py
 
 step "Random calls, legal and not (a slice; scripts/test-long.sh has the rest)"
 cargo xtask fuzz --sequences 300 target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu \
-    target/fmus/acrobot_controller.fmu target/fmus/acrobot_residual.fmu
+    target/fmus/acrobot_controller.fmu target/fmus/acrobot_residual.fmu target/fmus/signal_effects.fmu
 
 step "Documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps --workspace

@@ -7,7 +7,7 @@
 Real machines: three arms with encoders and motor current, excited from hanging, and balanced at the unstable upright (acrobot
 by LQR, pendubot by TVLQR; acrobot by TVLQR with falls). The logs are BSD-3-Clause.
 
-What has to be done for any rig is here: angles are absolute and from the upright (CONTRACT: q1 of link 1, q2 of link 2), the
+What has to be done for any rig is here: angles are absolute and from the upright (docs/units.md: q1 of link 1, q2 of link 2), the
 torque at the joint is `tau`, that of link 1 against the ground `tau_1`, and the nominal model is a pinned arm (R = 0: theta_2 =
 theta_7 = 0) with the masses and lengths as published, without friction and rotor inertia, which the diagnosis is to find.
 """

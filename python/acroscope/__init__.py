@@ -1,0 +1,63 @@
+"""A co-simulation bench for visual servoing: FMI 2.0 units, a master, and a diagnosis of what a model lacks.
+
+    import acroscope as ac
+
+    r = ac.run("visual-servo", {"camera.T_delay": 0.05}, stop=5)
+    r.verdict                   # "lost balance at 1.887 s ..."
+    r["plant.z"]                # a NumPy array
+    polars.DataFrame(r)         # also pyarrow.table(r), pandas.DataFrame.from_arrow(r)
+    r.plot()
+
+    ac.diagnose("path/to/dataset").verdict
+    ac.reproduce("table-3").claims
+
+Runs and simulations happen in this process, without its lock; commands of minutes in one of their own. Ctrl-C ends both.
+What is wrong with the input raises `InputError`, in the words of the command line.
+"""
+
+from pathlib import Path
+
+from . import _acroscope
+from ._acroscope import Error, InputError, __version__
+
+_DATA = Path(__file__).resolve().parent / "data"
+_acroscope.add_units(_DATA / "fmus")
+
+from ._commands import Diagnosis, Reproduction, check, diagnose, reproduce  # noqa: E402
+from ._runs import Results, Simulation, run  # noqa: E402
+
+__all__ = [
+    "Diagnosis",
+    "Error",
+    "InputError",
+    "Reproduction",
+    "Results",
+    "Simulation",
+    "__version__",
+    "check",
+    "diagnose",
+    "examples",
+    "reproduce",
+    "run",
+    "scenarios",
+    "units",
+]
+
+
+def _files(folder: str, pattern: str) -> dict[str, Path]:
+    return {path.stem: path for path in sorted((_DATA / folder).glob(pattern))}
+
+
+def units() -> dict[str, Path]:
+    """The packed units by name, for other tools: `.fmu` files with binaries for every platform they were built for."""
+    return _files("fmus", "*.fmu")
+
+
+def scenarios() -> dict[str, Path]:
+    """The shipped scenarios by name, as files to begin one's own with."""
+    return _files("scenarios", "*.toml")
+
+
+def examples() -> dict[str, Path]:
+    """The sample data sets by name, for `diagnose`."""
+    return {path.parent.name: path.parent for path in sorted((_DATA / "examples").glob("*/dataset.toml"))}

@@ -1,0 +1,82 @@
+//! Python's module `acroscope._acroscope`: a thin face, no physics and no algorithm. The package in `python/acroscope`
+//! puts words, pictures and NumPy around it.
+//!
+//! Long work lets other threads of Python run, and looks for Ctrl-C some ten times a second.
+
+mod errors;
+mod recorder;
+mod simulation;
+mod table;
+mod values;
+
+use errors::told;
+use orchestrator::Scenario;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use recorder::Columns;
+use simulation::{Simulation, State};
+use std::path::PathBuf;
+use table::Table;
+use values::Watch;
+
+/// The command line: arguments without the program's name; answers the exit status.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<String>) -> u8 {
+    let arguments = std::iter::once("acroscope".to_owned()).chain(arguments).map(Into::into);
+    py.detach(|| acroscope::command_line(arguments))
+}
+
+/// Names the folder in which the packed units lie.
+#[pyfunction]
+fn add_units(folder: PathBuf) {
+    scenarios::add_units(folder);
+}
+
+/// Names of the shipped scenarios.
+#[pyfunction]
+fn shipped() -> Vec<&'static str> {
+    scenarios::SHIPPED.iter().map(|(name, _)| *name).collect()
+}
+
+/// A scenario with values and a stop time, where given.
+fn load(name: &str, values: Option<&Bound<'_, PyDict>>, stop: Option<&str>) -> PyResult<Scenario> {
+    let mut scenario = scenarios::load(name).map_err(errors::input)?;
+    for (variable, value) in values.into_iter().flatten() {
+        scenario.set(&variable.extract::<String>()?, &values::text(&value)?).map_err(told)?;
+    }
+    if let Some(stop) = stop {
+        scenario.set_stop(stop).map_err(told)?;
+    }
+    Ok(scenario)
+}
+
+/// Does `acroscope run` with these words, until Ctrl-C, and answers what it recorded.
+#[pyfunction]
+fn run(py: Python<'_>, words: Vec<String>) -> PyResult<Table> {
+    let mut columns = Columns::default();
+    let mut watch = Watch::default();
+    let words = words.into_iter().map(Into::into);
+    let ran = py.detach(|| acroscope::run(words, &mut columns, &mut watch));
+    watch.interrupted()?;
+    ran.map_err(|error| match error.exit_status() {
+        2 => errors::input(error),
+        _ => errors::other(error),
+    })?;
+    Table::new(columns)
+}
+
+/// The module.
+#[pymodule]
+fn _acroscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("Error", module.py().get_type::<errors::Error>())?;
+    module.add("InputError", module.py().get_type::<errors::InputError>())?;
+    module.add_class::<Table>()?;
+    module.add_class::<Simulation>()?;
+    module.add_class::<State>()?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(add_units, module)?)?;
+    module.add_function(wrap_pyfunction!(shipped, module)?)?;
+    module.add_function(wrap_pyfunction!(table::grey, module)?)?;
+    module.add_function(wrap_pyfunction!(run, module)?)
+}

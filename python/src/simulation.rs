@@ -1,0 +1,124 @@
+//! A scenario step by step, for controllers and experiments written in Python.
+
+use crate::errors::told;
+use crate::values::{to_python, value};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A built scenario.
+#[pyclass(frozen, module = "acroscope._acroscope")]
+pub struct Simulation {
+    inner: Mutex<orchestrator::Simulation>,
+}
+
+impl Simulation {
+    fn lock(&self) -> MutexGuard<'_, orchestrator::Simulation> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A saved state of a simulation.
+#[pyclass(frozen, module = "acroscope._acroscope")]
+pub struct State {
+    inner: orchestrator::Checkpoint,
+}
+
+#[pymethods]
+impl State {
+    /// Simulated time in s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.inner.time()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<State at {} s>", self.inner.time())
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    #[pyo3(signature = (scenario, values = None, stop = None, inputs = Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        scenario: &str,
+        values: Option<&Bound<'_, PyDict>>,
+        stop: Option<&str>,
+        inputs: Vec<String>,
+    ) -> PyResult<Self> {
+        let mut scenario = crate::load(scenario, values, stop)?;
+        for input in &inputs {
+            scenario.release(input).map_err(told)?;
+        }
+        let built = py.detach(|| orchestrator::Simulation::new(&scenario, &scenarios::unit_path()));
+        Ok(Self { inner: Mutex::new(built.map_err(told)?) })
+    }
+
+    /// Simulated time in s.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.lock().time())
+    }
+
+    /// Gives `unit.variable` a value.
+    fn set(&self, py: Python<'_>, name: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
+        let given = value(given)?;
+        py.detach(|| self.lock().set(name, given)).map_err(told)
+    }
+
+    /// The value of `unit.variable` now.
+    fn get<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = py.detach(|| self.lock().get(name)).map_err(told)?;
+        to_python(py, found)
+    }
+
+    /// On to the next communication point; its time, or `None` at the end.
+    fn step(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        py.check_signals()?;
+        py.detach(|| self.lock().advance()).map_err(told)
+    }
+
+    /// On to the last communication point that is not later than a time, and its time; looks for Ctrl-C every simulated
+    /// 0.1 s.
+    fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<f64> {
+        const LOOK: f64 = 0.1;
+        let mut next = py.detach(|| self.lock().time());
+        while next < time {
+            py.check_signals()?;
+            next = time.min(next + LOOK);
+            py.detach(|| self.lock().advance_to(next)).map_err(told)?;
+        }
+        Ok(py.detach(|| self.lock().time()))
+    }
+
+    /// The state now.
+    fn save(&self, py: Python<'_>) -> PyResult<State> {
+        let inner = py.detach(|| self.lock().save()).map_err(told)?;
+        Ok(State { inner })
+    }
+
+    /// Back to a saved state.
+    fn restore(&self, py: Python<'_>, state: &Bound<'_, State>) -> PyResult<()> {
+        let state = &state.get().inner;
+        py.detach(|| self.lock().go_back(state)).map_err(told)
+    }
+
+    /// Back to before the start; values set before the run stay.
+    fn reset(&self, py: Python<'_>) {
+        py.detach(|| self.lock().reset());
+    }
+
+    /// The scenario with every value that is used, as TOML.
+    #[getter]
+    fn resolved(&self) -> String {
+        self.lock().resolved()
+    }
+
+    /// What a person should know, but what stops nothing.
+    #[getter]
+    fn notices(&self) -> Vec<String> {
+        self.lock().notices()
+    }
+}

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Whether the crates that are for others can be published: `cargo package` builds each from its own archive, and the
+# archive holds its README and both licences.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+crates=(fmi2-export)
+for crate in "${crates[@]}"; do
+    cargo package --quiet --package "$crate" --target-dir target/package-build "$@"
+    archive=$(ls -t target/package-build/package/"$crate"-*.crate | head -1)
+    for file in README.md LICENSE-MIT LICENSE-APACHE; do
+        tar -tzf "$archive" | grep --quiet "/$file\$" || { echo "error: $archive lacks $file"; exit 1; }
+    done
+    echo "$(basename "$archive"): $(tar -tzf "$archive" | wc -l) files, $(stat -c %s "$archive") bytes, builds by itself"
+done

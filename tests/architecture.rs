@@ -11,15 +11,19 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("fmi2-export", &[]),
     ("orchestrator", &[]),
     ("report", &[]),
-    ("xtask", &["fmi2-export"]),
+    ("inspect", &[]),
+    ("cargo-fmi2", &["fmi2-export"]),
+    ("xtask", &["cargo-fmi2", "fmi2-export"]),
     ("plant", &["mechanics", "fmi2-export"]),
     ("controller", &["mechanics", "fmi2-export"]),
     ("camera", &["fmi2-export"]),
     ("residual", &["fmi2-export"]),
+    ("signal-effects", &["fmi2-export"]),
     ("scenarios", &["orchestrator"]),
     ("diagnosis", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("acroscope", &["orchestrator", "scenarios", "diagnosis", "studies", "report"]),
+    ("acroscope-python", &["acroscope", "orchestrator", "scenarios"]),
     ("benches", &["camera", "plant", "fmi2-export", "orchestrator", "scenarios", "diagnosis"]),
     ("system-tests", &[]),
 ];
@@ -117,4 +121,74 @@ fn every_source_file_says_what_it_is() {
         }
     }
     assert!(seen > 50, "found {seen} source files");
+}
+
+#[test]
+fn every_text_can_be_followed_by_who_has_only_the_clone() {
+    // Papers of the workplace that no clone has. Written apart, so that this list doesn't find itself.
+    let papers =
+        [("CONT", "RACT"), ("HOU", "SE"), ("TARG", "ETS"), ("PE", "ERS")].map(|(a, b)| format!("{a}{b}"));
+    let places = [("../sha", "red"), ("work/sha", "red")].map(|(a, b)| format!("{a}{b}"));
+    let texts = ["rs", "md", "toml", "py", "sh", "xml", "txt", "c", "js", "css", "html"];
+    let mut seen = 0;
+    every_file(&root(), &mut |path, name| {
+        let is_text = path.extension().is_some_and(|ending| texts.iter().any(|text| ending == *text));
+        if !is_text || name.starts_with("LICENSE") {
+            return;
+        }
+        seen += 1;
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        for (number, line) in text.lines().enumerate() {
+            let words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
+            let cited = words.filter(|word| papers.iter().any(|paper| paper == word)).count() > 0;
+            let cited = cited || places.iter().any(|place| line.contains(place.as_str()));
+            assert!(
+                !cited,
+                "{}:{} cites what a clone lacks; docs/ has it: {line}",
+                path.display(),
+                number + 1
+            );
+        }
+    });
+    assert!(seen > 200, "found {seen} texts");
+}
+
+#[test]
+fn every_link_of_a_page_leads_somewhere() {
+    let mut seen = 0;
+    every_file(&root(), &mut |path, name| {
+        if !name.ends_with(".md") {
+            return;
+        }
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        for target in targets.filter(|target| !target.is_empty() && !target.contains("://")) {
+            seen += 1;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            assert!(
+                folder.join(target).exists(),
+                "{} links to {target}, which does not exist",
+                path.display()
+            );
+        }
+    });
+    assert!(seen > 10, "found {seen} links");
+}
+
+/// Calls for each file of the repository that is not made by a build.
+fn every_file(folder: &Path, each: &mut dyn FnMut(&Path, &str)) {
+    let made = ["target", "out", "node_modules", "__pycache__"];
+    for entry in std::fs::read_dir(folder).expect("folders of the repository can be read") {
+        let path = entry.expect("entries can be read").path();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
+        if path.is_dir() {
+            // `.venv` and `.git` are no part of the clone.
+            if !made.contains(&name.as_str()) && (!name.starts_with('.') || name == ".ci" || name == ".cargo")
+            {
+                every_file(&path, each);
+            }
+        } else {
+            each(&path, &name);
+        }
+    }
 }

@@ -11,7 +11,9 @@ from fmpy.fmi2 import FMU2Slave
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = ROOT / "target" / "fmus"
-NAMES = ("plant", "camera", "controller", "residual")
+IDENTIFIERS = {name: f"acrobot_{name}" for name in ("plant", "camera", "controller", "residual")}
+IDENTIFIERS["signal"] = "signal_effects"
+NAMES = tuple(IDENTIFIERS)
 sys.path.insert(0, str(ROOT / "scripts"))
 
 
@@ -19,7 +21,7 @@ class Unit:
     """One instance of one of our units, addressed by variable names."""
 
     def __init__(self, name, directory, instance="unit"):
-        self.path = UNITS / f"acrobot_{name}.fmu"
+        self.path = UNITS / f"{IDENTIFIERS[name]}.fmu"
         self.description = read_model_description(str(self.path))
         self.variables = {variable.name: variable for variable in self.description.modelVariables}
         self.slave = FMU2Slave(

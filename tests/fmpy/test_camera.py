@@ -31,7 +31,7 @@ def test_simulated_alone(unit):
     camera.step(0.0, 1.0)
     assert camera.get("frame") == 31, "a step may hold any number of frames"
     assert np.abs(centroids(camera) - centres(0.1, -0.2)).max() < 0.3  # px; binary centroids err by 0.08 rms
-    assert camera.get("q1_est", "q2_est") == pytest.approx([0.1, -0.2], abs=2e-3)  # TARGETS C17: max 1.2e-3
+    assert camera.get("q1_est", "q2_est") == pytest.approx([0.1, -0.2], abs=2e-3)  # C17: max 1.2e-3
 
 
 @pytest.mark.parametrize("threshold,sigma,area_expected,rms_expected", [(128, 0.0, 82.35, 0.081), (191, 0.0, 75.0, None)])
@@ -45,7 +45,7 @@ def test_clean_centroids(unit, threshold, sigma, area_expected, rms_expected):
         # A still picture: the pose moves before the shutter opens, so take the second frame of each pose.
         errors.append((centroids(camera) - centres(*q)).ravel())
         areas.append(camera.get("area1", "area2", "area3"))
-    assert np.mean(areas) == pytest.approx(area_expected, abs=1.0)  # CONTRACT: 75 +- 1 px; the disc has 82.35
+    assert np.mean(areas) == pytest.approx(area_expected, abs=1.0)  # C15: 75 +- 1 px; the disc has 82.35
     if rms_expected:
         # Circle 1 hardly leaves its row, so only the other two sample the lattice evenly.
         assert np.std(np.array(errors)[:, 2:]) == pytest.approx(rms_expected, rel=0.05)

@@ -31,7 +31,7 @@ def test_the_main_job_balances_and_tracks(figures):
         z, wanted, t = results["plant.z"], results["controller.z_desired"], results["time"]
         assert t[-1] == 30.0 and len(t) == 18001 and not results["plant.contact"].any()
         assert wanted.max() == pytest.approx(0.5, abs=1e-12) and wanted[-1] == 0.0  # the ramp rounds
-        # TARGETS C37: end offsets < .005, rms of the error .036 with these poles and 0.05/s ramps, 20 %.
+        # C37: end offsets < .005, rms of the error .036 with these poles and 0.05/s ramps, 20 %.
         assert abs(z[-1]) < 0.005 and abs(z[(t > 14.5) & (t < 15)] - 0.5).max() < 0.01
         assert np.sqrt(np.mean((wanted - z) ** 2)) == pytest.approx(0.036, rel=0.3)
 
@@ -39,7 +39,7 @@ def test_the_main_job_balances_and_tracks(figures):
 def test_torque_chatters_more_with_vision(figures):
     steps = {name: np.diff(figures[name]["controller.tau"][::20]) for name in ("visual-servo", "full-state")}
     rms = {name: np.sqrt(np.mean(step[30:] ** 2)) for name, step in steps.items()}
-    assert rms["visual-servo"] > 10 * rms["full-state"]  # TARGETS C39: 13 to 27 times
+    assert rms["visual-servo"] > 10 * rms["full-state"]  # C39: 13 to 27 times
 
 
 def test_the_report_shows_the_four_graphs_and_a_frame(figures):

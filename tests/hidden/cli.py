@@ -67,6 +67,8 @@ def _parser():
     p.add_argument("diagnoses")
     p.add_argument("answers")
     p.add_argument("--out", default="score.json")
+    p.add_argument("--sets", help="folder of the data sets: the gap is then computed again, from amended.toml")
+    p.add_argument("--units", default=str(Path(__file__).resolve().parents[2] / "target" / "fmus"), help="the packed units for that")
     return top
 
 
@@ -204,5 +206,5 @@ def main(argv=None):
     elif args.command == "score":
         from .score import score
 
-        return score(args.diagnoses, args.answers, args.out)
+        return score(args.diagnoses, args.answers, args.out, args.sets, args.units)
     return 0

@@ -1,6 +1,6 @@
 """Own pseudolinearizing controller: finite-difference linearisation along the manifold, Ackermann's gain, tabulated.
 
-z follows CONTRACT.md, section 3. The law was checked against the open data set `sim-none` (4e-6 N·m at most, test_open_data).
+z follows docs/units.md. The law was checked against the open data set `sim-none` (4e-6 N·m at most, test_open_data).
 """
 
 import math

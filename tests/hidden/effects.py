@@ -1,4 +1,4 @@
-"""Every effect that can be hidden: names as in CONTRACT.md, section 2, with off values, typical sizes and limits.
+"""Every effect that can be hidden: names as in NOTATION.md, with off values, typical sizes and limits.
 
 Unknown effects carry the prefix `unknown.`; the product has no parameter for them.
 """

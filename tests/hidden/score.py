@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 Z = 1.959964
+OVERCLAIMED = 0.1  # a share of angles isn't quite one of torques
 
 
 def wilson(k, n):
@@ -98,7 +99,8 @@ def load(diagnoses, answers):
     return cases
 
 
-def measure(cases):
+def measure(cases, own=None):
+    """`own`: by set, the gap that `gap.check` found by itself."""
     t = Tally()
     by = defaultdict(list)
     for a, d in cases:
@@ -143,8 +145,14 @@ def measure(cases):
     t.share("coverage", covered, [0.90, 0.98], "coverage of the 95 % interval")
     closed = [d["gap"]["closed"] for a, d in seen if right_single(a, d) and (d.get("gap") or {}).get("closed") is not None]
     t.number("gap_closed", closed, ">=0.9", "median share of the gap closed on held-out runs")
+    pairs = [(d["gap"]["closed"], (own or {}).get(a["set"], {}).get(d["gap"]["unit"])) for a, d in cases
+             if d and (d.get("gap") or {}).get("closed") is not None and d["gap"].get("unit")]
+    pairs = [(claimed, found) for claimed, found in pairs if found is not None]
+    t.share("gap_overclaimed", [claimed > found + OVERCLAIMED for claimed, found in pairs], "<=0.05",
+            "claimed share of the gap beyond what amended.toml closes by itself")
+    t.number("gap_apart", [abs(claimed - found) for claimed, found in pairs], "<=0.05", "  difference of the two, median")
     stated = [(e["probability"], touched_truth(a, e)) for a, d in cases for e in named(d)
-              if a["verdict"] != "unknown" and e.get("probability") is not None]
+              if e.get("probability") is not None]
     t.number("calibration", [calibration(stated)] if stated else [], "<=0.05", "calibration error of the stated probability")
     t.rows["calibration"]["n"] = len(stated)
     rates = {rig: [right_single(a, d) for a, d in seen if a["rig"] == rig and a["part"] in ("singles", "rigs")] for rig in ("balance", "hang")}
@@ -184,12 +192,25 @@ def confusion(cases):
     return table
 
 
-def score(diagnoses, answers, out):
+def own_gaps(diagnoses, sets, units, cases):
+    """What amended.toml closes of each set, computed here."""
+    from . import gap  # FMPy is wanted for this alone
+
+    found = {}
+    for answer, diagnosis in cases:
+        name = answer["set"]
+        if diagnosis and (Path(diagnoses) / name / "amended.toml").exists():
+            found[name] = gap.check(Path(sets) / name, Path(diagnoses) / name, units) or {}
+    return found
+
+
+def score(diagnoses, answers, out, sets=None, units=None):
     cases = load(diagnoses, answers)
     if not cases:
         print(f"{answers}: no SET/answer.toml inside")
         return 2
-    rows = measure(cases)
+    own = own_gaps(diagnoses, sets, units, cases) if sets and units else {}
+    rows = measure(cases, own)
     print("| measure | value | n | 95 % | to reach | |\n|---|---|---|---|---|---|")
     for row in rows.values():
         ci = f"{row['ci95'][0]:.3f}-{row['ci95'][1]:.3f}" if "ci95" in row and row["n"] else ""
@@ -205,6 +226,6 @@ def score(diagnoses, answers, out):
             and not right_single(a, d)]
     print("\nWeak at: " + (", ".join(f"{k} ({v})" for k, v in Counter(a["effect"][0]["name"] for a in weak).most_common(12)) or "nothing seen"))
     details = [{"set": a["set"], "part": a["part"], "verdict": a["verdict"], "setting": a["setting"], "truth": a.get("effect", a.get("unknown")),
-                "said": None if d is None else {"verdict": d.get("verdict"), "effects": named(d)}} for a, d in cases]
+                "gap": own.get(a["set"]), "said": None if d is None else {"verdict": d.get("verdict"), "effects": named(d), "gap": d.get("gap")}} for a, d in cases]
     Path(out).write_text(json.dumps({"measures": rows, "confusion": {k: dict(v) for k, v in table.items()}, "sets": details}, indent=1))
     return 0

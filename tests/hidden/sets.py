@@ -1,4 +1,4 @@
-"""Builds one data set: truth -> logs -> folder (CONTRACT.md, section 5) and, elsewhere, answer.toml."""
+"""Builds one data set: truth -> logs -> folder (docs/data-set.md) and, elsewhere, answer.toml."""
 
 import hashlib
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""The data sets' form (CONTRACT.md, section 5), their repeatability, and the scorer."""
+"""The data sets' form (docs/data-set.md), their repeatability, and the scorer."""
 
 import csv
 import json
@@ -67,7 +67,7 @@ def test_law_answers_inside_the_sets_are_refused(tmp_path):
 
 
 def test_value_mde_of_the_peers():
-    """PEERS.md, three runs of 20 s: T_delay 4e-5 s (1.4e-4 without plant logs), b_joint 1.4e-4, tau_bias 2e-4, k1 2e-4."""
+    """What comparable tools reach, three runs of 20 s: T_delay 4e-5 s (1.4e-4 without plant logs), b_joint 1.4e-4, tau_bias 2e-4, k1 2e-4."""
     full, blind = mde.of(Setting()), mde.of(Setting(logs="image"))
     for got, want in ((full["camera.T_delay"], 4e-5), (blind["camera.T_delay"], 1.4e-4), (full["plant.b_joint"], 1.4e-4),
                       (full["plant.tau_bias"], 2e-4), (full["camera.k1"], 2e-4)):

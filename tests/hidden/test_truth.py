@@ -1,4 +1,4 @@
-"""The generator's own machine and camera against conservation laws and TARGETS.md (numbers of an independent program)."""
+"""The generator's own machine and camera against conservation laws and docs/claims.md (numbers of an independent program)."""
 
 import math
 
@@ -149,7 +149,7 @@ def test_value_quantisation_c17():
     seen = shots(CAMERA_NOMINAL, MANIFOLD)
     e = np.array([np.subtract(cam.estimate(s), q) for s, q in zip(seen, MANIFOLD)])
     rms = np.sqrt(np.mean(e**2, axis=0))
-    assert 3.9e-4 / 1.5 < rms[0] < 3.9e-4 * 1.5 and 3.5e-4 / 1.5 < rms[1] < 3.5e-4 * 1.5  # TARGETS: x1.5
+    assert 3.9e-4 / 1.5 < rms[0] < 3.9e-4 * 1.5 and 3.5e-4 / 1.5 < rms[1] < 3.5e-4 * 1.5  # C17: x1.5
     assert np.abs(e).max() < 1.9e-3
 
 
@@ -168,7 +168,7 @@ def test_value_table_3_geometric(key):
             cam.to_pixel(xy[0], xy[1], c, p)
             px[i, 1:] = p
         worst = np.maximum(worst, np.abs(np.subtract(q, cam.estimate(px))))
-    assert np.allclose(worst / 0.1, TABLE3[key], atol=0.003)  # TARGETS, T3: between implementations
+    assert np.allclose(worst / 0.1, TABLE3[key], atol=0.003)  # T3: between implementations
 
 
 def test_law_k1_moves_outwards_and_mount_signs():

@@ -14,7 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small; re
 
 
 def diagnosis(effects):
-    """diagnosis.json (CONTRACT.md, section 6) of [(names, value, standard error or None, probability or None)], best first.
+    """diagnosis.json (docs/diagnosis-json.md) of [(names, value, standard error or None, probability or None)], best first.
 
     names: the effect and those that the rival cannot tell from it. What a rival cannot say is null.
     """

@@ -94,7 +94,7 @@ def _run(folder, camera):
 
 
 def load(folder, without=(), world=None):
-    """Reads a data set folder (CONTRACT.md, section 5); `without`: names that may not be given; world: who predicts."""
+    """Reads a data set folder (docs/data-set.md); `without`: names that may not be given; world: who predicts."""
     folder = Path(folder)
     head = tomllib.loads((folder / "dataset.toml").read_text())
     plant, camera = dict(PLANT_NOMINAL), dict(CAMERA_NOMINAL)

@@ -1,0 +1,5 @@
+"""python -m hidden_any make | diagnose | score; --help."""
+
+from .cli import main
+
+main()

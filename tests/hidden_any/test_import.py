@@ -1,0 +1,104 @@
+"""`acroscope import` finds columns, units, signs and time as they were written, and the tutorial's commands work."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from . import excite
+from .machines import ALL
+from .simulate import simulate, variants
+from .unit_python import environment
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "target" / "release" / "acroscope"
+
+
+def run(*arguments, status=0):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, env=environment())
+    assert done.returncode == status, done.stderr
+    return done.stdout + done.stderr
+
+
+def log(path, machine, columns, separator=",", time=("time", 1.0), change=None, gap=False):
+    """A log whose columns are {variable: (head, scale, offset)} with model = scale * log + offset."""
+    rng = np.random.default_rng(11)
+    times = machine.row * np.arange(300)
+    commands, start = excite.commands(machine, times, rng), excite.start(machine, rng)
+    clean = simulate(machine, variants(machine, [change or {}]), times, commands, start)
+    values = commands | {one.name: clean[one.name][:, 0] + one.noise * rng.normal(size=len(times)) for one in machine.outputs_of}
+    numbers = [times / time[1], *((values[name] - offset) / scale for name, (_, scale, offset) in columns.items())]
+    rows = [row for place, row in enumerate(zip(*numbers, strict=True)) if not gap or not 100 < place < 120]
+    text = "\n".join(separator.join(f"{value:.7g}" for value in row) for row in rows)
+    text = text if separator == "," else text.replace(".", ",")
+    path.write_text(separator.join([time[0], *(head for head, *_ in columns.values())]) + "\n" + text + "\n")
+    return path
+
+
+@pytest.fixture
+def motor(tmp_path):
+    return ALL["motor"].build(ALL["motor"], tmp_path)
+
+
+def channels(folder):
+    head = tomllib.loads((folder / "dataset.toml").read_text())
+    return {entry["variable"]: entry for entry in head["channel"]}, head
+
+
+def test_signs_units_and_time(motor, tmp_path):
+    heads = {"u": ("Motor u [mV]", 1e-3, 0), "i": ("i_mA", 1e-3, 0), "w": ("w", 2 * np.pi / 60, 0), "phi": ("phi (deg)", -np.pi / 180, 0)}
+    file = log(tmp_path / "a.csv", ALL["motor"], heads, ";", ("t [ms]", 1e-3), {"b": 0.02}, gap=True)
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set")
+    found, head = channels(tmp_path / "set")
+    assert set(found) == {"motor.u", "motor.i", "motor.w", "motor.phi"}
+    assert (found["motor.u"]["unit"], found["motor.i"]["unit"]) == ("mV", "mA")
+    # no header says rpm: the model's slope does
+    assert found["motor.w"]["unit"] == "rpm" and found["motor.w"]["column"] == "w"
+    assert np.isclose(found["motor.phi"]["scale"], -np.pi / 180, rtol=1e-9) and found["motor.phi"]["offset"] == 0
+    assert head["run"][0]["time"] == {"column": "t [ms]", "unit": "ms"}
+    text = (tmp_path / "set" / "dataset.toml").read_text()
+    assert "# guess: sign turned, by trial" in text and "# guess: in rpm, by trial" in text and "semicolons" in text
+    assert "1 gap(s) in time" in said
+    assert {entry["variable"] for entry in head["candidate"]} >= {"motor.b", "motor.R", "motor.fc"}
+
+
+def test_a_turned_input_is_the_input(motor, tmp_path):
+    heads = {"u": ("u", -1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
+    run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")
+    found, _ = channels(tmp_path / "set")
+    assert found["motor.u"]["scale"] == -1 and all("scale" not in found[f"motor.{name}"] for name in ("i", "w", "phi"))
+
+
+def test_kelvins_of_a_unit_without_units(tmp_path):
+    room = ALL["room"]
+    fmu = room.build(room, tmp_path)
+    heads = {"P": ("P [W]", 1, 0), "T_out": ("T_out [degC]", 1, 273.15), "T": ("T [°C]", 1, 273.15)}
+    run("import", log(tmp_path / "a.csv", room, heads), "--fmu", fmu, "--out", tmp_path / "set")
+    found, head = channels(tmp_path / "set")
+    assert (found["room.T"]["scale"], found["room.T"]["offset"]) == (1, 273.15)
+    assert (found["room.T_out"]["scale"], found["room.T_out"]["offset"]) == (1, 273.15)
+    assert head["state"][0] == {"start": "room.T_0", "shows": "room.T"}
+
+
+def test_what_fits_nothing_is_told(motor, tmp_path):
+    heads = {"u": ("voltage at plug", 1, 0), "i": ("n1", 1, 0), "w": ("n2", 1, 0)}
+    file = log(tmp_path / "a.csv", ALL["motor"], heads)
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert "no column is an output of motor (i, w, phi)" in said
+
+
+def test_the_tutorials_commands(tmp_path):
+    text = (ROOT / "docs" / "your-fmu.md").read_text()
+    commands = [line for block in re.findall(r"```sh\n(.*?)```", text, re.S) for line in block.splitlines()]
+    assert len(commands) == 4
+    # what is built already stands for cargo, and results go elsewhere
+    for command in commands:
+        words = command.replace("cargo acroscope", str(PROGRAM)).replace(".venv/bin/python", sys.executable).replace("out/", f"{tmp_path}/")
+        done = subprocess.run(words.split(), cwd=ROOT, capture_output=True, text=True, check=False, env=os.environ)
+        assert done.returncode == 0, f"{command}\n{done.stderr}"
+    assert "\nscale = -0.0174" in (tmp_path / "motor" / "dataset.toml").read_text()

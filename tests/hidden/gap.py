@@ -92,7 +92,7 @@ def _left(data, world, plant, camera):
         rest, poses = fitted
         seen = data.runs[window[0]].frames[window[2]]
         drawn = world.noisy(poses, camera).reshape(-1, 3, 3) if len(seen) else np.zeros((0, 3, 3))
-        out.append((rest, (seen - drawn)[:, :, 1:].reshape(len(seen), -1)))
+        out.append((rest, (seen - drawn)[:, :, 1:].reshape(len(seen), 6)))
     return out
 
 
@@ -114,8 +114,28 @@ def closed(before, after, floor):
     return min(1.0, 1.0 - (after**2 - floor**2) / (before**2 - floor**2))
 
 
-def check(folder, diagnosed, units):
-    """{unit: share closed} of one set by an independent run of `amended.toml`, or None where this can't say."""
+def hidden(answer, plant, camera):
+    """Both units with what was hidden in the set; None where that has no name."""
+    if "effect" not in answer:
+        return None
+    values = {e["name"]: e["value"] for e in answer["effect"]}
+    of = {side: {n.split(".", 1)[1]: v for n, v in values.items() if n.startswith(side + ".")} for side in ("plant", "camera")}
+    return _with(plant, of["plant"]), _with(camera, of["camera"])
+
+
+def _stated_angle(data, windows):
+    """rms that the encoders' stated noise leaves; four start values of a window are fitted."""
+    stated = [data.noise.get(k) for k in ("q1", "q2")]
+    share = np.mean([1.0 - 4.0 / rest.size for rest, _ in windows])
+    return float(np.sqrt(np.mean(np.square(stated)) * share)) if all(stated) else None
+
+
+def check(folder, diagnosed, units, answer):
+    """{unit: share closed} of one set by an independent run of `amended.toml`, or None where this can't say.
+
+    The floor is what the hidden effects themselves leave, by the same windows, so that a model with the truth in it closes
+    all. Where what was hidden has no name it is the stated noise, or the scatter of neighbouring frames.
+    """
     values = amended(Path(diagnosed) / "amended.toml")
     if values is None:
         return None
@@ -124,17 +144,16 @@ def check(folder, diagnosed, units):
     if not data.has_plant:
         return None
     models = [(data.plant, data.camera), (_with(data.plant, values[0]), _with(data.camera, values[1]))]
-    left = [_left(data, world, *model) for model in models]
-    both = [(b, a) for b, a in zip(*left) if b is not None and a is not None]
-    if not both:
+    truth = hidden(answer, data.plant, data.camera)
+    left = [_left(data, world, *model) for model in models + ([truth] if truth else [])]
+    kept = [windows for windows in zip(*left) if all(w is not None for w in windows)]
+    if not kept:
         return None
-    stated = [data.noise.get(k) for k in ("q1", "q2")]
-    # four start values of a window are fitted
-    share = np.mean([1.0 - 4.0 / b[0].size for b, _ in both])
-    angle = float(np.sqrt(np.mean(np.square(stated)) * share)) if all(stated) else None
-    result = {"N·m": closed(_rms([b[0] for b, _ in both]), _rms([a[0] for _, a in both]), angle)}
+    before, after, *best = ([w[k] for w in kept] for k in range(len(left)))
+    angles, pictures = ([[w[k] for w in model] for model in (before, after, *best)] for k in (0, 1))
+    floor = _rms(angles[2]) if truth else _stated_angle(data, before)
+    result = {"N·m": closed(_rms(angles[0]), _rms(angles[1]), floor)}
     if data.has_frames:
-        pictures = [[b[1] for b, _ in both], [a[1] for _, a in both]]
-        floor = min((f for f in map(_scatter, pictures) if f is not None), default=None)
+        floor = _rms(pictures[2]) if truth else min((f for f in map(_scatter, pictures) if f is not None), default=None)
         result["px"] = closed(_rms(pictures[0]), _rms(pictures[1]), floor)
     return result

@@ -200,7 +200,7 @@ def own_gaps(diagnoses, sets, units, cases):
     for answer, diagnosis in cases:
         name = answer["set"]
         if diagnosis and (Path(diagnoses) / name / "amended.toml").exists():
-            found[name] = gap.check(Path(sets) / name, Path(diagnoses) / name, units) or {}
+            found[name] = gap.check(Path(sets) / name, Path(diagnoses) / name, units, answer) or {}
     return found
 
 

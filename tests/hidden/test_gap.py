@@ -13,6 +13,7 @@ from .sets import Spec
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = ROOT / "target" / "fmus"
 K1 = 0.05
+HIDDEN = {"effect": [{"name": "camera.k1", "value": K1}]}
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +41,7 @@ def test_value_the_share_that_a_model_closes_is_found_without_its_claim(made, tm
     # a lens's residual is linear in k1, so that half of it leaves half: 1 - 1/4
     for k1, share in ((K1, 1.0), (0.5 * K1, 0.75), (0.0, 0.0)):
         diagnosed(tmp_path / str(k1) / folder.name, k1, 0.98)
-        found = gap.check(folder, tmp_path / str(k1) / folder.name, UNITS)
+        found = gap.check(folder, tmp_path / str(k1) / folder.name, UNITS, HIDDEN)
         assert found["px"] == pytest.approx(share, abs=0.02), k1
     rows = [score.measure(cases, score.own_gaps(tmp_path / str(k1), folder.parent, UNITS, cases))
             for k1 in (K1, 0.0) for cases in [score.load(tmp_path / str(k1), answers)]]

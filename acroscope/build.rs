@@ -8,7 +8,8 @@ fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "linux") {
         println!("cargo::rustc-link-arg-bins=-Wl,--export-dynamic-symbol=_exit");
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    // Asked when it runs: with a copied `target/` it may have been built in another clone.
+    let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("..");
     // A change of any source may turn a clean tree into a changed one, or back.
     for folder in std::fs::read_dir(&root).into_iter().flatten().flatten().map(|entry| entry.path()) {
         let sources = folder.join("src");

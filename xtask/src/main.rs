@@ -14,6 +14,7 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 /// Commands of the workspace.
 #[derive(Parser)]
@@ -102,8 +103,13 @@ fn exit_code(outcome: Result<ExitCode>) -> ExitCode {
     })
 }
 
-/// The repository: this crate lies one level below it, wherever it was built.
+/// The repository: this crate lies one level below it. `cargo run` says where, so that a program which came along with a
+/// copied `target/` works on its own clone, not on the one that it was built in.
 fn root() -> &'static Path {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here)
+    static ROOT: LazyLock<PathBuf> = LazyLock::new(|| {
+        let here =
+            std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+        Path::new(&here).parent().map_or_else(|| PathBuf::from(&here), Path::to_path_buf)
+    });
+    &ROOT
 }

@@ -204,6 +204,7 @@ pub struct Man {
 mod tests {
     use super::Arguments;
     use clap::{CommandFactory as _, Parser as _};
+    use std::path::{Path, PathBuf};
 
     #[test]
     fn every_command_has_an_example_that_can_be_typed() {
@@ -222,5 +223,35 @@ mod tests {
                 assert!(Arguments::try_parse_from(words).is_ok(), "{line}");
             }
         }
+    }
+    fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).expect("a folder of the repository").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                pages(&path, found);
+            } else if path.extension().is_some_and(|ending| ending == "md") {
+                found.push(path);
+            }
+        }
+    }
+
+    #[test]
+    fn every_command_on_a_page_is_one_that_the_program_takes() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut found = vec![root.join("README.md")];
+        pages(&root.join("docs"), &mut found);
+        pages(&root.join("examples"), &mut found);
+        let mut seen = 0;
+        for page in found {
+            let text = std::fs::read_to_string(&page).expect("a page is text");
+            let lines = text.lines().map(|line| line.strip_prefix("$ ").unwrap_or(line));
+            for typed in lines.filter_map(|line| line.strip_prefix("cargo acroscope ")) {
+                let words = typed.split(" # ").next().unwrap_or_default().split_whitespace();
+                let parsed = Arguments::try_parse_from(std::iter::once("acroscope").chain(words));
+                assert!(parsed.is_ok(), "{}: {typed}", page.display());
+                seen += 1;
+            }
+        }
+        assert!(seen > 25, "found {seen} commands");
     }
 }

@@ -1,4 +1,4 @@
-//! What README.md prints is what the program does. The packed units must be there: `cargo xtask pack`.
+//! What README.md and the book print is what the program does. The packed units must be there: `cargo xtask pack`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,9 +7,9 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Each command of README's console blocks without its comment, and the lines that follow it.
-fn commands() -> Vec<(String, Vec<String>)> {
-    let text = std::fs::read_to_string(root().join("README.md")).expect("README.md is at the root");
+/// Each command of a page's console blocks without its comment, and the lines that follow it.
+fn commands(page: &str) -> Vec<(String, Vec<String>)> {
+    let text = std::fs::read_to_string(root().join(page)).unwrap_or_else(|why| panic!("{page}: {why}"));
     let mut found: Vec<(String, Vec<String>)> = Vec::new();
     for block in text.split("```console\n").skip(1) {
         for line in block.split("```").next().unwrap_or_default().lines() {
@@ -25,7 +25,7 @@ fn commands() -> Vec<(String, Vec<String>)> {
 
 #[test]
 fn every_scenario_and_data_set_of_the_readme_is_there() {
-    let commands = commands();
+    let commands = commands("README.md");
     let runs: Vec<&str> =
         commands.iter().filter_map(|(command, _)| command.strip_prefix("cargo acroscope run ")).collect();
     assert!(runs.len() >= 4, "{runs:?}");
@@ -45,8 +45,10 @@ fn every_scenario_and_data_set_of_the_readme_is_there() {
 
 #[test]
 fn paper_the_diagnosis_on_the_first_screen_is_as_printed() {
-    let commands = commands();
+    let commands = commands("README.md");
     let (command, printed) = &commands[0];
+    let (told_command, told) = self::commands("docs/diagnosis-told.md").swap_remove(0);
+    assert_eq!(&told_command, command, "the chapter tells the same case");
     assert_eq!(command, "cargo acroscope diagnose examples/hidden-effect", "the unusual thing comes first");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = Command::new(env!("CARGO_BIN_EXE_acroscope"))
@@ -58,8 +60,8 @@ fn paper_the_diagnosis_on_the_first_screen_is_as_printed() {
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(printed.len() >= 2, "README shows what it says");
-    for line in printed.iter().filter(|line| *line != "...") {
-        assert!(text.lines().any(|said| said == line), "README prints {line:?}, the program says\n{text}");
+    for line in printed.iter().chain(&told).filter(|line| *line != "...") {
+        assert!(text.lines().any(|said| said == line), "a page prints {line:?}, the program says\n{text}");
     }
     // The truth, as tests/hidden put it in (examples/README.md).
     let json = std::fs::read_to_string(folder.path().join("diagnosis.json")).expect("written");

@@ -39,7 +39,7 @@ const BLOCK: f64 = 0.5;
 /// Standard deviations to begin with, px and rad.
 const FIRST_GUESS: [f64; COLUMNS.len()] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0, 5e-4, 5e-4];
 /// By how much centroids and areas of two honest renderers differ at one place on the lattice, px: they cut the rim's pixels
-/// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/diagnosis.md.
+/// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
 const HONEST: f64 = 0.006;
 const HONEST_AREA: f64 = 0.06;
 /// The same of an angle, rad: a link is 160 px long.

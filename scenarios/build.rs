@@ -6,7 +6,8 @@ use std::path::Path;
 use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
-    println!("cargo::rerun-if-changed=units");
+    // The whole folder: a path that isn't there would make this, and all that depends on it, stale at every build.
+    println!("cargo::rerun-if-changed=.");
     let here = env::var("CARGO_MANIFEST_DIR").map_err(io::Error::other)?;
     let mut files: Vec<_> = match fs::read_dir(Path::new(&here).join("units")) {
         Ok(entries) => entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?,

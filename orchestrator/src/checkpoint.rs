@@ -5,11 +5,11 @@
 //! how far the results were written.
 
 use crate::error::Error;
+use crate::line::{Line, LineState};
 use crate::recorder::Position;
 use crate::simulation::{Phase, Simulation};
 use crate::system::Point;
 use crate::text::Text;
-use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Begins every file; the number is that of the format.
-const MAGIC: &[u8] = b"acroscope checkpoint 1\n";
+const MAGIC: &[u8] = b"acroscope checkpoint 2\n";
 
 /// Where checkpoints go, and how often they are made.
 #[derive(Debug, Clone)]
@@ -42,7 +42,7 @@ pub struct Checkpoint {
     ends: Vec<i64>,
     next: i64,
     units: Vec<UnitState>,
-    lines: Vec<Vec<(i64, Value)>>,
+    lines: Vec<LineState>,
     notices: Vec<String>,
     replaced_starts: Vec<String>,
 }
@@ -51,6 +51,7 @@ pub struct Checkpoint {
 struct UnitState {
     begin: f64,
     step: i64,
+    reach: i64,
     size: f64,
     warnings: u64,
     not_finite: Vec<(u32, String)>,
@@ -173,6 +174,7 @@ impl Simulation {
             units.push(UnitState {
                 begin: unit.begin,
                 step: unit.step,
+                reach: unit.reach,
                 size: unit.size,
                 warnings: unit.instance.warnings(),
                 not_finite: unit.not_finite.clone(),
@@ -192,7 +194,7 @@ impl Simulation {
             ends: system.ends.clone(),
             next: system.next,
             units,
-            lines: system.lines.iter().map(|line| line.queue.iter().cloned().collect()).collect(),
+            lines: system.lines.iter().map(Line::save).collect(),
             notices,
             replaced_starts,
         })
@@ -214,6 +216,7 @@ impl Simulation {
             unit.instance.free_state(state)?;
             unit.instance.set_warnings(saved.warnings);
             (unit.begin, unit.step, unit.size) = (saved.begin, saved.step, saved.size);
+            unit.reach = saved.reach;
             unit.not_finite.clone_from(&saved.not_finite);
         }
         system.values.reals.clone_from(&checkpoint.reals);
@@ -221,8 +224,8 @@ impl Simulation {
         system.values.strings = checkpoint.strings.iter().map(|text| Text::from(text.as_str())).collect();
         system.ends.clone_from(&checkpoint.ends);
         system.next = checkpoint.next;
-        for (line, queue) in system.lines.iter_mut().zip(&checkpoint.lines) {
-            line.queue = queue.iter().cloned().collect();
+        for (line, saved) in system.lines.iter_mut().zip(&checkpoint.lines) {
+            line.restore(saved);
         }
         self.now = Point { ticks: checkpoint.ticks, time: checkpoint.time };
         self.tell_again(&checkpoint.notices, &checkpoint.replaced_starts);

@@ -47,7 +47,7 @@ impl Plan {
         let graph =
             names.dependencies(connections, |fmu, output| fmu.description().initial_dependencies(output));
         let links: HashMap<Variable, Link> = (connections.iter())
-            .filter(|connection| !connection.delay.is_positive())
+            .filter(|connection| connection.direct)
             .map(|c| (c.to, Link { from: slots[&c.from], to: slots[&c.to], conversion: c.conversion }))
             .collect();
         let node = |&number: &usize| {

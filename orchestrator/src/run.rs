@@ -86,8 +86,12 @@ impl Simulation {
     /// # Errors
     /// If there is no such variable, it is a String, or it is neither recorded nor connected.
     pub fn stop_when(&mut self, name: &str, comparison: Comparison, limit: f64) -> Result<(), Error> {
-        let variable = self.wiring.names.named(name)?;
-        match self.wiring.slots.get(&variable) {
+        let derived = self.wiring.derived.get(name);
+        let slot = match derived {
+            Some(slot) => Some(slot),
+            None => self.wiring.slots.get(&self.wiring.names.named(name)?),
+        };
+        match slot {
             Some(&slot) if !matches!(slot, Slot::String(_)) => {
                 self.stops.push(Stop { name: name.into(), slot, comparison, limit });
                 Ok(())

@@ -123,7 +123,7 @@ impl Simulation {
         if self.phase != Phase::Ready {
             return Ok(());
         }
-        let Wiring { system, plan, sets, start, stop, names, .. } = &mut self.wiring;
+        let Wiring { system, clock, plan, sets, start, stop, names, .. } = &mut self.wiring;
         let by_reference: Vec<Vec<(u32, Value)>> = (sets.iter().enumerate())
             .map(|(unit, sets)| {
                 let reference = |place: usize| names.variable((unit, place)).reference;
@@ -134,6 +134,7 @@ impl Simulation {
         self.replaced_starts.clear();
         self.phase = Phase::Over;
         initialise(system, plan, &by_reference, *start, *stop, &mut self.notices, &mut self.replaced_starts)?;
+        system.age(clock, start.ticks);
         self.now = *start;
         self.phase = Phase::Running;
         Ok(())
@@ -159,6 +160,7 @@ impl Simulation {
         let Wiring { system, clock, .. } = &mut self.wiring;
         let made = self.algorithm.advance(system, clock, &mut self.now, most);
         guard::leave();
+        system.age(clock, self.now.ticks);
         let Err(mut error) = made else { return made.map_err(|error| *error) };
         self.phase = Phase::Over;
         if let Error::Terminated { time, .. } = &mut *error {
@@ -227,6 +229,10 @@ impl Simulation {
     /// # Errors
     /// If there is no such variable, or initialisation fails.
     pub fn get(&mut self, name: &str) -> Result<Value, Error> {
+        if let Some(&slot) = self.wiring.derived.get(name) {
+            self.initialize()?;
+            return Ok(self.wiring.system.values.get(slot));
+        }
         let variable = self.wiring.names.named(name)?;
         self.initialize()?;
         if let Some(slot) = self.wiring.slots.get(&variable) {

@@ -5,11 +5,12 @@ use crate::blocks::Blocks;
 use crate::error::Error;
 use crate::fmu::{Instance, Status};
 use crate::guard;
+use crate::line::Line;
 use crate::recorder::Slot;
 use crate::source::Signal;
 use crate::text::Text;
+use crate::time::Clock;
 use crate::value::{Kind, Value};
-use std::collections::VecDeque;
 
 /// A point in time: exact, and as the units get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +60,7 @@ pub(crate) enum Conversion {
     Type,
 }
 
-/// A connection without delay.
+/// The ends of a connection.
 #[derive(Debug, Clone)]
 pub(crate) struct Link {
     pub(crate) from: Slot,
@@ -80,16 +81,6 @@ impl Link {
     }
 }
 
-/// A connection with delay: what its output was, and when.
-#[derive(Debug, Clone)]
-pub(crate) struct Line {
-    pub(crate) link: Link,
-    /// The unit that gets the values.
-    pub(crate) to: usize,
-    pub(crate) delay: i64,
-    pub(crate) queue: VecDeque<(i64, Value)>,
-}
-
 /// A signal from outside.
 #[derive(Debug, Clone)]
 pub(crate) struct Feed {
@@ -103,11 +94,15 @@ pub(crate) struct Unit {
     pub(crate) instance: Instance,
     /// Communication interval in ticks.
     pub(crate) interval: i64,
+    /// The same; past every time while the first step is under way, if that is an odd one.
+    pub(crate) reach: i64,
     /// The step under way: its ticks, and as the unit gets it. Only the last one may differ from the interval.
     pub(crate) step: i64,
     pub(crate) size: f64,
-    /// All steps but perhaps the last, and the last one where the unit goes on to a stop between its points.
+    /// All steps but perhaps the first and the last; the first one where its points begin later than the start; and the
+    /// last one where the unit goes on to a stop between its points.
     pub(crate) whole: f64,
+    pub(crate) first: Option<(i64, f64)>,
     pub(crate) last: Option<(i64, f64)>,
     /// Where its next step begins, as the unit gets it.
     pub(crate) begin: f64,
@@ -136,6 +131,8 @@ pub(crate) struct System {
     pub(crate) next: i64,
     pub(crate) lines: Vec<Line>,
     pub(crate) values: Values,
+    /// Recorded ages of connected values: the line and the place among the reals.
+    pub(crate) ages: Vec<(usize, usize)>,
     /// No unit steps past this.
     pub(crate) stop: i64,
 }
@@ -190,17 +187,23 @@ impl System {
         if self.next == i64::MAX { None } else { Some(self.next) }
     }
 
+    /// Works out the recorded ages at a point.
+    pub(crate) fn age(&mut self, clock: &Clock, now: i64) {
+        for &(line, place) in &self.ages {
+            self.values.reals[place] = clock.seconds(now - self.lines[line].sent);
+        }
+    }
+
     /// Puts all units at the start.
     pub(crate) fn rewind(&mut self, start: Point) {
         self.ends.clear();
         for unit in &mut self.units {
             unit.begin = start.time;
-            (unit.step, unit.size) = (unit.interval, unit.whole);
-            self.ends.push(unit.end_of_next(start.ticks, self.stop));
+            self.ends.push(unit.end_of_first(start.ticks, self.stop));
         }
         self.next = self.ends.iter().copied().min().unwrap_or(i64::MAX);
         for line in &mut self.lines {
-            line.queue.clear();
+            line.clear(start.ticks);
             line.push(&self.values, &self.ends, start.ticks);
         }
     }
@@ -268,10 +271,32 @@ impl Unit {
     #[inline]
     fn end_of_next(&mut self, from: i64, stop: i64) -> i64 {
         // Both lie within half of the range (`wiring::clock`), so that neither difference nor sum overflows.
+        if self.reach > stop - from { self.end_of_odd(from, stop) } else { from + self.reach }
+    }
+
+    /// Where the very first step ends.
+    fn end_of_first(&mut self, start: i64, stop: i64) -> i64 {
+        match self.first {
+            Some((step, size)) if step <= stop - start => {
+                (self.step, self.size, self.reach) = (step, size, i64::MAX);
+                start + step
+            }
+            // Its points begin after the stop.
+            Some(_) => self.end_of_last(start, stop),
+            None => {
+                (self.step, self.size, self.reach) = (self.interval, self.whole, self.interval);
+                self.end_of_next(start, stop)
+            }
+        }
+    }
+
+    /// After an odd first step, or where the next whole one would end past the stop.
+    #[cold]
+    fn end_of_odd(&mut self, from: i64, stop: i64) -> i64 {
+        (self.step, self.size, self.reach) = (self.interval, self.whole, self.interval);
         if self.interval > stop - from { self.end_of_last(from, stop) } else { from + self.interval }
     }
 
-    #[cold]
     fn end_of_last(&mut self, from: i64, stop: i64) -> i64 {
         match self.last {
             Some((step, size)) if from < stop => {
@@ -325,29 +350,10 @@ fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: 
         }
     }
     for &line in &unit.lines_in {
-        let line = &mut lines[line];
-        let mut arrived = None;
-        while line.queue.front().is_some_and(|(sent, _)| sent + line.delay <= point.ticks) {
-            arrived = line.queue.pop_front();
-        }
-        if let Some((_, value)) = arrived {
-            values.put(line.link.to, &value);
-        }
+        lines[line].deliver(values, point.ticks);
     }
     for feed in &mut unit.feeds {
         feed_into(feed, values, point.time);
-    }
-}
-
-impl Line {
-    #[inline(never)]
-    fn push(&mut self, values: &Values, ends: &[i64], ticks: i64) {
-        if ends[self.to] == i64::MAX {
-            // It steps no more; the queue would only grow.
-            return;
-        }
-        let value = self.link.convert(values.get(self.link.from));
-        self.queue.push_back((ticks, value));
     }
 }
 

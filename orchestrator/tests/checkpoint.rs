@@ -11,10 +11,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Three rates, a delay on its way, texts, a source, a value that is not finite, a last step that is shorter.
+/// Three rates, values on their way that jitter and get lost, a line between values, ages, an offset, texts, a source, a value
+/// that is not finite, a last step that is shorter.
 const SYSTEM: &str = r#"
     format = 1
-    experiment = { stop = 2.05 }
+    experiment = { stop = 2.05, seed = 7 }
     [[units]]
     name = "a"
     fmu = "stateful.fmu"
@@ -24,6 +25,7 @@ const SYSTEM: &str = r#"
     name = "b"
     fmu = "feedthrough.fmu"
     interval = 0.03
+    offset = 0.01
     set = { mode = 1, k = -0.3 }
     [[units]]
     name = "c"
@@ -33,13 +35,17 @@ const SYSTEM: &str = r#"
     [[connections]]
     from = "a.y1"
     to = "b.u1"
+    latency = 0.02
+    hold = "linear"
     [[connections]]
     from = "b.y1"
     to = "c.u1"
     [[connections]]
     from = "c.y1"
     to = "a.u1"
-    delay = "1/4"
+    latency = "1/4"
+    jitter = 0.05
+    drop = 0.2
     [[connections]]
     from = "a.s_out"
     to = "b.s_in"
@@ -47,6 +53,8 @@ const SYSTEM: &str = r#"
     to = "a.u2"
     kind = "smooth"
     points = [[0, 0], [1.5, 1]]
+    [record]
+    variables = ["*", "*:age"]
 "#;
 
 /// Ends the run after so many looks.

@@ -40,6 +40,7 @@ fn connection(from: &str, to: &str) -> String {
 fn every_mistake_in_a_scenario_is_named() {
     let units = Units::new();
     let with = |extra: &str| format!("{BASE}{extra}");
+    let way = |extra: &str| with(&format!("{}{extra}\n", connection("a.y1", "b.u1")));
     let source = |kind: &str| with(&format!("[[sources]]\nto = \"a.u1\"\n{kind}\n"));
     for (text, expected) in [
         (
@@ -100,6 +101,50 @@ fn every_mistake_in_a_scenario_is_named() {
             with(&format!("{}delay = -0.5", connection("a.y1", "b.u1"))),
             "test.toml:14: delay = -1/2: not less than zero",
         ),
+        (way("latency = -0.5"), "test.toml:14: latency = -1/2: not less than zero"),
+        (way("latency = \"soon\""), "test.toml:14: latency = \"soon\": a time in s"),
+        (
+            way("latency = 1\ndelay = 1"),
+            "test.toml:15: delay beside latency: it is the old name of latency; keep one of them",
+        ),
+        (way("jitter = -1"), "test.toml:14: jitter = -1: not less than zero"),
+        (way("jitter = nan"), "test.toml:14: jitter = nan: a time in s"),
+        (
+            way("drop = 1.5"),
+            "test.toml:14: drop = 1.5: the share of values that are lost, a number from 0 to 1",
+        ),
+        (way("drop = nan"), "test.toml:14: drop = nan: the share"),
+        (way("drop = \"half\""), "test.toml:14: drop = \"half\": the share"),
+        (way("hold = \"liner\""), "test.toml:14: hold = \"liner\": zero or linear; did you mean linear?"),
+        (way("seed = 3"), "test.toml:14: seed: it goes with jitter or drop"),
+        (way("drop = 0.1\nseed = -3"), "test.toml:15: seed = -3: an integer, not less than zero"),
+        (BASE.replace("stop = 1", "stop = 1, seed = -1"), "test.toml:2: seed = -1: an integer, not less"),
+        (
+            with(&format!("{}hold = \"linear\"", connection("a.i_out", "b.i_in"))),
+            "test.toml:11: hold = \"linear\" from a.i_out to b.i_in: only a Real lies on a line",
+        ),
+        (
+            BASE.replacen("0.125", "0.125\noffset = 0.125", 1),
+            "test.toml:7: offset = 1/8: less than the interval of 1/8 s",
+        ),
+        (
+            BASE.replacen("0.125", "0.125\noffset = -0.1", 1),
+            "test.toml:7: offset = -1/10: not less than zero",
+        ),
+        (
+            with("[record]\nvariables = [\"b.u1:age\"]"),
+            "test.toml:12: b.u1:age: no connection leads to b.u1: an age is that of a value that came through one",
+        ),
+        (
+            way("[record]\nvariables = [\"b.u2:age\"]"),
+            "test.toml:15: b.u2:age: no connection leads to b.u2: an age is that of a value that came through one (did \
+             you mean b.u1:age?)",
+        ),
+        (
+            way("[record]\nvariables = [\"b.u9:age\"]"),
+            "test.toml:15: unit b has no variable \"u9\": did you mean u1",
+        ),
+        (way("[record]\nvariables = [\"c*:age\"]"), "test.toml:15: nothing matches \"c*:age\""),
         (source("kind = \"cubic\""), "test.toml:13: kind = \"cubic\": constant, hold, linear, smooth or csv"),
         (source("kind = \"linear\""), "test.toml:11: a source of kind \"linear\": it needs points"),
         (source("kind = \"constant\"\nvalue = nan"), "test.toml:11: value = nan: a finite number"),

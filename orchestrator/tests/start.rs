@@ -332,7 +332,7 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
     for line in [
         "start = \"1/2\"",
         "interval = \"1/8\"",
-        "delay = \"1/3\"",
+        "latency = \"1/3\"",
         "k = 0.1",
         "fault_time = 1e+300",
         "mode = 1",

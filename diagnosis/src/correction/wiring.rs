@@ -3,7 +3,7 @@
 use super::Correction;
 use super::dictionary::UNIT;
 use orchestrator::Place;
-use orchestrator::scenario::{ConnectionEntry, Given, Placed, Scenario, UnitEntry};
+use orchestrator::scenario::{Channel, ConnectionEntry, Given, Placed, Scenario, UnitEntry};
 use orchestrator::time::Rational;
 
 /// Name of the unit in a scenario, if no other has it.
@@ -32,6 +32,7 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
         fmu: Placed { value: UNIT.into(), place: here() },
         // the plant's own: torques are held for one of its steps
         interval: scenario.units[at].interval,
+        offset: scenario.units[at].offset.clone(),
         isolation: None,
         set: set.collect(),
         place: here(),
@@ -47,7 +48,8 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
         });
     }
     let mut connect = |from: String, to: String| {
-        scenario.connections.push(ConnectionEntry { from, to, delay: Rational::ZERO, place: here() });
+        let (delay, channel) = (Rational::ZERO, Channel::default());
+        scenario.connections.push(ConnectionEntry { from, to, delay, channel, place: here() });
     };
     STATE.iter().for_each(|variable| connect(format!("plant.{variable}"), format!("{name}.{variable}")));
     TORQUES.iter().for_each(|variable| connect(format!("{name}.{variable}"), format!("plant.{variable}")));

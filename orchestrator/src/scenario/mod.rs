@@ -8,10 +8,12 @@
 //! stop = 30.0                      # times: a number or a text such as "1/3", taken exactly; a decimal as long as
 //!                                  # 0.0016666666666666668 for the fraction that it came from, 1/600
 //! algorithm = "gauss-seidel"       # or "jacobi"; optional
+//! seed = 0                         # of jitter and drop below; optional
 //! [[units]]                        # Gauss-Seidel steps units in this order
 //! name = "plant"
 //! fmu = "acrobot_plant.fmu"        # beside the scenario file, then in the folders of the unit path
 //! interval = "1/600"               # communication interval in s
+//! offset = "1/1200"                # optional: its points lie at start + offset + k interval; less than the interval
 //! isolate = true                   # optional: the unit runs in a process of its own, where
 //! step_limit = 30                  # a call may take so many seconds,
 //! memory_limit = 1024              # and the process may have so many MiB
@@ -20,7 +22,11 @@
 //! [[connections]]
 //! from = "plant.q1"
 //! to = "camera.q1"
-//! delay = "1/60"                   # optional, s; until it is over the input keeps its start value
+//! latency = "1/60"                 # optional, s (`delay` in older files); until it is over the input keeps its start value
+//! jitter = 0.001                   # optional, s: standard deviation of the latency
+//! drop = 0.1                       # optional: share of values that are lost
+//! hold = "zero"                    # or "linear": between values on the line through the newest two; optional
+//! seed = 1                         # of this connection alone; optional
 //! [[sources]]
 //! to = "controller.z_desired"
 //! kind = "smooth"                  # constant | hold | linear | smooth | csv
@@ -35,9 +41,11 @@
 //! `interpolation = "hold"` instead of `"linear"`. In `record`, `*` stands for any text; a pattern with it matches
 //! inputs, outputs and locals, parameters are recorded only by their full name. Unknown keys are errors.
 
+mod connection;
 mod raw;
 pub(crate) mod write;
 
+pub use connection::{Channel, ConnectionEntry, Hold};
 pub(crate) use write::resolved;
 
 use crate::error::{Error, Place};
@@ -59,6 +67,8 @@ pub struct Scenario {
     pub stop: Rational,
     /// Name of the master algorithm.
     pub algorithm: Placed<String>,
+    /// Of whatever chance decides.
+    pub seed: u64,
     /// The units, in the order of stepping.
     pub units: Vec<UnitEntry>,
     /// The connections.
@@ -93,6 +103,8 @@ pub struct UnitEntry {
     pub fmu: Placed<String>,
     /// Communication interval in s.
     pub interval: Rational,
+    /// How much later than the start its points begin, in s, if that is not zero; less than the interval.
+    pub offset: Option<Placed<Rational>>,
     /// A process of its own, and its limits.
     pub isolation: Option<Isolation>,
     /// Start values and parameters: name and value, each name once.
@@ -108,19 +120,6 @@ pub enum Given {
     Toml(toml::Value),
     /// From the command line: text, read as the variable's type.
     Text(String),
-}
-
-/// `[[connections]]`
-#[derive(Debug, Clone)]
-pub struct ConnectionEntry {
-    /// `unit.variable` of an output.
-    pub from: String,
-    /// `unit.variable` of an input.
-    pub to: String,
-    /// Delay in s.
-    pub delay: Rational,
-    /// Where the entry begins.
-    pub place: Place,
 }
 
 /// `[[sources]]`

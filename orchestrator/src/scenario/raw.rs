@@ -1,6 +1,7 @@
 //! From TOML text to a [`Scenario`]: the keys, their types and their lines.
 
-use super::{ConnectionEntry, Given, Placed, Scenario, Shape, SignalEntry, SourceEntry, UnitEntry};
+use super::connection::{self, Connection};
+use super::{Given, Placed, Scenario, Shape, SignalEntry, SourceEntry, UnitEntry};
 use crate::error::{Error, Place};
 use crate::isolation::Isolation;
 use crate::time::Rational;
@@ -36,6 +37,7 @@ struct Experiment {
     start: Option<Spanned<toml::Value>>,
     stop: Spanned<toml::Value>,
     algorithm: Option<Spanned<String>>,
+    seed: Option<Spanned<i64>>,
 }
 
 #[derive(Deserialize)]
@@ -44,20 +46,13 @@ struct Unit {
     name: Spanned<String>,
     fmu: Spanned<String>,
     interval: Spanned<toml::Value>,
+    offset: Option<Spanned<toml::Value>>,
     #[serde(default)]
     isolate: bool,
     step_limit: Option<Spanned<f64>>,
     memory_limit: Option<Spanned<u64>>,
     #[serde(default)]
     set: BTreeMap<String, Spanned<toml::Value>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Connection {
-    from: String,
-    to: String,
-    delay: Option<Spanned<toml::Value>>,
 }
 
 #[derive(Deserialize)]
@@ -98,7 +93,7 @@ impl From<Number> for f64 {
 }
 
 /// Turns byte positions into lines.
-struct Text<'a> {
+pub(super) struct Text<'a> {
     text: &'a str,
     file: Arc<str>,
     /// What was read otherwise than it was written.
@@ -106,13 +101,18 @@ struct Text<'a> {
 }
 
 impl Text<'_> {
-    fn place(&self, span: Range<usize>) -> Place {
+    pub(super) fn place(&self, span: Range<usize>) -> Place {
         let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         Place::Line { file: self.file.clone(), line }
     }
 
-    fn wrong(&self, span: Range<usize>, what: impl Into<String>, expected: impl Into<String>) -> Error {
+    pub(super) fn wrong(
+        &self,
+        span: Range<usize>,
+        what: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Error {
         Error::Scenario { place: self.place(span), what: what.into(), expected: expected.into() }
     }
 
@@ -134,13 +134,27 @@ impl Text<'_> {
         Ok(time)
     }
 
-    fn positive(&self, key: &str, value: &Spanned<toml::Value>, or_zero: bool) -> Result<Rational, Error> {
+    pub(super) fn positive(
+        &self,
+        key: &str,
+        value: &Spanned<toml::Value>,
+        or_zero: bool,
+    ) -> Result<Rational, Error> {
         let time = self.time(key, value)?;
         if time.is_positive() || or_zero && time == Rational::ZERO {
             return Ok(time);
         }
         let expected = if or_zero { "not less than zero" } else { "greater than zero" };
         Err(self.wrong(value.span(), format!("{key} = {time}"), expected))
+    }
+
+    /// A seed of random numbers.
+    pub(super) fn seed(&self, value: &Spanned<i64>) -> Result<u64, Error> {
+        let wrong = |_| {
+            let expected = "an integer, not less than zero";
+            self.wrong(value.span(), format!("seed = {}", value.get_ref()), expected)
+        };
+        u64::try_from(*value.get_ref()).map_err(wrong)
     }
 }
 
@@ -171,11 +185,12 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
         start,
         stop,
         algorithm,
+        seed: raw.experiment.seed.as_ref().map_or(Ok(0), |seed| at.seed(seed))?,
         units: units(&at, raw.units)?,
         connections: raw
             .connections
             .into_iter()
-            .map(|entry| connection(&at, entry))
+            .map(|entry| connection::read(&at, entry))
             .collect::<Result<_, _>>()?,
         sources: raw.sources.into_iter().map(|entry| source(&at, entry)).collect::<Result<_, _>>()?,
         record: raw.record.map(|record| record.variables.into_iter().map(placed).collect()),
@@ -208,8 +223,10 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
                 (name, Placed { value: Given::Toml(value.into_inner()), place })
             })
             .collect();
+        let interval = at.positive("interval", &unit.interval, false)?;
         units.push(UnitEntry {
-            interval: at.positive("interval", &unit.interval, false)?,
+            interval,
+            offset: offset(at, unit.offset.as_ref(), interval)?,
             fmu: Placed { place: at.place(unit.fmu.span()), value: unit.fmu.into_inner() },
             name: unit.name.into_inner(),
             isolation,
@@ -218,6 +235,21 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
         });
     }
     Ok(units)
+}
+
+/// How much later than the start the points of a unit begin.
+fn offset(
+    at: &Text<'_>,
+    offset: Option<&Spanned<toml::Value>>,
+    interval: Rational,
+) -> Result<Option<Placed<Rational>>, Error> {
+    let Some(given) = offset else { return Ok(None) };
+    let offset = at.positive("offset", given, true)?;
+    if offset >= interval {
+        let expected = format!("less than the interval of {interval} s");
+        return Err(at.wrong(given.span(), format!("offset = {offset}"), expected));
+    }
+    Ok(offset.is_positive().then(|| Placed { value: offset, place: at.place(given.span()) }))
 }
 
 /// Whether a unit has a process of its own.
@@ -245,13 +277,6 @@ fn isolation(at: &Text<'_>, unit: &Unit) -> Result<Option<Isolation>, Error> {
         isolation.memory_limit = Some(bytes.ok_or_else(wrong)?);
     }
     Ok(unit.isolate.then_some(isolation))
-}
-
-fn connection(at: &Text<'_>, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {
-    let place = at.place(entry.span());
-    let Connection { from, to, delay } = entry.into_inner();
-    let delay = delay.as_ref().map_or(Ok(Rational::ZERO), |delay| at.positive("delay", delay, true))?;
-    Ok(ConnectionEntry { from, to, delay, place })
 }
 
 fn source(at: &Text<'_>, entry: Spanned<Source>) -> Result<SourceEntry, Error> {

@@ -1,6 +1,6 @@
 //! A scenario with every value that was used, as TOML that loads again and gives the same run.
 
-use super::{Scenario, Shape, SignalEntry};
+use super::{Channel, ConnectionEntry, Hold, Scenario, Shape, SignalEntry};
 use crate::value::Value;
 use std::fmt::Write;
 use toml::Value as Toml;
@@ -19,11 +19,17 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
     line(&mut out, "start", &scenario.start.to_string());
     line(&mut out, "stop", &scenario.stop.to_string());
     line(&mut out, "algorithm", &scenario.algorithm.value);
+    if scenario.seed > 0 {
+        put(&mut out, "seed", &Toml::Integer(scenario.seed.cast_signed()));
+    }
     for (entry, unit) in scenario.units.iter().zip(units) {
         out.push_str("\n[[units]]\n");
         line(&mut out, "name", &entry.name);
         line(&mut out, "fmu", &unit.fmu);
         line(&mut out, "interval", &entry.interval.to_string());
+        if let Some(offset) = &entry.offset {
+            line(&mut out, "offset", &offset.value.to_string());
+        }
         if let Some(isolation) = &entry.isolation {
             put(&mut out, "isolate", &Toml::Boolean(true));
             put(&mut out, "step_limit", &Toml::Float(isolation.step_limit.as_secs_f64()));
@@ -40,9 +46,7 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
         out.push_str("\n[[connections]]\n");
         line(&mut out, "from", &connection.from);
         line(&mut out, "to", &connection.to);
-        if connection.delay.is_positive() {
-            line(&mut out, "delay", &connection.delay.to_string());
-        }
+        way(&mut out, connection);
     }
     for source in &scenario.sources {
         out.push_str("\n[[sources]]\n");
@@ -60,6 +64,25 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
         out.push_str(&report.to_string());
     }
     out
+}
+
+/// What happens to values on their way.
+fn way(out: &mut String, connection: &ConnectionEntry) {
+    let Channel { jitter, drop, hold, seed } = connection.channel;
+    for (key, time) in [("latency", connection.delay), ("jitter", jitter)] {
+        if time.is_positive() {
+            line(out, key, &time.to_string());
+        }
+    }
+    if drop > 0.0 {
+        put(out, "drop", &Toml::Float(drop));
+    }
+    if hold != Hold::Zero {
+        line(out, "hold", hold.name());
+    }
+    if let Some(seed) = seed {
+        put(out, "seed", &Toml::Integer(seed.cast_signed()));
+    }
 }
 
 fn signal(out: &mut String, signal: &SignalEntry, scenario: &Scenario) {

@@ -117,15 +117,24 @@ impl Layout {
 }
 
 impl UnitBlocks {
-    pub(super) fn unit(self, instance: Instance, interval: i64, size: f64, last: Option<(i64, f64)>) -> Unit {
+    pub(super) fn unit(
+        self,
+        instance: Instance,
+        interval: i64,
+        size: f64,
+        ends: [Option<(i64, f64)>; 2],
+    ) -> Unit {
         let Self { name, inputs, outputs, fixed } = self;
+        let [first, last] = ends;
         Unit {
             name,
             instance,
             interval,
+            reach: interval,
             step: interval,
             size,
             whole: size,
+            first,
             last,
             begin: 0.0,
             links: Vec::new(),

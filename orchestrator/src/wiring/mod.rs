@@ -2,24 +2,27 @@
 
 mod check;
 mod layout;
+mod lines;
 mod names;
 mod record;
+mod ticks;
 
 pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
 
 use crate::error::{Error, Place};
-use crate::fmu::{Description, Fmu};
+use crate::fmu::Fmu;
 use crate::graph;
 use crate::initialise::Plan;
 use crate::recorder::{Column, Slot};
-use crate::scenario::{Given, Scenario, SignalEntry, UnitEntry};
+use crate::scenario::{Channel, Given, Hold, Scenario, SignalEntry};
 use crate::source::Signal;
-use crate::system::{Conversion, Line, Link, Point, System};
+use crate::system::{Conversion, Point, System};
 use crate::time::{Clock, Rational};
 use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
 use layout::Layout;
+use record::Recorded;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -32,6 +35,8 @@ pub(crate) struct Wiring {
     pub(crate) plan: Plan,
     pub(crate) names: Names,
     pub(crate) slots: HashMap<Variable, Slot>,
+    /// Recorded values that no unit has, by name.
+    pub(crate) derived: HashMap<String, Slot>,
     pub(crate) driven: HashMap<Variable, Place>,
     /// Start values that differ from the description's, unit by unit.
     pub(crate) sets: Vec<Vec<(usize, Value)>>,
@@ -47,6 +52,9 @@ pub(crate) struct Connection {
     pub(crate) to: Variable,
     pub(crate) conversion: Conversion,
     pub(crate) delay: Rational,
+    /// A value is there as soon as it was sent, also at the start.
+    pub(crate) direct: bool,
+    channel: Channel,
 }
 
 /// A source with its end found.
@@ -63,10 +71,11 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
     let mut sets = start_values(scenario, &names)?;
     let connections = connections(scenario, &names, &mut driven, &mut notices)?;
     let sources = sources(scenario, &names, &mut driven, &mut sets)?;
-    let recorded = record::variables(scenario, &names)?;
+    let recorded = record::chosen(scenario, &names, &connections)?;
+    let variables: Vec<Variable> = recorded.iter().filter_map(Recorded::variable).collect();
 
-    let (clock, ticks) = clock(scenario)?;
-    let layout = Layout::new(&names, &connections, &sources, &recorded);
+    let (clock, ticks) = ticks::clock(scenario)?;
+    let layout = Layout::new(&names, &connections, &sources, &variables);
     let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
     let instances = instances.collect::<Result<Vec<_>, _>>()?;
     let Layout { blocks, slots, values } = layout;
@@ -76,17 +85,25 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         units: Vec::new(),
         lines: Vec::new(),
         values,
+        ages: Vec::new(),
         stop: ticks.stop,
     };
     notices.extend(scenario.notes.iter().cloned());
     for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
         let (entry, interval) = (&scenario.units[unit], ticks.intervals[unit]);
         let last = ticks.last(unit, instance.fmu().description(), &clock);
-        notices.extend(last_point(scenario, entry, last));
+        notices.extend(ticks::last_point(scenario, entry, last));
         let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
-        system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), last));
+        let first = ticks::first_step(entry, instance.fmu().description(), &clock)?;
+        system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), [first, last]));
     }
-    lay_connections(&mut system, &connections, &slots, &clock);
+    let lines = lines::lay_connections(&mut system, scenario, &connections, &slots, &clock, &recorded);
+    let derived = lines::lay_ages(&mut system, &names, &connections, &recorded, &lines);
+    let slot = |recorded: &Recorded| match recorded {
+        Recorded::Variable(variable) => slots[variable],
+        Recorded::Age(connection) => derived[&names.age(&connections[*connection])],
+    };
+    let recorded_slots = recorded.iter().map(slot).collect();
     for Source { to, signal } in sources {
         system.units[to.0].feeds.push(crate::system::Feed { signal, to: slots[&to] });
     }
@@ -104,8 +121,9 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         plan: Plan::new(&names, &connections, &slots),
         start: Point { ticks: ticks.start, time: scenario.start.to_f64() },
         stop: scenario.stop.to_f64(),
-        columns: recorded.iter().map(|&variable| names.column(variable)).collect(),
-        recorded: recorded.iter().map(|variable| slots[variable]).collect(),
+        columns: recorded.iter().map(|recorded| recorded.column(&names, &connections)).collect(),
+        recorded: recorded_slots,
+        derived,
         system,
         clock,
         names,
@@ -136,68 +154,6 @@ fn open(scenario: &Scenario, path: &UnitPath) -> Result<(Vec<Fmu>, Vec<PathBuf>)
         files.push(file);
     }
     Ok((fmus, files))
-}
-
-struct Ticks {
-    start: i64,
-    stop: i64,
-    intervals: Vec<i64>,
-}
-
-/// What is left between the last whole step of a unit and the stop.
-#[derive(Clone, Copy)]
-struct Last {
-    ticks: i64,
-    size: Rational,
-    /// The unit takes a shorter step to get there.
-    reaches_stop: bool,
-}
-
-impl Ticks {
-    /// `None` where the stop is one of the unit's own points.
-    fn last(&self, unit: usize, description: &Description, clock: &Clock) -> Option<Last> {
-        let ticks = (self.stop - self.start) % self.intervals[unit];
-        let tick = clock.tick();
-        let size =
-            Rational::new(i128::from(ticks) * i128::from(tick.numerator()), i128::from(tick.denominator()))?;
-        let reaches_stop = description.co_simulation.can_handle_variable_step;
-        (ticks > 0).then_some(Last { ticks, size, reaches_stop })
-    }
-}
-
-/// What a person should know of a stop that is none of a unit's points.
-fn last_point(scenario: &Scenario, entry: &UnitEntry, last: Option<Last>) -> Option<String> {
-    let Last { size, reaches_stop, .. } = last?;
-    let (name, interval, stop) = (&entry.name, entry.interval, scenario.stop);
-    let off = format!("unit {name}: its interval of {interval} s does not divide the run up to {stop} s:");
-    Some(match reaches_stop {
-        true => format!("{off} its last step has {size} s"),
-        false => format!("{off} its last point lies {size} s before the stop, since its steps can't differ"),
-    })
-}
-
-fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
-    let times = || {
-        let units = scenario.units.iter().map(|unit| unit.interval);
-        let delays = scenario.connections.iter().map(|connection| connection.delay);
-        [scenario.start, scenario.stop].into_iter().chain(units).chain(delays)
-    };
-    let ticks = || {
-        let clock = Clock::of(times())?;
-        let intervals =
-            scenario.units.iter().map(|unit| clock.ticks(unit.interval)).collect::<Option<_>>()?;
-        let (start, stop) = (clock.ticks(scenario.start)?, clock.ticks(scenario.stop)?);
-        // Half of the range is left for the sums of a time and a delay or interval.
-        let fits = |ticks: i64| clock.holds(ticks) && ticks.unsigned_abs() < 1 << 62;
-        let delays_fit = scenario.connections.iter().all(|c| clock.ticks(c.delay).is_some_and(fits));
-        (fits(start) && fits(stop) && delays_fit).then_some((clock, Ticks { start, stop, intervals }))
-    };
-    ticks().ok_or_else(|| {
-        let mut all: Vec<String> = times().map(|time| time.to_string()).collect();
-        all.sort();
-        all.dedup();
-        Error::Tick { place: scenario.place.clone(), times: all.join(", ") }
-    })
 }
 
 fn start_values(scenario: &Scenario, names: &Names) -> Result<Vec<Vec<(usize, Value)>>, Error> {
@@ -256,7 +212,16 @@ fn connections(
         let to = names.input(&entry.to).map_err(wrong)?;
         drive(driven, names, to, &entry.place)?;
         let conversion = check::conversion(names, from, to, notices).map_err(wrong)?;
-        all.push(Connection { from, to, conversion, delay: entry.delay });
+        let channel = entry.channel.clone();
+        let real = |variable| names.variable(variable).kind == Kind::Real;
+        if channel.hold == Hold::Linear && !(real(from) && real(to)) {
+            let what = format!("hold = \"linear\" from {} to {}", names.full(from), names.full(to));
+            return Err(wrong((
+                what,
+                "only a Real lies on a line; both ends have to be of that type".into(),
+            )));
+        }
+        all.push(Connection { from, to, conversion, delay: entry.delay, direct: entry.is_direct(), channel });
     }
     Ok(all)
 }
@@ -298,38 +263,6 @@ fn sources(
         all.push(Source { to, signal });
     }
     Ok(all)
-}
-
-fn lay_connections(
-    system: &mut System,
-    connections: &[Connection],
-    slots: &HashMap<Variable, Slot>,
-    clock: &Clock,
-) {
-    for connection in connections {
-        let Connection { from, to, conversion, delay } = connection;
-        let link = Link { from: slots[from], to: slots[to], conversion: *conversion };
-        if delay.is_positive() {
-            let number = system.lines.len();
-            let delay = clock.ticks(*delay).unwrap_or(0); // a multiple: the clock was made from it
-            let intervals = (system.units[from.0].interval, system.units[to.0].interval);
-            let waiting = usize::try_from((delay + intervals.1) / intervals.0 + 3).unwrap_or(0).min(1 << 16);
-            let queue = std::collections::VecDeque::with_capacity(waiting);
-            system.lines.push(Line { link, to: to.0, delay, queue });
-            system.units[from.0].lines_out.push(number);
-            system.units[to.0].lines_in.push(number);
-            continue;
-        }
-        let target = &mut system.units[to.0];
-        let inputs = &mut target.inputs;
-        match (link.conversion, link.from, link.to) {
-            (Conversion::Same, Slot::Real(from), Slot::Real(to)) => inputs.reals.copy(from, to),
-            (Conversion::Same, Slot::Integer(from), Slot::Integer(to)) => inputs.integers.copy(from, to),
-            (Conversion::Same, Slot::Boolean(from), Slot::Boolean(to)) => inputs.booleans.copy(from, to),
-            (Conversion::Same, Slot::String(from), Slot::String(to)) => inputs.strings.copy(from, to),
-            _ => target.links.push(link),
-        }
-    }
 }
 
 /// Loops of direct feedthrough between communication points. The order of the units cuts them; a person should know.

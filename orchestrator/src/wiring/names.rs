@@ -46,6 +46,11 @@ impl Names {
         Column { name: self.full(variable), kind: description.kind, unit: description.unit.clone() }
     }
 
+    /// Name of the age of a connected value.
+    pub(crate) fn age(&self, connection: &Connection) -> String {
+        format!("{}:age", self.full(connection.to))
+    }
+
     pub(crate) fn unit(&self, name: &str) -> Result<usize, Wrong> {
         self.units.iter().position(|(known, _)| known == name).ok_or_else(|| {
             (
@@ -145,7 +150,7 @@ impl Names {
         connections: &[Connection],
         inside: impl Fn(&'a Fmu, usize) -> Option<&'a [usize]>,
     ) -> Dependencies {
-        let direct = || connections.iter().filter(|connection| !connection.delay.is_positive());
+        let direct = || connections.iter().filter(|connection| connection.direct);
         // In order, so that the same scenario is always initialised in the same order.
         let mut numbers: BTreeMap<Variable, usize> = BTreeMap::new();
         for connection in direct() {

@@ -1,14 +1,56 @@
 //! What is recorded.
 
+use super::Connection;
 use super::names::{self, Names, Variable};
 use crate::error::Error;
 use crate::fmu::Causality;
+use crate::recorder::Column;
 use crate::scenario::Scenario;
+use crate::suggest::nearest;
+use crate::value::Kind;
+use std::collections::HashSet;
 
-/// The recorded variables; an error where one can't be told from another by its name.
-pub(super) fn variables(scenario: &Scenario, names: &Names) -> Result<Vec<Variable>, Error> {
-    let chosen = chosen(scenario, names)?;
-    for &(unit, place) in &chosen {
+/// Ends the name of an age; before it stands that of the input.
+const AGE: &str = ":age";
+
+/// Something that is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Recorded {
+    /// A variable of a unit.
+    Variable(Variable),
+    /// How old the value is that an input has of a connection, by its number.
+    Age(usize),
+}
+
+impl Recorded {
+    pub(super) fn variable(&self) -> Option<Variable> {
+        if let Self::Variable(variable) = self { Some(*variable) } else { None }
+    }
+
+    pub(super) fn age(&self) -> Option<usize> {
+        if let Self::Age(connection) = self { Some(*connection) } else { None }
+    }
+
+    pub(super) fn column(&self, names: &Names, connections: &[Connection]) -> Column {
+        match self {
+            Self::Variable(variable) => names.column(*variable),
+            Self::Age(connection) => Column {
+                name: names.age(&connections[*connection]),
+                kind: Kind::Real,
+                unit: Some("s".into()),
+            },
+        }
+    }
+}
+
+/// What is recorded, in the order of the columns; an error where a variable can't be told from another by its name.
+pub(super) fn chosen(
+    scenario: &Scenario,
+    names: &Names,
+    connections: &[Connection],
+) -> Result<Vec<Recorded>, Error> {
+    let chosen = matching(scenario, names, connections)?;
+    for (unit, place) in chosen.iter().filter_map(Recorded::variable) {
         let (name, fmu) = &names.units[unit];
         let variable = &fmu.description().variables[place].name;
         if fmu.description().is_ambiguous(variable) {
@@ -19,41 +61,67 @@ pub(super) fn variables(scenario: &Scenario, names: &Names) -> Result<Vec<Variab
     Ok(chosen)
 }
 
-/// The recorded variables in the order of the columns: as the patterns come, each in the order of units and
-/// descriptions.
-fn chosen(scenario: &Scenario, names: &Names) -> Result<Vec<Variable>, Error> {
+/// As the patterns come, each in the order of units and descriptions.
+fn matching(scenario: &Scenario, names: &Names, connections: &[Connection]) -> Result<Vec<Recorded>, Error> {
     let all = || {
         let count = |unit: usize| names.units[unit].1.description().variables.len();
         (0..names.units.len()).flat_map(move |unit| (0..count(unit)).map(move |place| (unit, place)))
     };
     let causality = |variable: Variable| names.variable(variable).causality;
     let Some(patterns) = &scenario.record else {
-        return Ok(all().filter(|&v| matches!(causality(v), Causality::Input | Causality::Output)).collect());
+        let shown = all().filter(|&v| matches!(causality(v), Causality::Input | Causality::Output));
+        return Ok(shown.map(Recorded::Variable).collect());
     };
-    let mut chosen: Vec<Variable> = Vec::new();
+    let mut chosen: Vec<Recorded> = Vec::new();
+    let mut known: HashSet<Recorded> = HashSet::new();
+    let mut choose = |one: Recorded| {
+        if known.insert(one) {
+            chosen.push(one);
+        }
+    };
     for pattern in patterns {
         let wrong = |(what, expected)| Error::Scenario { place: pattern.place.clone(), what, expected };
-        if !pattern.value.contains('*') {
-            let variable = names.find(&pattern.value).map_err(wrong)?;
-            if !chosen.contains(&variable) {
-                chosen.push(variable);
-            }
+        let pattern = pattern.value.as_str();
+        if !pattern.contains('*') {
+            choose(named(pattern, names, connections).map_err(wrong)?);
             continue;
         }
         let signals = all()
             .filter(|&v| matches!(causality(v), Causality::Input | Causality::Output | Causality::Local));
-        let matching: Vec<Variable> = signals.filter(|&v| matches(&pattern.value, &names.full(v))).collect();
-        if matching.is_empty() {
-            let unit = pattern.value.split('.').next().unwrap_or_default();
+        let signals = signals.filter(|&v| matches(pattern, &names.full(v))).map(Recorded::Variable);
+        // A pattern for signals means no ages: it would have other columns than it had before there were any.
+        let ages = (0..connections.len()).filter(|_| pattern.ends_with(AGE));
+        let ages = ages.filter(|&age| matches(pattern, &names.age(&connections[age]))).map(Recorded::Age);
+        let mut found = signals.chain(ages).peekable();
+        if found.peek().is_none() {
+            let unit = pattern.split('.').next().unwrap_or_default();
             let expected = match names.unit(unit) {
                 Err((what, expected)) if !unit.contains('*') => format!("{what}: {expected}"),
                 _ => "inputs, outputs or locals by unit.variable, with * for any text".into(),
             };
-            return Err(wrong((format!("nothing matches {:?}", pattern.value), expected)));
+            return Err(wrong((format!("nothing matches {pattern:?}"), expected)));
         }
-        chosen.extend(matching.into_iter().filter(|v| !chosen.contains(v)).collect::<Vec<_>>());
+        found.for_each(&mut choose);
     }
     Ok(chosen)
+}
+
+/// A variable, or the age of an input's value, by its full name.
+fn named(full: &str, names: &Names, connections: &[Connection]) -> Result<Recorded, names::Wrong> {
+    let found = names.find(full);
+    let (Err(_), Some(input)) = (&found, full.strip_suffix(AGE)) else {
+        return found.map(Recorded::Variable);
+    };
+    let input = names.find(input)?;
+    let connection = connections.iter().position(|connection| connection.to == input);
+    connection.map(Recorded::Age).ok_or_else(|| {
+        let aged: Vec<String> = connections.iter().map(|connection| names.age(connection)).collect();
+        let likely = nearest(full, aged.iter().map(String::as_str));
+        (
+            format!("{full}: no connection leads to {}", names.full(input)),
+            format!("an age is that of a value that came through one ({likely})"),
+        )
+    })
 }
 
 /// Whether a name fits a pattern, in which `*` stands for any text.

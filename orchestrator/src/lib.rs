@@ -102,7 +102,7 @@ pub use fmu::Fmu;
 #[cfg(unix)]
 pub use guard::exit_at_once;
 pub use guard::{Guard, give_up};
-pub use isolation::{Isolation, host_units};
+pub use isolation::{Isolation, host_units, host_units_by};
 pub use progress::{Progress, Quiet};
 pub use recorder::{Cell, Column, CsvRecorder, MemoryRecorder, NoRecorder, Position, Recorder, Row, Twice};
 pub use run::{Comparison, Ended};
@@ -112,3 +112,8 @@ pub use source::smooth_step;
 pub use suggest::nearest;
 pub use unit_path::UnitPath;
 pub use value::{Kind, Value};
+
+/// The README's program is compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

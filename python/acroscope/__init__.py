@@ -15,10 +15,15 @@ Runs and simulations happen in this process, without its lock; commands of minut
 What is wrong with the input raises `InputError`, in the words of the command line.
 """
 
+import sys
 from pathlib import Path
 
 from . import _acroscope
 from ._acroscope import Error, InputError, __version__
+
+if sys.executable:
+    # The process of an isolated unit is Python with this package, and ends in this call.
+    _acroscope.host_units(sys.executable, ["-P", "-m", "acroscope"])
 
 _DATA = Path(__file__).resolve().parent / "data"
 _acroscope.add_units(_DATA / "fmus")

@@ -44,12 +44,14 @@ def run(
     values: Mapping[str, Value] | None = None,
     *,
     stop: float | str | Fraction | None = None,
+    isolate: bool = False,
     out: str | PathLike[str] | None = None,
 ) -> Results:
     """Runs a scenario, a shipped one by its name or a file by its path.
 
     `values` are parameters and start values by `instance.variable`; `stop` is a time in s, exact as text or Fraction
-    ("1/3"). `out` is a folder that keeps results.csv, resolved.toml, report.html, summary.json and the frames; a temporary
+    ("1/3"). With `isolate` each unit runs in a process of its own (on Linux), so that whatever it does ends the run and not
+    Python. `out` is a folder that keeps results.csv, resolved.toml, report.html, summary.json and the frames; a temporary
     one, which vanishes with the results, if none is given.
     """
     folder = OutFolder(out)
@@ -58,6 +60,8 @@ def run(
         words += ["--set", f"{name}={_word(value)}"]
     if stop is not None:
         words += ["--stop", str(stop)]
+    if isolate:
+        words.append("--isolate")
     return Results(_acroscope.run(words), folder)
 
 
@@ -160,18 +164,21 @@ class Simulation:
         while sim.step() is not None:
             sim.set("plant.tau", my_controller(sim.get("plant.q1"), sim.get("plant.q2")))
 
-    `inputs` are taken from whatever drives them in the scenario, and yours to set.
+    `inputs` are taken from whatever drives them in the scenario, and yours to set. With `isolate` each unit runs in a process
+    of its own (on Linux).
     """
 
     def __init__(
         self,
-        scenario: str,
+        scenario: str | PathLike[str],
         values: Mapping[str, Value] | None = None,
         *,
         stop: float | str | Fraction | None = None,
         inputs: Sequence[str] = (),
+        isolate: bool = False,
     ) -> None:
-        self._inner = _acroscope.Simulation(str(scenario), dict(values or {}), _stop(stop), list(inputs))
+        words = (os.fspath(scenario), dict(values or {}), _stop(stop), list(inputs), isolate)
+        self._inner = _acroscope.Simulation(*words)
 
     @property
     def time(self) -> float:

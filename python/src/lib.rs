@@ -23,7 +23,14 @@ use values::Watch;
 #[pyfunction]
 fn main(py: Python<'_>, arguments: Vec<String>) -> u8 {
     let arguments = std::iter::once("acroscope".to_owned()).chain(arguments).map(Into::into);
+    let _guard = orchestrator::Guard::begin();
     py.detach(|| acroscope::command_line(arguments))
+}
+
+/// Serves a unit and never returns, if this process was started for that; else says how such a process is started.
+#[pyfunction]
+fn host_units(py: Python<'_>, program: PathBuf, arguments: Vec<String>) {
+    py.detach(|| orchestrator::host_units_by(program, arguments));
 }
 
 /// Names the folder in which the packed units lie.
@@ -38,14 +45,24 @@ fn shipped() -> Vec<&'static str> {
     scenarios::SHIPPED.iter().map(|(name, _)| *name).collect()
 }
 
-/// A scenario with values and a stop time, where given.
-fn load(name: &str, values: Option<&Bound<'_, PyDict>>, stop: Option<&str>) -> PyResult<Scenario> {
+/// A scenario with values and a stop time, where given, and its units in processes of their own, if wanted.
+fn load(
+    name: &str,
+    values: Option<&Bound<'_, PyDict>>,
+    stop: Option<&str>,
+    isolate: bool,
+) -> PyResult<Scenario> {
     let mut scenario = scenarios::load(name).map_err(errors::input)?;
     for (variable, value) in values.into_iter().flatten() {
         scenario.set(&variable.extract::<String>()?, &values::text(&value)?).map_err(told)?;
     }
     if let Some(stop) = stop {
         scenario.set_stop(stop).map_err(told)?;
+    }
+    if isolate {
+        for unit in &mut scenario.units {
+            unit.isolation.get_or_insert_default();
+        }
     }
     Ok(scenario)
 }
@@ -75,6 +92,7 @@ fn _acroscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Simulation>()?;
     module.add_class::<State>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(host_units, module)?)?;
     module.add_function(wrap_pyfunction!(add_units, module)?)?;
     module.add_function(wrap_pyfunction!(shipped, module)?)?;
     module.add_function(wrap_pyfunction!(table::grey, module)?)?;

@@ -40,15 +40,16 @@ impl State {
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (scenario, values = None, stop = None, inputs = Vec::new()))]
+    #[pyo3(signature = (scenario, values = None, stop = None, inputs = Vec::new(), isolate = false))]
     fn new(
         py: Python<'_>,
         scenario: &str,
         values: Option<&Bound<'_, PyDict>>,
         stop: Option<&str>,
         inputs: Vec<String>,
+        isolate: bool,
     ) -> PyResult<Self> {
-        let mut scenario = crate::load(scenario, values, stop)?;
+        let mut scenario = crate::load(scenario, values, stop, isolate)?;
         for input in &inputs {
             scenario.release(input).map_err(told)?;
         }

@@ -1,11 +1,13 @@
 """The installed package: what a notebook does with it. Run by scripts/test-wheel.sh, outside the clone."""
 
 import csv
+import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import polars
@@ -127,6 +129,26 @@ def test_a_controller_in_python_takes_an_input_over():
         bound.set("plant.tau", 3.0)
     with pytest.raises(ac.InputError, match="did you mean plant.tau"):
         ac.Simulation("full-state", inputs=["plant.tua"])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="units in processes of their own: Linux")
+def test_isolated_units_give_the_same_bits():
+    here, apart = ac.run("visual-servo", stop=0.2), ac.run("visual-servo", stop=0.2, isolate=True)
+    assert apart["plant.q1"].tolist() == here["plant.q1"].tolist()
+    simulation = ac.Simulation("full-state", stop=0.1, isolate=True)
+    pid = os.getpid()
+    children = Path(f"/proc/{pid}/task/{threading.get_native_id()}/children").read_text().split()
+    names = [Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[1:4] for child in children]
+    assert names == [[b"-P", b"-m", b"acroscope"]] * 2, "one process for the plant, one for the controller"
+    simulation.step(until=0.1)
+    assert simulation.get("plant.q1") == ac.run("full-state", stop=0.1).last("plant.q1")
+    # A unit whose process is gone ends the simulation with its name, and not Python.
+    simulation.reset()
+    simulation.step()
+    for child in children:
+        os.kill(int(child), signal.SIGKILL)
+    with pytest.raises(ac.Error, match="plant|controller"):
+        simulation.step(until=0.1)
 
 
 def test_what_is_wrong_says_so():

@@ -49,14 +49,29 @@ static HOST: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
 /// Serves a unit and never returns, if this process was started for that. Else this program, started again with
 /// `arguments` that lead it here, will serve the units that are to be isolated. To be called first in `main`.
 pub fn host_units(arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    serve_if_asked();
+    if let Ok(program) = std::env::current_exe() {
+        register(program, arguments);
+    }
+}
+
+/// As [`host_units`], for a library that is loaded into a program which can't be told by its file: Python's, in a virtual
+/// environment. `program`, started with `arguments`, must come by here, too. The first call counts.
+pub fn host_units_by(program: PathBuf, arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    serve_if_asked();
+    register(program, arguments);
+}
+
+fn serve_if_asked() {
     #[cfg(isolation)]
     if let Some(descriptor) = std::env::var(server::MEMORY).ok().and_then(|text| text.parse().ok()) {
         server::serve(descriptor);
     }
-    if let Ok(program) = std::env::current_exe() {
-        let arguments = arguments.into_iter().map(Into::into).collect();
-        HOST.get_or_init(|| (program, arguments));
-    }
+}
+
+fn register(program: PathBuf, arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    let arguments = arguments.into_iter().map(Into::into).collect();
+    HOST.get_or_init(|| (program, arguments));
 }
 
 /// The program that serves units; an error is why there is none.

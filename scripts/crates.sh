@@ -4,12 +4,14 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-crates=(fmi2-export)
+crates=(fmi2-export orchestrator)
 for crate in "${crates[@]}"; do
     cargo package --quiet --package "$crate" --target-dir target/package-build "$@"
     archive=$(ls -t target/package-build/package/"$crate"-*.crate | head -1)
     for file in README.md LICENSE-MIT LICENSE-APACHE; do
         tar -tzf "$archive" | grep --quiet "/$file\$" || { echo "error: $archive lacks $file"; exit 1; }
     done
+    [ "$(tar -xzOf "$archive" --wildcards '*/LICENSE-APACHE' | grep --count 'Apache License')" -gt 0 ] ||
+        { echo "error: LICENSE-APACHE in $archive is not that licence's text"; exit 1; }
     echo "$(basename "$archive"): $(tar -tzf "$archive" | wc -l) files, $(stat -c %s "$archive") bytes, builds by itself"
 done

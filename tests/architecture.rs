@@ -101,6 +101,67 @@ fn every_third_party_crate_has_its_reason() {
     }
 }
 
+/// What `cargo deny check licenses` asks, where there is no `cargo deny`: the licence of every crate that is built into anything
+/// can be met with those that `deny.toml` allows.
+#[test]
+fn every_licence_is_among_those_allowed() {
+    let text = std::fs::read_to_string(root().join("deny.toml")).expect("deny.toml is at the root");
+    let deny: toml::Table = text.parse().expect("deny.toml is TOML");
+    let allowed: Vec<&str> = (deny["licenses"]["allow"].as_array().expect("a list"))
+        .iter()
+        .map(|name| name.as_str().expect("a name"))
+        .collect();
+    assert!(!met("MIT AND GPL-3.0-only", &allowed) && !met("(GPL-2.0 OR LGPL-2.1) AND MIT", &allowed));
+    assert!(met("GPL-3.0-only OR (MIT AND Zlib)", &allowed) && met("GPL-2.0/MIT", &allowed));
+    let locked = vec!["--locked".to_owned()];
+    let all = MetadataCommand::new().current_dir(root()).other_options(locked).exec().expect("metadata");
+    assert!(all.packages.len() > 100, "{} crates", all.packages.len());
+    for package in &all.packages {
+        let licence = package.license.as_deref().unwrap_or("none");
+        let name = &package.name;
+        assert!(met(licence, &allowed), "{name}: licence {licence}; deny.toml allows {allowed:?}");
+    }
+}
+
+/// Whether an SPDX expression can be met with these licences. `AND` binds closer than `OR`; old crates write `/` for `OR`.
+fn met(expression: &str, allowed: &[&str]) -> bool {
+    let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
+    let mut words = spaced.split_whitespace().peekable();
+    return any(&mut words, allowed);
+
+    type Words<'a> = std::iter::Peekable<std::str::SplitWhitespace<'a>>;
+
+    fn any(words: &mut Words<'_>, allowed: &[&str]) -> bool {
+        let mut met = all(words, allowed);
+        while words.next_if_eq(&"OR").is_some() {
+            met |= all(words, allowed);
+        }
+        met
+    }
+
+    fn all(words: &mut Words<'_>, allowed: &[&str]) -> bool {
+        let mut met = one(words, allowed);
+        while words.next_if_eq(&"AND").is_some() {
+            met &= one(words, allowed);
+        }
+        met
+    }
+
+    fn one(words: &mut Words<'_>, allowed: &[&str]) -> bool {
+        let mut name = words.next().unwrap_or_default().to_owned();
+        if name == "(" {
+            let met = any(words, allowed);
+            assert_eq!(words.next(), Some(")"), "a licence with a bracket that does not end");
+            return met;
+        }
+        if words.next_if_eq(&"WITH").is_some() {
+            name += " WITH ";
+            name += words.next().unwrap_or_default();
+        }
+        allowed.contains(&name.as_str())
+    }
+}
+
 #[test]
 fn every_source_file_says_what_it_is() {
     let mut folders = vec![root()];

@@ -76,6 +76,9 @@ pub struct Run {
     /// Go on from the checkpoint of an earlier call with the same arguments, or begin if there is none.
     #[arg(long)]
     pub resume: bool,
+    /// Write `results.mcap`, too: signals and frames for Foxglove, Rerun, PlotJuggler.
+    #[arg(long)]
+    pub mcap: bool,
     /// Also say which start values gave way to connected outputs.
     #[arg(long, short)]
     pub verbose: bool,

@@ -21,6 +21,9 @@ pub enum Error {
     /// A data set can't be diagnosed.
     #[error(transparent)]
     Diagnosis(#[from] diagnosis::Error),
+    /// Results can't be written in another format.
+    #[error(transparent)]
+    Export(#[from] export::Error),
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -69,7 +72,7 @@ impl Error {
             Self::Interrupted { signal, .. } => crate::signals::exit_status(*signal),
             // A folder that can't be written, a disk that is full: another one will do.
             Self::File { .. } => 2,
-            Self::Report(_) => 1,
+            Self::Report(_) | Self::Export(_) => 1,
         }
     }
 

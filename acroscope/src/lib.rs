@@ -12,6 +12,7 @@ mod cli;
 mod commands;
 mod error;
 mod folder;
+mod formats;
 mod provenance;
 mod request;
 mod run_report;

@@ -138,6 +138,7 @@ mod tests {
             step_limit: None,
             memory_limit: None,
             checkpoint: None,
+            mcap: false,
             resume: false,
             verbose: false,
             out: None,

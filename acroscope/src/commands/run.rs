@@ -7,7 +7,7 @@ use crate::folder::Folder;
 use crate::request::Request;
 use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
-use crate::{provenance, run_report};
+use crate::{formats, provenance, run_report};
 use orchestrator::{
     Checkpoint, Checkpoints, CsvRecorder, Ended, Isolation, NoRecorder, Progress, Recorder, Scenario,
 };
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What a run writes, beside `frames`; the first is gone on with after a checkpoint.
-const FILES: [&str; 4] = ["results.csv", "resolved.toml", "report.html", "summary.json"];
+const FILES: [&str; 5] = ["results.csv", "resolved.toml", "report.html", "summary.json", formats::MCAP];
 /// The newest checkpoint, beside the results.
 const CHECKPOINT: &str = "checkpoint.bin";
 
@@ -90,6 +90,7 @@ pub fn carry_out(
     let mut results = results(&folder, from.as_ref())?;
     let mut recorder = Twice(&mut results, also);
     let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
+    let exported = if arguments.mcap { formats::mcap(&folder, &simulation, &layout) } else { Ok(()) };
     let finished = Finished {
         simulation: &simulation,
         layout: &layout,
@@ -106,6 +107,7 @@ pub fn carry_out(
         Err(error) if ended.is_ok() => return Err(error),
         Err(_) => None,
     };
+    exported?;
     drop(frames);
     let replaced_starts = simulation.replaced_starts().to_vec();
     Ok(CarriedOut { folder: out, summary, ended, replaced_starts })

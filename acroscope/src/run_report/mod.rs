@@ -9,13 +9,12 @@ mod summary;
 mod verdict;
 
 pub use layout::Layout;
-pub use picture::fresh_folder as fresh_frames;
+pub use picture::{fresh_folder as fresh_frames, pictures};
 pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;
 use layout::{GraphEntry, LineStyle};
 use orchestrator::Simulation;
-use picture::pictures;
 use report::head::short;
 use report::{Axis, Figure, Graph, Line, Page, Provenance, Standing, Style, Verdict};
 use series::{Series, Wanted};

@@ -1,5 +1,6 @@
 //! Getting and setting variables, and their derivatives. A call that is refused changes nothing.
 
+use crate::description::derivative;
 use crate::error::Error;
 use crate::instance::Instance;
 use crate::model::Model;
@@ -61,6 +62,27 @@ impl<M: Model> Instance<M> {
             }
         }
         Ok(())
+    }
+
+    /// `fmi2GetRealOutputDerivatives`: the values of the variables that are declared as derivatives of these outputs.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        out: &mut [MaybeUninit<f64>],
+    ) -> Result<(), Error> {
+        let mut places = Vec::with_capacity(references.len());
+        for (&reference, &order) in references.iter().zip(orders) {
+            let variable = self.variable(reference)?;
+            let name = variable.name;
+            if variable.causality != Causality::Output {
+                return Err(Error::NotOutput { name, what: variable.what() });
+            }
+            let steps = usize::try_from(order).ok().filter(|&order| order > 0);
+            let place = steps.and_then(|order| derivative(&self.declared, name, order));
+            places.push(place.ok_or(Error::NoOutputDerivative { name, order })? as u32);
+        }
+        self.get_real(&places, out)
     }
 
     /// `fmi2GetInteger`.

@@ -40,8 +40,10 @@ pub enum Error {
     Order { name: &'static str, order: i32 },
     #[error("variable {name} is {what}, not an input")]
     NotInput { name: &'static str, what: &'static str },
-    #[error("derivatives of outputs are not provided (maxOutputDerivativeOrder is 0)")]
-    NoOutputDerivatives,
+    #[error("variable {name} is {what}, not an output")]
+    NotOutput { name: &'static str, what: &'static str },
+    #[error("the derivative of order {order} of {name} is not provided: no variable is declared as such")]
+    NoOutputDerivative { name: &'static str, order: i32 },
     #[error("the derivative of {unknown} with respect to {known} is not provided")]
     NoDerivative { unknown: &'static str, known: &'static str },
     #[error("steps are never asynchronous, so none can be cancelled")]

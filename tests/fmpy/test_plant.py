@@ -74,3 +74,19 @@ def test_directional_derivatives_are_the_linearised_plant(unit):
     got = plant.slave.getDirectionalDerivative([reference["ddq1"], reference["ddq2"]], [reference["tau"]], [1.0])
     mass = np.array([[T1 + T2, T7 + T8], [T7 + T8, T5]])
     assert np.allclose(got, np.linalg.solve(mass, [-1.0, 1.0]), rtol=1e-9)  # central differences or exact
+
+
+def test_derivatives_of_outputs_are_those_of_the_motion(unit):
+    """A master that extrapolates asks for them: against differences over a short step."""
+    plant = unit("plant").start(q1_0=-0.05, q2_0=0.1, tau=0.1, b_joint=0.01)
+    assert plant.description.coSimulation.maxOutputDerivativeOrder == 2
+    q1, q2, d1, d2 = (plant.variables[n].valueReference for n in ("q1", "q2", "dq1", "dq2"))
+    plant.step(0.0, 0.3)
+    h = 1e-5
+    told = plant.slave.getRealOutputDerivatives([q1, q2, d1, d2, q1], [1, 1, 1, 1, 2])
+    before = plant.get("q1", "q2", "dq1", "dq2")
+    after = plant.step(0.3, h).get("q1", "q2", "dq1", "dq2")
+    slopes = (np.array(after) - before) / h
+    # Differences err by h/2 times the next derivative, some 100 rad/s3 here.
+    assert np.allclose(told[:4], slopes, atol=2e-3)
+    assert told[4] == told[2]

@@ -65,8 +65,8 @@ macro_rules! export {
                     c: Component, vr: *const ValueReference, n: usize, order: *const Integer, value: *const Real
                 ) -> Status = values::set_real_input_derivatives(c, vr, n, order, value);
                 fmi2GetRealOutputDerivatives(
-                    c: Component, _vr: *const ValueReference, n: usize, _order: *const Integer, _value: *mut Real
-                ) -> Status = values::get_real_output_derivatives(c, n);
+                    c: Component, vr: *const ValueReference, n: usize, order: *const Integer, value: *mut Real
+                ) -> Status = values::get_real_output_derivatives(c, vr, n, order, value);
                 fmi2GetDirectionalDerivative(
                     c: Component, unknowns: *const ValueReference, n_unknowns: usize,
                     knowns: *const ValueReference, n_knowns: usize, seed: *const Real, out: *mut Real

@@ -6,7 +6,6 @@
 
 use super::types::{Boolean, Component, Integer, Real, Status, Text, ValueReference};
 use super::{bytes, call, slice, slice_out};
-use crate::error::Error;
 use crate::model::Model;
 use crate::state_machine::Call;
 
@@ -91,12 +90,22 @@ pub unsafe fn set_real_input_derivatives<M: Model>(
     }
 }
 
-/// `fmi2GetRealOutputDerivatives`: none are provided, so only an empty request can be met.
-pub unsafe fn get_real_output_derivatives<M: Model>(c: Component, n: usize) -> Status {
+/// `fmi2GetRealOutputDerivatives`
+pub unsafe fn get_real_output_derivatives<M: Model>(
+    c: Component,
+    vr: *const ValueReference,
+    n: usize,
+    order: *const Integer,
+    value: *mut Real,
+) -> Status {
     // SAFETY: by the module's contract.
     unsafe {
-        call::<M>(c, "fmi2GetRealOutputDerivatives", Call::GetOutputDerivatives, |_| {
-            if n == 0 { Ok(()) } else { Err(Error::NoOutputDerivatives) }
+        call::<M>(c, "fmi2GetRealOutputDerivatives", Call::GetOutputDerivatives, |instance| {
+            instance.output_derivatives(
+                slice(vr, n, "vr")?,
+                slice(order, n, "order")?,
+                slice_out(value, n, "value")?,
+            )
         })
     }
 }

@@ -37,9 +37,30 @@ impl Unit {
         self.xml_with(&self.guid())
     }
 
+    /// The highest derivative of an output that another variable gives.
+    fn output_derivative_order(&self) -> usize {
+        let outputs = self.variables.iter().filter(|variable| variable.causality == Causality::Output);
+        let order = |variable: &Variable| {
+            let orders = 1..=self.variables.len();
+            orders.take_while(|&order| derivative(&self.variables, variable.name, order).is_some()).count()
+        };
+        outputs.map(order).max().unwrap_or(0)
+    }
+
     fn place(&self, name: &str) -> Option<usize> {
         self.variables.iter().position(|variable| variable.name == name)
     }
+}
+
+/// The place of the variable that is the derivative of this order of another one.
+pub(crate) fn derivative(variables: &[Variable], of: &str, order: usize) -> Option<usize> {
+    let mut found = variables.iter().position(|variable| variable.name == of);
+    // More orders than there are variables would be a circle.
+    for _ in 0..order.min(variables.len() + 1) {
+        let of = variables[found?].name;
+        found = variables.iter().position(|variable| variable.derivative_of == Some(of));
+    }
+    found.filter(|_| order <= variables.len())
 }
 
 impl Variable {

@@ -56,6 +56,10 @@ impl Unit {
             ("providesDirectionalDerivative", self.head.provides_derivatives),
         ];
         let mut text = format!("<CoSimulation modelIdentifier=\"{}\"", escape(self.head.identifier));
+        let order = self.output_derivative_order();
+        if order > 0 {
+            text.push_str(&format!(" maxOutputDerivativeOrder=\"{order}\""));
+        }
         for (flag, on) in flags {
             if on {
                 text.push_str(&format!(" {flag}=\"true\""));

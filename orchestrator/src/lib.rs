@@ -91,11 +91,12 @@ pub mod suggest;
 mod system;
 mod text;
 pub mod time;
+pub mod timing;
 mod unit_path;
 mod value;
 mod wiring;
 
-pub use algorithm::names as algorithms;
+pub use algorithm::{Sees, names as algorithms, sees};
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;

@@ -11,6 +11,7 @@ pub mod map;
 pub mod page;
 pub mod picture;
 pub mod thin;
+pub mod timing;
 
 pub use field::VectorField;
 pub use graph::{Axis, Graph, Line, Marks, Style};
@@ -19,6 +20,7 @@ pub use map::{Contour, HeatMap};
 pub use maud::{Markup, PreEscaped};
 pub use page::{Cell, Page, Table};
 pub use picture::Picture;
+pub use timing::TimingDiagram;
 
 /// What can go wrong while drawing.
 #[derive(Debug, thiserror::Error)]

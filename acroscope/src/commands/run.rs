@@ -31,6 +31,8 @@ pub struct CarriedOut {
     pub ended: Result<Ended, Error>,
     /// Inputs whose start value gave way.
     replaced_starts: Vec<String>,
+    /// How late its loops are.
+    timing: Vec<String>,
 }
 
 /// Runs the scenario and writes `results.csv`, `resolved.toml`, `report.html` and `summary.json`.
@@ -42,7 +44,7 @@ pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
             eprintln!("note: start value gave way to a connected output: {start}");
         }
         if let Some(summary) = &done.summary {
-            tell_all(summary, &bar, &done.folder);
+            tell_all(summary, &done.timing, &bar, &done.folder);
         }
     }
     match done.ended? {
@@ -110,7 +112,8 @@ pub fn carry_out(
     exported?;
     drop(frames);
     let replaced_starts = simulation.replaced_starts().to_vec();
-    Ok(CarriedOut { folder: out, summary, ended, replaced_starts })
+    let timing = run_report::timing::lines(simulation.scenario());
+    Ok(CarriedOut { folder: out, summary, ended, replaced_starts, timing })
 }
 
 /// Where the run goes on, if it is to. A checkpoint of results that are overwritten is removed.
@@ -187,7 +190,7 @@ fn told(finished: Finished<'_>, folder: &Folder) -> Result<Option<Summary>, Erro
 }
 
 /// The verdict, then where it comes from.
-fn tell_all(summary: &Summary, bar: &Bar, out: &Path) {
+fn tell_all(summary: &Summary, timing: &[String], bar: &Bar, out: &Path) {
     let verdict = &summary.verdict;
     tell!("{}", verdict.words);
     if !verdict.figures.is_empty() {
@@ -196,6 +199,9 @@ fn tell_all(summary: &Summary, bar: &Bar, out: &Path) {
     }
     for note in &verdict.notes {
         tell!("  note: {note}");
+    }
+    for line in timing {
+        tell!("  {line}");
     }
     tell!("{}", summary.title);
     for (label, text) in summary.provenance.rows() {

@@ -6,6 +6,7 @@ mod layout;
 mod picture;
 mod series;
 mod summary;
+pub mod timing;
 mod verdict;
 
 pub use layout::Layout;
@@ -56,6 +57,7 @@ impl Finished<'_> {
              `summary.json`, all beside this page.",
         );
         self.graphs(&series, &mut page)?;
+        page.figures(timing::figure(self.simulation.scenario()).as_slice());
         if let Some(entry) = &self.layout.picture {
             entry.show(&shots, &series.at_index, &mut page)?;
         }

@@ -2,13 +2,17 @@
 //! scenario. Each gets the newest values of the others that are not later than that point: those at the end of the
 //! step from units before it, those of their last point from units after it. Sources are read at the end of the step.
 
-use super::Algorithm;
+use super::{Algorithm, Sees};
 use crate::error::Error;
 use crate::system::{Point, System};
 
 pub(super) struct GaussSeidel;
 
 impl Algorithm for GaussSeidel {
+    fn sees(&self) -> Sees {
+        Sees::EndInOrder
+    }
+
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
         system.each_ending(point, |unit| unit.gather_and_step())

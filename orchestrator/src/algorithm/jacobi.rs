@@ -4,13 +4,17 @@
 //! A unit's inputs are gathered when its step begins, but the step is made when it ends: so no value is there before
 //! it exists, whatever the intervals.
 
-use super::Algorithm;
+use super::{Algorithm, Sees};
 use crate::error::Error;
 use crate::system::{Point, System};
 
 pub(super) struct Jacobi;
 
 impl Algorithm for Jacobi {
+    fn sees(&self) -> Sees {
+        Sees::Begin
+    }
+
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
         system.each_ending(point, |unit| unit.step())

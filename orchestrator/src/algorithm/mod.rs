@@ -15,8 +15,23 @@ type Make = fn() -> Box<dyn Algorithm>;
 const ALGORITHMS: &[(&str, Make)] =
     &[("gauss-seidel", || Box::new(gauss_seidel::GaussSeidel)), ("jacobi", || Box::new(jacobi::Jacobi))];
 
+/// Which values of other units a unit sees in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sees {
+    /// Those at the begin of its step; so with sources.
+    Begin,
+    /// Those at the end of its step of units that stand before it in the scenario, and of the others those of their last
+    /// point before that. Sources are read at the end.
+    EndInOrder,
+    /// Those at the end of its step, of all units; so with sources.
+    End,
+}
+
 /// What is done at a communication point: a time at which the step of at least one unit ends.
 pub(crate) trait Algorithm: Send {
+    /// Which values of others a unit sees.
+    fn sees(&self) -> Sees;
+
     /// Before the values at `point` (the start included) are left.
     fn begin(&mut self, system: &mut System, point: Point) {
         let _ = (system, point);
@@ -49,6 +64,11 @@ pub(crate) trait Algorithm: Send {
 /// The names of all algorithms.
 pub fn names() -> impl Iterator<Item = &'static str> {
     ALGORITHMS.iter().map(|(name, _)| *name)
+}
+
+/// Which values of others a unit sees with an algorithm, by its name.
+pub fn sees(name: &str) -> Option<Sees> {
+    find(name).ok().map(|algorithm| algorithm.sees())
 }
 
 /// An algorithm by name; an error is what would be right.

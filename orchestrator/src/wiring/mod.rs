@@ -9,6 +9,7 @@ mod ticks;
 
 pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
+pub(crate) use ticks::clock;
 
 use crate::error::{Error, Place};
 use crate::fmu::Fmu;
@@ -74,7 +75,7 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
     let recorded = record::chosen(scenario, &names, &connections)?;
     let variables: Vec<Variable> = recorded.iter().filter_map(Recorded::variable).collect();
 
-    let (clock, ticks) = ticks::clock(scenario)?;
+    let (clock, ticks) = clock(scenario)?;
     let layout = Layout::new(&names, &connections, &sources, &variables);
     let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
     let instances = instances.collect::<Result<Vec<_>, _>>()?;

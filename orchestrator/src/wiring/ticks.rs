@@ -6,11 +6,11 @@ use crate::scenario::{Scenario, UnitEntry};
 use crate::time::{Clock, Rational};
 
 /// The times of a scenario in ticks.
-pub(super) struct Ticks {
-    pub(super) start: i64,
-    pub(super) stop: i64,
-    pub(super) intervals: Vec<i64>,
-    offsets: Vec<i64>,
+pub(crate) struct Ticks {
+    pub(crate) start: i64,
+    pub(crate) stop: i64,
+    pub(crate) intervals: Vec<i64>,
+    pub(crate) offsets: Vec<i64>,
 }
 
 /// What is left between the last whole step of a unit and the stop.
@@ -70,7 +70,7 @@ pub(super) fn first_step(
 }
 
 /// The common tick of all times.
-pub(super) fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
+pub(crate) fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
     let times = || {
         let units = scenario.units.iter().map(|unit| unit.interval);
         let delays = scenario.connections.iter().map(|connection| connection.delay);

@@ -1,0 +1,250 @@
+//! The latency of loops, by its parts.
+//!
+//! A value of unit U (interval a, offset α) for unit V (b, β) on a way with the latency L:
+//!
+//! - transport: L; with jitter σ the mean of max(0, L + σ·N(0, 1)) = L·Φ(L/σ) + σ·φ(L/σ);
+//! - sampling: how long ago U's newest sample was sent that V can have: the points of V fall on phases of U that are
+//!   r, r + g, ..., r + a - g with g = gcd(a, b) and r = (β - L - α) mod g, each as often, so r + (a - g)/2 on average. Losses with
+//!   probability p add a·p/(1 - p). A linear hold goes on along the line: 0;
+//! - hold: V keeps an input over its step: b/2;
+//! - scheme: what the algorithm adds. Jacobi takes values at the begin of the step: 0. Gauss-Seidel takes those of its end: -b;
+//!   but where U steps after V, a value of the same instant is missed once in a/g times and is then older by a: g on average,
+//!   unless the line goes on over it.
+//!
+//! For two units at one rate this is the phase error of the scheme: x' = v, v' = -x has +h once round with Jacobi (explicit
+//! Euler, amplitude times e^(h/2 t)) and 0 with Gauss-Seidel (symplectic Euler, no growth).
+
+use super::{Schedule, Way, loops};
+use crate::algorithm::Sees;
+use crate::error::Error;
+use crate::scenario::Scenario;
+use std::fmt;
+
+/// How late a value is, by where that comes from; means in s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Terms {
+    /// The sender has points only each interval, and samples are lost.
+    pub sampling: f64,
+    /// The receiver keeps its inputs over a step.
+    pub hold: f64,
+    /// Latency and jitter.
+    pub transport: f64,
+    /// What the master algorithm adds or, where it gives values of the end of a step, takes off.
+    pub scheme: f64,
+}
+
+impl Terms {
+    /// All of them.
+    pub fn total(&self) -> f64 {
+        self.sampling + self.hold + self.transport + self.scheme
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            sampling: self.sampling + other.sampling,
+            hold: self.hold + other.hold,
+            transport: self.transport + other.transport,
+            scheme: self.scheme + other.scheme,
+        }
+    }
+}
+
+/// One way of a loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leg {
+    /// The connection that is latest of those between these two units: `unit.variable` of its output.
+    pub from: String,
+    /// And of its input.
+    pub to: String,
+    /// How late.
+    pub terms: Terms,
+    /// Without jitter and losses: the least and the greatest age in s that a value has when the unit takes it.
+    pub age: (f64, f64),
+}
+
+/// A loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    /// The units, each once.
+    pub units: Vec<String>,
+    /// From each unit to the next one, the last back to the first.
+    pub legs: Vec<Leg>,
+}
+
+impl Budget {
+    /// Once round.
+    pub fn terms(&self) -> Terms {
+        self.legs.iter().fold(Terms::default(), |sum, leg| sum.plus(&leg.terms))
+    }
+}
+
+/// `loop a -> b -> a: 12.5 ms = sampling 2.5 + hold 7.5 + transport 5 + scheme -2.5`
+impl fmt::Display for Budget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let terms = self.terms();
+        // To the nanosecond: what is below is rounding.
+        let ms = |seconds: f64| (seconds * 1e9).round() / 1e6 + 0.0;
+        let first = self.units.first().map_or("", String::as_str);
+        write!(
+            f,
+            "loop {} -> {first}: {} ms = sampling {} + hold {} + transport {} + scheme {}",
+            self.units.join(" -> "),
+            ms(terms.total()),
+            ms(terms.sampling),
+            ms(terms.hold),
+            ms(terms.transport),
+            ms(terms.scheme)
+        )
+    }
+}
+
+/// The loops of a scenario, at most so many, the latest first; and whether there are more.
+///
+/// # Errors
+/// If the times of the scenario have no common tick.
+pub fn budget(scenario: &Scenario, most: usize) -> Result<(Vec<Budget>, bool), Error> {
+    let schedule = Schedule::of(scenario)?;
+    let (found, mut more) = loops::of(&schedule);
+    let mut budgets: Vec<Budget> = (found.into_iter())
+        .map(|ways| Budget {
+            units: ways.iter().map(|way| scenario.units[way.from].name.clone()).collect(),
+            legs: ways.iter().map(|way| schedule.leg(scenario, way)).collect(),
+        })
+        .collect();
+    // A stable sort: loops that are equally late stay in the order of the units.
+    budgets.sort_by(|a, b| b.terms().total().total_cmp(&a.terms().total()));
+    more |= budgets.len() > most;
+    budgets.truncate(most);
+    Ok((budgets, more))
+}
+
+impl Schedule {
+    fn leg(&self, scenario: &Scenario, way: &Way) -> Leg {
+        let entry = &scenario.connections[way.number];
+        let (first, cycle) = self.phases(way);
+        let (a, _) = self.units[way.from];
+        let missed = first == 0 && self.misses(way);
+        let oldest = if missed { a } else { first + a - cycle };
+        let youngest = if missed { cycle } else { first };
+        let seconds = |ticks: i64| (way.latency + ticks) as f64 * self.tick;
+        Leg {
+            from: entry.from.clone(),
+            to: entry.to.clone(),
+            terms: self.terms(way),
+            age: (seconds(youngest), seconds(oldest)),
+        }
+    }
+
+    /// The least time since the sender's last point at a point of the receiver, and the step from one such time to the next.
+    fn phases(&self, way: &Way) -> (i64, i64) {
+        let ((a, alpha), (b, beta)) = (self.units[way.from], self.units[way.to]);
+        let cycle = gcd(a, b);
+        ((beta - way.latency - alpha).rem_euclid(cycle), cycle)
+    }
+
+    pub(super) fn terms(&self, way: &Way) -> Terms {
+        let (a, b) = (self.units[way.from].0 as f64, self.units[way.to].0 as f64);
+        let (first, cycle) = self.phases(way);
+        let lost = if way.drop > 0.0 { a * way.drop / (1.0 - way.drop) } else { 0.0 };
+        let sampling = if way.linear { 0.0 } else { first as f64 + (a - cycle as f64) / 2.0 + lost };
+        let missed = if first == 0 && !way.linear && self.misses(way) { cycle as f64 } else { 0.0 };
+        let scheme = match self.sees {
+            Sees::Begin => 0.0,
+            Sees::EndInOrder => missed - b,
+            Sees::End => -b,
+        };
+        Terms {
+            sampling: sampling * self.tick,
+            hold: b / 2.0 * self.tick,
+            transport: mean_transit(way.latency as f64 * self.tick, way.jitter),
+            scheme: scheme * self.tick,
+        }
+    }
+}
+
+/// Mean of max(0, latency + jitter · N(0, 1)).
+fn mean_transit(latency: f64, jitter: f64) -> f64 {
+    if jitter == 0.0 {
+        return latency;
+    }
+    let z = latency / jitter;
+    let density = libm::exp(-z * z / 2.0) / std::f64::consts::TAU.sqrt();
+    latency * 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2) + jitter * density
+}
+
+fn gcd(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(algorithm: &str, units: &[(&str, &str)], ways: &[(&str, &str)]) -> Vec<Budget> {
+        let mut text = format!("format = 1\nexperiment = {{ stop = 1, algorithm = \"{algorithm}\" }}\n");
+        for (name, interval) in units {
+            text += &format!("[[units]]\nname = \"{name}\"\nfmu = \"x.fmu\"\n{interval}\n");
+        }
+        for (from_to, way) in ways {
+            let (from, to) = from_to.split_once('>').expect("two ends");
+            text += &format!("[[connections]]\nfrom = \"{from}.y\"\nto = \"{to}.u\"\n{way}\n");
+        }
+        budget(&Scenario::parse(&text, "test.toml").expect("a scenario"), 9).expect("ticks").0
+    }
+
+    fn close(terms: Terms, expected: [f64; 4]) {
+        let found = [terms.sampling, terms.hold, terms.transport, terms.scheme];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{terms:?}, not {expected:?}");
+        }
+    }
+
+    #[test]
+    fn value_one_rate_is_the_phase_error_of_the_scheme() {
+        let (units, ways) = ([("x", "interval = 0.1"), ("v", "interval = 0.1")], [("v>x", ""), ("x>v", "")]);
+        let jacobi = of("jacobi", &units, &ways);
+        assert_eq!(jacobi.len(), 1);
+        close(jacobi[0].terms(), [0.0, 0.1, 0.0, 0.0]);
+        let seidel = of("gauss-seidel", &units, &ways);
+        close(seidel[0].terms(), [0.0, 0.1, 0.0, -0.1]);
+        assert_eq!(
+            seidel[0].to_string(),
+            "loop x -> v -> x: 0 ms = sampling 0 + hold 100 + transport 0 + scheme -100"
+        );
+        // v steps after x, so x always has it of the point before.
+        let ages: Vec<(f64, f64)> = seidel[0].legs.iter().map(|leg| leg.age).collect();
+        assert_eq!(ages, [(0.0, 0.0), (0.1, 0.1)]);
+    }
+
+    #[test]
+    fn value_three_rates_latency_jitter_and_losses() {
+        let units = [
+            ("p", "interval = 0.001"),
+            ("c", "interval = \"1/30\"\noffset = 0.01"),
+            ("k", "interval = 0.005"),
+        ];
+        let found = of("jacobi", &units, &[("p>c", ""), ("c>k", "latency = 0.02"), ("k>p", "")]);
+        let legs: Vec<Terms> = found[0].legs.iter().map(|leg| leg.terms).collect();
+        // gcd(1/1000, 1/30) = 1/3000, and 0.01 is a multiple of it.
+        close(legs[0], [(0.001 - 1.0 / 3000.0) / 2.0, 0.5 / 30.0, 0.0, 0.0]);
+        // gcd(1/30, 1/200) = 1/600; -0.02 - 0.01 is a multiple of it.
+        close(legs[1], [(1.0 / 30.0 - 1.0 / 600.0) / 2.0, 0.0025, 0.02, 0.0]);
+        close(legs[2], [0.002, 0.0005, 0.0, 0.0]);
+        let ways = [("p>k", "latency = 0.001\njitter = 0.002\ndrop = 0.5"), ("k>p", "hold = \"linear\"")];
+        let found = of("jacobi", &units, &ways);
+        // scipy: norm.cdf(0.5) * 1e-3 + norm.pdf(0.5) * 2e-3
+        let transit = 1e-3 * 0.691_462_461_274_013_1 + 2e-3 * 0.352_065_326_764_299_5;
+        close(found[0].terms(), [0.001, 0.003, transit, 0.0]);
+    }
+
+    #[test]
+    fn law_the_latest_of_parallel_ways_counts_and_loops_come_latest_first() {
+        let units = [("a", "interval = 0.01"), ("b", "interval = 0.01"), ("c", "interval = 0.02")];
+        let ways =
+            [("a>b", ""), ("b>a", "latency = 0.3"), ("a>b", "latency = 0.1"), ("b>c", ""), ("c>a", "")];
+        let found = of("gauss-seidel", &units, &ways);
+        let names: Vec<String> = found.iter().map(|budget| budget.units.join(" ")).collect();
+        assert_eq!(names, ["a b", "a b c"]);
+        assert!((found[0].terms().transport - 0.4).abs() < 1e-12);
+    }
+}

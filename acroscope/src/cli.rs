@@ -26,6 +26,14 @@ fn above_zero(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "wanted is a number of seconds above 0".to_owned())
 }
 
+fn part(text: &str) -> Result<(u64, u64), String> {
+    let numbers = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+    let numbers: Option<(u64, u64)> =
+        numbers.filter(|(part, of)| (1..=*of).contains(part) && *of <= 1_000_000);
+    numbers
+        .ok_or_else(|| "wanted is K/N with K from 1 to N: 1/16 is the first part, 16/16 the last".to_owned())
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -41,6 +49,8 @@ pub enum Command {
     Record(Record),
     /// List what can be set in a scenario: values, units, ranges, neutral values.
     Params(Params),
+    /// Run a scenario many times with varied values: writes a Parquet data set and report.html.
+    Sweep(Sweep),
     /// Print a script that completes commands and options in a shell.
     Completions(Completions),
     /// Write manual pages, one a command.
@@ -182,6 +192,50 @@ pub struct Params {
     /// As JSON, for programs.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `acroscope sweep`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope sweep delay-and-rate\n  acroscope sweep my-study.toml --out out/mine --jobs 8\n  acroscope sweep visual-servo --grid camera.T_delay=0:0.06:0.005 --until plant.contact\n  acroscope sweep my-study.toml --partition 3/16 --out /shared/mine"
+)]
+pub struct Sweep {
+    /// A study: a file, or the name of a shipped one: delay-and-rate. With --grid a scenario.
+    #[arg(value_name = "STUDY")]
+    pub study: String,
+    /// Vary a parameter from FROM to TO, both among the values; several make all combinations.
+    #[arg(long, value_name = "UNIT.VARIABLE=FROM:TO:STEP|VALUE,...")]
+    pub grid: Vec<String>,
+    /// End each run when this is true, or passes a limit: plant.contact, \"plant.q2 > 2\" (with --grid).
+    #[arg(long, value_name = "SIGNAL", requires = "grid")]
+    pub until: Option<String>,
+    /// Keep a number of each run: last, min, max, mean, rms or first_true of a signal or a difference (with --grid).
+    #[arg(long = "scalar", value_name = "NAME=SIGNAL[-OTHER]:REDUCE", requires = "grid")]
+    pub scalars: Vec<String>,
+    /// Set a parameter or start value of all runs; may be given several times.
+    #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated time at which runs stop, in s; the study's own if not given.
+    #[arg(long, value_name = "T")]
+    pub stop: Option<String>,
+    /// Threads [default: all cores].
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    /// Make one part of N only, K from 1 to N; other machines make the others into the same folder.
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    pub partition: Option<(u64, u64)>,
+    /// Run every unit in a process of its own: one that crashes or hangs costs its case only.
+    #[arg(long)]
+    pub isolate: bool,
+    /// Seconds that a call into an isolated unit may take [default: 30].
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    pub step_limit: Option<f64>,
+    /// Memory that the process of an isolated unit may have, in MiB [default: no limit].
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40))]
+    pub memory_limit: Option<u64>,
+    /// Folder for the data set, made if it is missing; parts that are there are not made again [default: out/sweep-STUDY].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// `acroscope completions`

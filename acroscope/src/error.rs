@@ -24,6 +24,17 @@ pub enum Error {
     /// Results can't be written in another format.
     #[error(transparent)]
     Export(#[from] export::Error),
+    /// A sweep can't be made.
+    #[error(transparent)]
+    Sweep(#[from] sweep::Error),
+    /// A sweep was interrupted by a signal.
+    #[error("{}: {why}", crate::signals::name(*signal))]
+    SweepInterrupted {
+        /// Its number.
+        signal: i32,
+        /// What there is of the sweep.
+        why: String,
+    },
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -66,10 +77,13 @@ impl Error {
             Self::Orchestrator(error) if !error.is_input() => 1,
             Self::Study(error) if !error.is_input() => 1,
             Self::Diagnosis(error) if !error.is_input() => 1,
-            Self::Study(_) | Self::Diagnosis(_) => 2,
+            Self::Sweep(error) if !error.is_input() => 1,
+            Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Words(_) => 2,
-            Self::Interrupted { signal, .. } => crate::signals::exit_status(*signal),
+            Self::Interrupted { signal, .. } | Self::SweepInterrupted { signal, .. } => {
+                crate::signals::exit_status(*signal)
+            }
             // A folder that can't be written, a disk that is full: another one will do.
             Self::File { .. } => 2,
             Self::Report(_) | Self::Export(_) => 1,

@@ -10,6 +10,7 @@
 
     ac.diagnose("path/to/dataset").verdict
     ac.reproduce("table-3").claims
+    ac.sweep("delay-and-rate", out="map").table()
 
 Runs and simulations happen in this process, without its lock; commands of minutes in one of their own. Ctrl-C ends both.
 What is wrong with the input raises `InputError`, in the words of the command line.
@@ -30,6 +31,7 @@ _acroscope.add_units(_DATA / "fmus")
 
 from ._commands import Diagnosis, Reproduction, check, diagnose, reproduce  # noqa: E402
 from ._runs import Results, Simulation, run  # noqa: E402
+from ._sweep import Sweep, sweep  # noqa: E402
 
 __all__ = [
     "Diagnosis",
@@ -38,6 +40,7 @@ __all__ = [
     "Reproduction",
     "Results",
     "Simulation",
+    "Sweep",
     "__version__",
     "check",
     "diagnose",
@@ -45,6 +48,7 @@ __all__ = [
     "reproduce",
     "run",
     "scenarios",
+    "sweep",
     "units",
 ]
 

@@ -8,6 +8,7 @@ mod params;
 mod record;
 mod reproduce;
 mod run;
+mod sweep;
 
 pub use run::carry_out;
 
@@ -25,5 +26,6 @@ pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
         Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
+        Command::Sweep(sweep) => sweep::sweep(sweep, arguments.quiet),
     }
 }

@@ -1,0 +1,16 @@
+//! The data set: Parquet files, written whole or not at all, and read back for the page.
+
+mod cases;
+mod file;
+mod read;
+mod signals;
+
+pub(crate) use cases::CaseFile;
+pub(crate) use file::{Stamp, temporary};
+pub(crate) use read::{Marks, marks, numbers, texts};
+pub(crate) use signals::SignalFile;
+
+/// Keys of a file's metadata: of what study it is, which part of how many, and how many of its cases failed.
+pub(crate) const STUDY: &str = "acroscope.study";
+pub(crate) const PART: &str = "acroscope.part";
+pub(crate) const FAILED: &str = "acroscope.failed";

@@ -1,0 +1,161 @@
+//! `report.html`: what came of the study, as curves, maps and a table.
+
+mod pictures;
+
+use crate::data;
+use crate::error::Error;
+use crate::parts::Parts;
+use crate::plan::Plan;
+use crate::scalar::{Reduce, Test};
+use crate::sweep::{Options, write as write_file};
+use report::head::short;
+use report::{Cell, Figure, Input, Page, Provenance, Standing, Table, Verdict};
+use std::path::PathBuf;
+
+/// Failed cases that are shown.
+const SHOWN: usize = 20;
+
+/// The columns of numbers of all cases, NaN where there is none.
+pub(crate) struct Columns {
+    pub(crate) parameters: Vec<Vec<f64>>,
+    pub(crate) scalars: Vec<Vec<f64>>,
+}
+
+/// Writes the page beside the parts.
+pub(crate) fn write(plan: &Plan, parts: &Parts, options: &Options) -> Result<PathBuf, Error> {
+    let (columns, failed, errors) = read(plan, parts)?;
+    let mut page = Page::new(format!("{}: {} cases", plan.name, plan.cases()));
+    page.verdict(&verdict(plan, &columns, failed));
+    pictures::draw(&mut page, plan, &columns)?;
+    page.heading("Numbers of the cases").table(&numbers(plan, &columns));
+    if !errors.is_empty() {
+        page.heading("Failed cases").table(&failures(plan, &columns, &errors));
+    }
+    page.heading("The data set").text(
+        "`cases/part-*.parquet` has a row for each case, in order; every tool that reads Parquet takes the folder as one \
+         table. `study.toml` and `resolved.toml` say what was run.",
+    );
+    page.provenance(&provenance(plan, parts, options));
+    let path = options.out.join("report.html");
+    write_file(&path, &page.to_html())?;
+    Ok(path)
+}
+
+/// Errors by their case.
+type Errors = Vec<(u64, String)>;
+
+fn read(plan: &Plan, parts: &Parts) -> Result<(Columns, u64, Errors), Error> {
+    let count = plan.parameters.len() + plan.scalars.len();
+    let places: Vec<usize> = (1..=count).collect();
+    let mut all = vec![Vec::new(); count];
+    let (mut failed, mut errors) = (0, Vec::new());
+    for part in 1..=parts.of {
+        let path = parts.file("cases", part);
+        let first = parts.range(part).start;
+        data::numbers(&path, &places, &mut all)?;
+        failed += data::marks(&path)?.map_or(0, |marks| marks.failed);
+        let more = data::texts(&path, count + 2, SHOWN - errors.len())?;
+        errors.extend(more.into_iter().map(|(row, text)| (first + row as u64, text)));
+    }
+    let scalars = all.split_off(plan.parameters.len());
+    Ok((Columns { parameters: all, scalars }, failed, errors))
+}
+
+fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
+    let cases = plan.cases();
+    let words = match failed {
+        0 => format!("all {cases} cases ran"),
+        _ => format!("{failed} of {cases} cases failed"),
+    };
+    let mut figures = Vec::new();
+    for (scalar, values) in plan.scalars.iter().zip(&columns.scalars) {
+        if let Reduce::FirstTrue(_) = scalar.reduce {
+            let never = values.iter().filter(|value| value.is_nan()).count() as u64;
+            let label = format!("cases without {}", scalar.name);
+            figures.push(Figure {
+                label,
+                value: Some((never - failed.min(never)) as f64),
+                unit: String::new(),
+            });
+        }
+    }
+    let standing = if failed == 0 { Standing::Plain } else { Standing::Bad };
+    Verdict { standing, words, figures, notes: plan.notices.clone() }
+}
+
+/// What a scalar is, in words.
+pub(crate) fn words(plan: &Plan, scalar: usize) -> String {
+    let known = &plan.scalars[scalar];
+    let signal = match &known.minus {
+        Some(minus) => format!("{} - {minus}", known.signal),
+        None => known.signal.clone(),
+    };
+    match known.reduce {
+        Reduce::Last => format!("last {signal}"),
+        Reduce::Min => format!("smallest {signal}"),
+        Reduce::Max => format!("largest {signal}"),
+        Reduce::Mean => format!("mean of {signal}"),
+        Reduce::Rms => format!("rms of {signal}"),
+        Reduce::FirstTrue(Test::True) => format!("first time of {signal}"),
+        Reduce::FirstTrue(Test::Above(limit)) => format!("first time of {signal} above {limit}"),
+        Reduce::FirstTrue(Test::Below(limit)) => format!("first time of {signal} below {limit}"),
+    }
+}
+
+fn numbers(plan: &Plan, columns: &Columns) -> Table {
+    let head = ["column", "what", "unit", "cases with a value", "smallest", "median", "largest"];
+    let row = |name: &str, what: String, unit: &Option<String>, values: &[f64]| {
+        let mut there: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
+        there.sort_by(f64::total_cmp);
+        let at =
+            |place: usize| Cell::Number(there.get(place).map_or_else(|| "-".into(), |value| short(*value)));
+        let unit = unit.clone().unwrap_or_default();
+        let count = Cell::Number(there.len().to_string());
+        let last = there.len().saturating_sub(1);
+        vec![name.into(), what.into(), unit.into(), count, at(0), at(last / 2), at(last)]
+    };
+    let parameters = plan.parameters.iter().zip(&columns.parameters);
+    let mut rows: Vec<Vec<Cell>> = parameters
+        .map(|(column, values)| row(&column.name, "parameter".into(), &column.unit, values))
+        .collect();
+    for (at, values) in columns.scalars.iter().enumerate() {
+        rows.push(row(&plan.scalars[at].name, words(plan, at), &plan.scalar_units[at], values));
+    }
+    Table { head: head.map(str::to_owned).to_vec(), rows }
+}
+
+fn failures(plan: &Plan, columns: &Columns, errors: &Errors) -> Table {
+    let names = plan.parameters.iter().map(|column| column.name.clone());
+    let head = ["case".to_owned()].into_iter().chain(names).chain(["error".to_owned()]).collect();
+    let row = |(case, error): &(u64, String)| {
+        let value = |values: &Vec<f64>| {
+            let value = usize::try_from(*case).ok().and_then(|case| values.get(case).copied());
+            Cell::Number(value.map_or_else(String::new, short))
+        };
+        let mut cells = vec![Cell::Number(case.to_string())];
+        cells.extend(columns.parameters.iter().map(value));
+        cells.push(error.lines().next().unwrap_or_default().into());
+        cells
+    };
+    Table { head, rows: errors.iter().map(row).collect() }
+}
+
+fn provenance(plan: &Plan, parts: &Parts, options: &Options) -> Provenance {
+    let input = Input {
+        role: "study".into(),
+        name: plan.name.clone(),
+        sha256: crate::plan::hex(plan.text.as_bytes()),
+    };
+    Provenance {
+        program: options.program.clone(),
+        inputs: vec![input],
+        changes: Vec::new(),
+        units: plan.origins.clone(),
+        facts: vec![
+            ("scenario".into(), plan.scenario.origin.display().to_string()),
+            ("cases".into(), plan.cases().to_string()),
+            ("parts".into(), parts.of.to_string()),
+        ],
+        command: options.command.clone(),
+    }
+}

@@ -1,0 +1,218 @@
+//! Pictures of scalars over parameters: curves over one, maps over two, points where cases lie anyhow.
+
+use super::{Columns, words};
+use crate::design::Design;
+use crate::error::Error;
+use crate::plan::Plan;
+use crate::scalar::Reduce;
+use report::head::short;
+use report::{Axis, Graph, HeatMap, Line, Page};
+
+/// Pictures of one scalar, at most, and points of one picture.
+const PICTURES: usize = 6;
+const POINTS: usize = 4000;
+
+/// A parameter with several values, as an axis.
+struct Varied {
+    parameter: usize,
+    label: String,
+    /// Numbers of its values; their places where they are none.
+    values: Vec<f64>,
+}
+
+/// All of them.
+pub(super) fn draw(page: &mut Page, plan: &Plan, columns: &Columns) -> Result<(), Error> {
+    for (at, scalar) in plan.scalars.iter().enumerate() {
+        let values = &columns.scalars[at];
+        if values.iter().all(|value| value.is_nan()) {
+            page.heading(&scalar.name).text(&format!("No case has a value: {}.", words(plan, at)));
+            continue;
+        }
+        let pictures = match plan.sampler.design() {
+            Design::Grid(axes) => over_grid(plan, axes.iter().map(Vec::len).collect(), columns, at)?,
+            _ => points(plan, columns, at)?,
+        };
+        page.heading(&scalar.name).figures(&pictures);
+    }
+    Ok(())
+}
+
+fn labelled(name: &str, unit: &Option<String>) -> String {
+    match unit.as_deref() {
+        None | Some("" | "1") => name.to_owned(),
+        Some(unit) => format!("{name} in {unit}"),
+    }
+}
+
+fn label(plan: &Plan, scalar: usize) -> String {
+    labelled(&plan.scalars[scalar].name, &plan.scalar_units[scalar])
+}
+
+/// A drawn graph and its caption.
+type Picture = (String, String);
+
+fn over_grid(
+    plan: &Plan,
+    lengths: Vec<usize>,
+    columns: &Columns,
+    scalar: usize,
+) -> Result<Vec<Picture>, Error> {
+    // How many cases lie between neighbours along each axis.
+    let stride = |parameter: usize| lengths[parameter + 1..].iter().product::<usize>();
+    let varied: Vec<Varied> = (0..lengths.len())
+        .filter(|parameter| lengths[*parameter] > 1)
+        .map(|parameter| {
+            let column = &plan.parameters[parameter];
+            let value = |place: usize| columns.parameters[parameter][place * stride(parameter)];
+            let numbers: Vec<f64> = (0..lengths[parameter]).map(value).collect();
+            let values = match numbers.iter().all(|number| number.is_finite()) {
+                true => numbers,
+                false => (0..lengths[parameter]).map(|place| place as f64).collect(),
+            };
+            Varied { parameter, label: labelled(&column.name, &column.unit), values }
+        })
+        .collect();
+    let values = &columns.scalars[scalar];
+    match varied.as_slice() {
+        [] => Ok(Vec::new()),
+        [only] => Ok(vec![curve(plan, only, values, scalar)?]),
+        [others @ .., y, x] => {
+            let (along_x, along_y) = (stride(x.parameter), stride(y.parameter));
+            let combinations: usize = others.iter().map(|other| other.values.len()).product();
+            let picture = |mut combination: usize| {
+                let (mut first, mut beside) = (0, Vec::new());
+                for other in others.iter().rev() {
+                    let place = combination % other.values.len();
+                    combination /= other.values.len();
+                    first += place * stride(other.parameter);
+                    beside.push(format!(
+                        "{} = {}",
+                        plan.parameters[other.parameter].name,
+                        short(other.values[place])
+                    ));
+                }
+                let value = |row: usize, column: usize| values[first + row * along_y + column * along_x];
+                map(plan, x, y, &value, &beside, scalar)
+            };
+            let shown = combinations.min(PICTURES);
+            // Evenly among all, the first and the last among them.
+            let chosen = (0..shown).map(|at| at * (combinations - 1) / (shown - 1).max(1));
+            chosen.map(picture).collect()
+        }
+    }
+}
+
+fn curve(plan: &Plan, axis: &Varied, values: &[f64], scalar: usize) -> Result<Picture, Error> {
+    let mut points: Vec<(f64, f64)> = axis.values.iter().copied().zip(values.iter().copied()).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let graph = Graph::new("", Axis::fitted(&axis.label), Axis::fitted(label(plan, scalar)))
+        .with(Line::solid("", points.clone()))
+        .with(Line::dots("", points));
+    Ok((graph.to_svg()?, format!("{}; no point where there is no value.", words(plan, scalar))))
+}
+
+fn map(
+    plan: &Plan,
+    x: &Varied,
+    y: &Varied,
+    value: &dyn Fn(usize, usize) -> f64,
+    beside: &[String],
+    scalar: usize,
+) -> Result<Picture, Error> {
+    let (columns, rows) = (order(&x.values), order(&y.values));
+    let cells = rows.iter().flat_map(|row| columns.iter().map(move |column| (*row, *column)));
+    let raw: Vec<f64> = cells.map(|(row, column)| value(row, column)).collect();
+    let finite = || raw.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    // An early time is dark; pale still differs from white, which is no value.
+    let early = matches!(plan.scalars[scalar].reduce, Reduce::FirstTrue(_));
+    let shade = |value: f64| {
+        let share = if high > low { (value - low) / (high - low) } else { 1.0 };
+        0.12 + 0.88 * if early && high > low { 1.0 - share } else { share }
+    };
+    let log = logarithmic(&x.values);
+    let xs: Vec<f64> =
+        columns.iter().map(|at| if log { x.values[*at].log10() } else { x.values[*at] }).collect();
+    let ys: Vec<f64> = rows.iter().map(|at| y.values[*at]).collect();
+    let (x_edges, y_edges) = (edges(&xs), edges(&ys));
+    let span = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
+    let ((left, right), (bottom, top)) = (span(&x_edges), span(&y_edges));
+    let drawn = HeatMap {
+        title: beside.join(", "),
+        x: Axis::over(&x.label, left, right),
+        y: Axis::over(&y.label, bottom, top),
+        log_x: log,
+        x_edges,
+        y_edges,
+        values: raw.iter().map(|value| if value.is_finite() { shade(*value) } else { f64::NAN }).collect(),
+        contours: Vec::new(),
+    };
+    let (dark, pale) = if early { (low, high) } else { (high, low) };
+    let scale = match low.is_finite() {
+        true => format!("dark blue: {}, pale: {}, white: none", short(dark), short(pale)),
+        false => "white: no value".to_owned(),
+    };
+    Ok((drawn.to_svg()?, format!("{} ({scale}).", words(plan, scalar))))
+}
+
+/// Places in rising order of the values.
+fn order(values: &[f64]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..values.len()).collect();
+    places.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    places
+}
+
+/// A wide axis is drawn by its logarithm.
+fn logarithmic(values: &[f64]) -> bool {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), v| (low.min(*v), high.max(*v)));
+    low > 0.0 && high / low >= 20.0
+}
+
+/// Half-way between neighbours; the outer ones as far outside.
+fn edges(values: &[f64]) -> Vec<f64> {
+    let middle = |a: f64, b: f64| 0.5 * (a + b);
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let mut edges = vec![first - (middle(first, values[1.min(values.len() - 1)]) - first)];
+    edges.extend(values.windows(2).map(|pair| middle(pair[0], pair[1])));
+    edges.push(last + (last - edges[edges.len() - 1]));
+    edges
+}
+
+/// A scalar over each parameter, a point a case.
+fn points(plan: &Plan, columns: &Columns, scalar: usize) -> Result<Vec<Picture>, Error> {
+    let values = &columns.scalars[scalar];
+    let every = values.len().div_ceil(POINTS).max(1);
+    let mut pictures = Vec::new();
+    let shown =
+        plan.parameters.iter().zip(&columns.parameters).filter(|(_, x)| x.iter().all(|x| x.is_finite()));
+    for (column, x) in shown.take(PICTURES) {
+        let all = x.iter().copied().zip(values.iter().copied());
+        let mut points: Vec<(f64, f64)> = all.step_by(every).filter(|(_, value)| value.is_finite()).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if points.is_empty() {
+            continue;
+        }
+        let thinned = if every > 1 { format!(", every {every}th case") } else { String::new() };
+        let graph = Graph::new(
+            "",
+            Axis::fitted(labelled(&column.name, &column.unit)),
+            Axis::fitted(label(plan, scalar)),
+        )
+        .with(Line::dots("", points));
+        pictures.push((graph.to_svg()?, format!("{}, a point a case{thinned}.", words(plan, scalar))));
+    }
+    Ok(pictures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{edges, logarithmic, order};
+
+    #[test]
+    fn value_edges_lie_half_way() {
+        assert_eq!(edges(&[1.0, 2.0, 4.0]), [0.5, 1.5, 3.0, 5.0]);
+        assert_eq!(order(&[3.0, 1.0, 2.0]), [1, 2, 0]);
+        assert!(logarithmic(&[5.0, 240.0]) && !logarithmic(&[0.0, 100.0]) && !logarithmic(&[15.0, 240.0]));
+    }
+}

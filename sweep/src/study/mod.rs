@@ -1,0 +1,130 @@
+//! What is to be swept: the study.
+//!
+//! ```toml
+//! format = 1
+//! scenario = "visual-servo"            # a shipped one, or a file beside this one
+//! stop = 5                             # s; optional
+//! until = "plant.contact"              # optional: each run ends when this is true, or "plant.q2 > 2"
+//! [set]                                # optional: values of all cases
+//! "camera.sigma" = 5
+//! [grid]                               # or [list], [random], [latin-hypercube], [sobol]
+//! "camera.T_delay" = { from = 0.0, to = 0.06, step = 0.02 }
+//! "camera.omega_cam" = [30, 60]
+//! [scalars]
+//! fell = { signal = "plant.contact", reduce = "first_true" }
+//! [signals]                            # optional
+//! variables = ["plant.q*"]
+//! every = 0.01
+//! ```
+
+mod designs;
+mod read;
+mod text;
+mod words;
+
+pub use words::Words;
+
+pub(crate) use text::Origin;
+
+use crate::design::Design;
+use crate::error::Error;
+use crate::scalar::{Scalar, Test};
+use orchestrator::Value;
+use orchestrator::scenario::Placed;
+use orchestrator::time::Rational;
+use std::path::{Path, PathBuf};
+
+/// Name, and text of the file. A new one is a file in `sweep/studies/` and a line here.
+pub const SHIPPED: &[(&str, &str)] = &[("delay-and-rate", include_str!("../../studies/delay-and-rate.toml"))];
+
+/// A study as it was written. Whether its names and types fit the units shows when it is planned.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// As it was written.
+    pub(crate) text: String,
+    /// Its name, for titles and folders.
+    pub name: String,
+    /// The scenario: a shipped one, or a path.
+    pub(crate) scenario: String,
+    /// Stop time as it was typed, and where.
+    pub(crate) stop: Option<(String, String)>,
+    pub(crate) until: Option<Until>,
+    pub(crate) set: Vec<Parameter>,
+    /// What varies, in the order of the columns.
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) design: Design,
+    pub(crate) scalars: Vec<Scalar>,
+    pub(crate) signals: Option<Signals>,
+}
+
+/// A parameter and where it was written; in `[set]` with its value.
+#[derive(Debug, Clone)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    pub(crate) place: String,
+    pub(crate) value: Option<Value>,
+}
+
+/// When a run ends before its stop.
+#[derive(Debug, Clone)]
+pub(crate) struct Until {
+    pub(crate) signal: String,
+    pub(crate) test: Test,
+    pub(crate) place: String,
+}
+
+/// Which signals are kept.
+#[derive(Debug, Clone)]
+pub(crate) struct Signals {
+    pub(crate) variables: Vec<Placed<String>>,
+    /// Time between kept rows in s; `None`: all.
+    pub(crate) every: Option<Rational>,
+}
+
+impl Study {
+    /// Loads a shipped study by its name, or any other by its path.
+    ///
+    /// # Errors
+    /// If there is none, or it says something that the format doesn't have.
+    pub fn load(name: &str) -> Result<Self, Error> {
+        if let Some((stem, text)) = SHIPPED.iter().find(|(stem, _)| *stem == name) {
+            return Self::parse(text, Path::new(&format!("sweep/studies/{stem}.toml")));
+        }
+        let path = Path::new(name);
+        if path.is_file() {
+            return Self::parse(&std::fs::read_to_string(path).map_err(Error::file(path))?, path);
+        }
+        let shipped: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
+        Err(Error::Unknown {
+            name: name.into(),
+            shipped: shipped.join(", "),
+            suggestion: match scenarios::SHIPPED.iter().any(|(known, _)| *known == name) {
+                true => {
+                    format!("{name} is a scenario: say what varies, e.g. --grid UNIT.VARIABLE=FROM:TO:STEP")
+                }
+                false => orchestrator::nearest(name, shipped.into_iter()),
+            },
+        })
+    }
+
+    /// Reads a study from text. Errors name `origin`; the scenario is looked for beside it.
+    ///
+    /// # Errors
+    /// If the text says something that the format doesn't have.
+    pub fn parse(text: &str, origin: &Path) -> Result<Self, Error> {
+        let name = origin.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let folder = origin.parent().unwrap_or(Path::new(""));
+        read::study(text, &Origin::File(origin.display().to_string()), name, folder)
+    }
+
+    /// The study that words of a command line describe.
+    ///
+    /// # Errors
+    /// If they describe none.
+    pub fn of_words(words: &Words) -> Result<Self, Error> {
+        let (text, places) = words.text()?;
+        let stem = PathBuf::from(&words.scenario);
+        let stem = stem.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        read::study(&text, &Origin::Words(places), stem, Path::new(""))
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::cli::Record;
 use crate::error::Error;
-use diagnosis::record::{Recording, record as write};
+use diagnosis::{Recording, record as write};
 
 /// Writes the data set.
 pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {

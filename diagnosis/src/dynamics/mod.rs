@@ -21,6 +21,5 @@ pub mod schedule;
 mod through;
 pub mod worker;
 
-pub use grid::Grid;
 pub use linearise::Engine;
-pub use machine::{Machine, Parameter, Role};
+pub use machine::Machine;

@@ -4,7 +4,7 @@
 
 use crate::error::Error;
 use crate::fmu::limits::{self, Limits};
-use crate::fmu::workshop::Bench;
+use crate::fmu::workshop::{self, Bench};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -50,6 +50,7 @@ impl Archive {
             let what = format!("the number of its entries, {},", zip.len());
             return Err(broken(limits::exceeded(&what, limits.entries, limits::ENTRIES)));
         }
+        let _unpacking = workshop::unpacking();
         let folder = Bench::new().map_err(|e| broken(format!("no temporary folder: {e}")))?;
         let mut left = limits.unpacked;
         let mut description = None;

@@ -7,7 +7,8 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, TryLockError, Weak};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// Begin of the folder's name.
@@ -16,6 +17,14 @@ const PREFIX: &str = "fmu-";
 const ALIVE: &str = ".alive";
 
 static CURRENT: Mutex<Weak<Workshop>> = Mutex::new(Weak::new());
+
+/// Read while a unit is unpacked; written by who takes all of it away.
+static UNPACKING: RwLock<()> = RwLock::new(());
+
+/// To be held while files are written into a [`Bench`].
+pub(crate) fn unpacking() -> RwLockReadGuard<'static, ()> {
+    UNPACKING.read().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// The folder. Dropping the last reference deletes it.
 #[derive(Debug)]
@@ -82,8 +91,19 @@ fn sweep(temporary: &Path) {
 }
 
 /// Removes what this process has unpacked, for one that is about to end without dropping anything: after a signal, say.
-/// Units that run go on, since their libraries are mapped; one that reads its resources afterwards fails.
+/// Units that run go on, since their libraries are mapped; one that reads its resources afterwards fails. Other threads unpack
+/// nothing more: those that try wait for the end.
 pub fn discard_unpacked() {
+    // A thread that is unpacking would make its folders anew. It takes milliseconds; a disk that hangs is not waited for.
+    for _ in 0..200 {
+        match UNPACKING.try_write() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(5)),
+            held => {
+                std::mem::forget(held);
+                break;
+            }
+        }
+    }
     let folder: Option<PathBuf> = {
         let current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
         current.upgrade().map(|workshop| workshop.folder.path().to_owned())

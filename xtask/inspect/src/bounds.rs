@@ -30,9 +30,13 @@ const WINDOWS: &[&str] = &[
     "api-ms-win-core-synch-*",
     "api-ms-win-crt-*",
 ];
-/// What macOS 11 and newer has in its shared cache.
-const MACOS: &[&str] =
-    &["/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib", "/usr/lib/libobjc.A.dylib"];
+/// What macOS 11 and newer has in its shared cache. libcharset is what its libiconv is made of and exports again.
+const MACOS: &[&str] = &[
+    "/usr/lib/libSystem.B.dylib",
+    "/usr/lib/libiconv.2.dylib",
+    "/usr/lib/libcharset.1.dylib",
+    "/usr/lib/libobjc.A.dylib",
+];
 
 /// GLIBC 2.17: RHEL 7, and what manylinux2014 asks for.
 const OLD_GLIBC: (u32, u32) = (2, 17);

@@ -17,10 +17,11 @@ Place = str | PathLike[str]
 
 
 def _command(*arguments: object, answers: Sequence[int] = (0,)) -> str:
-    """What a command prints. An exit status other than those raises, with the command's own words."""
+    """What a command prints. An exit status other than those raises, with the command's own words; so does one of those, other than
+    0, that comes without an answer."""
     words = [sys.executable, "-P", "-m", "acroscope", *map(str, arguments)]
     done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8")
-    if done.returncode in answers:
+    if done.returncode in answers and (done.returncode == 0 or done.stdout.strip()):
         return done.stdout
     said = done.stderr.strip().removeprefix("error: ")
     raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said or f"exit status {done.returncode}")

@@ -15,6 +15,7 @@ mod folder;
 mod formats;
 mod provenance;
 mod request;
+mod results;
 mod run_report;
 mod signals;
 

@@ -79,6 +79,28 @@ fn every_end_that_a_unit_brings_about_is_told_and_rows_are_kept() {
 }
 
 #[test]
+fn law_results_go_where_they_were_asked_to_though_a_unit_changes_the_folder() {
+    const CHANGES_DIRECTORY: i32 = 18;
+    let units = Units::new();
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    std::fs::write(units.path().join("scenario.toml"), scenario_of(CHANGES_DIRECTORY)).expect("writable");
+    let done = Command::new(env!("CARGO_BIN_EXE_acroscope"))
+        .current_dir(folder.path())
+        .arg("run")
+        .arg(units.path().join("scenario.toml"))
+        .args(["--checkpoint", "0.25", "--out", "here/o"])
+        .output()
+        .expect("starts");
+    let text = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(0), "{text}");
+    for name in ["results.csv", "report.html", "summary.json", "resolved.toml", "checkpoint.bin"] {
+        assert!(folder.path().join("here/o").join(name).is_file(), "{name}: {text}");
+    }
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(said.contains("the report is here/o/report.html"), "{said}");
+}
+
+#[test]
 fn law_a_unit_that_hangs_is_named_when_somebody_ends_it() {
     let units = Units::new();
     let folder = tempfile::TempDir::new().expect("a temporary folder");

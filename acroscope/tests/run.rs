@@ -226,6 +226,37 @@ fn law_no_old_report_stands_beside_new_rows() {
 }
 
 #[test]
+fn law_a_run_that_a_unit_refuses_leaves_older_results() {
+    let folder = folder();
+    let out = folder.path().join("o");
+    let first = ["run", "visual-servo", "--stop", "0.5", "--checkpoint", "0.2", "--out", "o"];
+    done(folder.path(), &[&first[..], &["--set", "camera.frames_every=5"]].concat());
+    let files = |folder: &Path| -> Vec<(PathBuf, Vec<u8>)> {
+        let mut found: Vec<_> = std::fs::read_dir(folder)
+            .expect("readable")
+            .map(|entry| entry.expect("readable").path())
+            .filter(|path| path.is_file())
+            .map(|path| (path.clone(), std::fs::read(path).expect("readable")))
+            .collect();
+        found.sort();
+        found
+    };
+    let before = (files(&out), files(&out.join("frames")));
+    assert!(before.0.len() == 5 && before.1.len() > 1, "results, a checkpoint, pictures");
+    // Seen by the unit only, when it is initialised.
+    for more in [&["--mcap"][..], &[]] {
+        let refused = ["run", "visual-servo", "--set", "camera.k1=-5", "--out", "o"];
+        let output = acroscope(folder.path(), &[&refused[..], more].concat());
+        assert_eq!(output.status.code(), Some(2));
+        assert!((files(&out), files(&out.join("frames"))) == before, "something is new or gone");
+    }
+    // One that begins takes all of it away.
+    done(folder.path(), &["run", "visual-servo", "--stop", "0.1", "--out", "o"]);
+    assert!(!out.join("checkpoint.bin").exists() && files(&out).len() == 4);
+    assert!(files(&out.join("frames")).len() < before.1.len());
+}
+
+#[test]
 fn law_a_scenario_without_a_report_gets_graphs_of_its_outputs() {
     let folder = folder();
     let scenario = read(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/full-state.toml"));

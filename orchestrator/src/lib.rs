@@ -105,6 +105,8 @@ pub use guard::exit_at_once;
 pub use guard::{Guard, give_up};
 pub use isolation::{Isolation, host_units, host_units_by};
 pub use progress::{Progress, Quiet};
+#[doc(hidden)]
+pub use recorder::Waiting;
 pub use recorder::{Cell, Column, CsvRecorder, MemoryRecorder, NoRecorder, Position, Recorder, Row, Twice};
 pub use run::{Comparison, Ended};
 pub use scenario::Scenario;

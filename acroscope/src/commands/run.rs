@@ -5,13 +5,13 @@ use crate::cli::Run;
 use crate::error::Error;
 use crate::folder::Folder;
 use crate::request::Request;
+use crate::results::Results;
 use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
 use crate::{formats, provenance, run_report};
 use orchestrator::{
-    Checkpoint, Checkpoints, CsvRecorder, Ended, Isolation, NoRecorder, Progress, Recorder, Scenario,
+    Checkpoint, Checkpoints, Ended, Isolation, NoRecorder, Progress, Recorder, Scenario, Simulation, Twice,
 };
-use orchestrator::{Simulation, Twice};
 use report::Figure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -64,13 +64,14 @@ pub fn carry_out(
     progress: &mut dyn Progress,
 ) -> Result<CarriedOut, Error> {
     let request = Request::of(arguments)?;
-    let out = arguments.out.clone().unwrap_or_else(|| request.folder());
+    let shown = arguments.out.clone().unwrap_or_else(|| request.folder());
+    // Units may change the working folder.
+    let out = std::path::absolute(&shown).map_err(Error::file(&shown))?;
     let (text, origin) = scenarios::text(&arguments.scenario)?;
     let mut scenario = Scenario::parse(&text, origin)?;
     let mut layout = Layout::of(&scenario)?;
     if let Some(picture) = &layout.picture {
-        let frames = std::path::absolute(out.join("frames")).map_err(Error::file(&out))?;
-        scenario.set(&picture.directory_parameter(), &frames.to_string_lossy())?;
+        scenario.set(&picture.directory_parameter(), &out.join("frames").to_string_lossy())?;
     }
     request.apply(&mut scenario)?;
     isolate(&mut scenario, arguments);
@@ -78,20 +79,23 @@ pub fn carry_out(
     layout.complete(&simulation)?;
     let provenance = provenance::of_run(&request, &text, &simulation)?;
 
-    // All that can be seen without running is right: now the results of an earlier run give way.
     let folder = Folder::make(&out)?;
     let from = checkpoint(arguments, &folder, quiet)?;
-    folder.clear(if from.is_some() { &FILES[1..] } else { &FILES })?;
-    let frames = match (&layout.picture, &from) {
-        (Some(_), Some(_)) => Some(Folder::make(&out.join("frames"))?),
-        (Some(_), None) => Some(run_report::fresh_frames(&out)?),
-        (None, _) => None,
-    };
+    let frames = layout.picture.as_ref().map(|_| Folder::make(&out.join("frames"))).transpose()?;
     let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
-    folder.write("resolved.toml", &simulation.resolved())?;
-    let mut results = results(&folder, from.as_ref())?;
+    let resolved = simulation.resolved();
+    let mut results = match &from {
+        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?,
+        None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved),
+    };
     let mut recorder = Twice(&mut results, also);
     let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
+    if !results.begun() {
+        // A unit refused to begin: what lies in the folder is of an earlier run, and stays.
+        let ended = ended.map_err(|error| results.failed().unwrap_or(error));
+        let replaced_starts = simulation.replaced_starts().to_vec();
+        return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing: Vec::new() });
+    }
     let exported = if arguments.mcap { formats::mcap(&folder, &simulation, &layout) } else { Ok(()) };
     let finished = Finished {
         simulation: &simulation,
@@ -113,14 +117,13 @@ pub fn carry_out(
     drop(frames);
     let replaced_starts = simulation.replaced_starts().to_vec();
     let timing = run_report::timing::lines(simulation.scenario());
-    Ok(CarriedOut { folder: out, summary, ended, replaced_starts, timing })
+    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing })
 }
 
-/// Where the run goes on, if it is to. A checkpoint of results that are overwritten is removed.
+/// Where the run goes on, if it is to.
 fn checkpoint(arguments: &Run, folder: &Folder, quiet: bool) -> Result<Option<Checkpoint>, Error> {
     let file = folder.file(CHECKPOINT);
     if !arguments.resume {
-        folder.clear(&[CHECKPOINT])?;
         return Ok(None);
     }
     let from = Checkpoint::load(&file)?;
@@ -144,15 +147,6 @@ fn isolate(scenario: &mut Scenario, arguments: &Run) {
         }
         isolation.memory_limit = arguments.memory_limit.map(|limit| limit << 20).or(isolation.memory_limit);
     }
-}
-
-/// The file of results, new or where a checkpoint left it.
-fn results(folder: &Folder, from: Option<&Checkpoint>) -> Result<CsvRecorder<std::fs::File>, Error> {
-    let file = folder.file("results.csv");
-    Ok(match from {
-        Some(checkpoint) => CsvRecorder::resume(file, checkpoint.position())?,
-        None => CsvRecorder::create(file)?,
-    })
 }
 
 /// The run itself. A signal ends it at the next communication point.
@@ -179,10 +173,6 @@ fn how(ended: &Result<Ended, Error>) -> How {
 
 /// Writes page and summary, if there is a row to tell of.
 fn told(finished: Finished<'_>, folder: &Folder) -> Result<Option<Summary>, Error> {
-    // Empty where a unit refused to begin.
-    if std::fs::metadata(folder.file("results.csv")).map_or(0, |file| file.len()) == 0 {
-        return Ok(None);
-    }
     let Some((summary, page)) = finished.tell()? else { return Ok(None) };
     folder.write("summary.json", &summary.to_json())?;
     folder.write("report.html", &page)?;

@@ -10,7 +10,7 @@ pub mod timing;
 mod verdict;
 
 pub use layout::Layout;
-pub use picture::{fresh_folder as fresh_frames, pictures};
+pub use picture::{clear as clear_pictures, pictures};
 pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;

@@ -2,7 +2,6 @@
 
 use super::layout::PictureEntry;
 use crate::error::Error;
-use crate::folder::Folder;
 use report::{Page, Picture};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -45,13 +44,12 @@ impl PictureEntry {
     }
 }
 
-/// The folder for a run's pictures, emptied of those of the last run.
-pub fn fresh_folder(out: &Path) -> Result<Folder, Error> {
-    let folder = Folder::make(&out.join("frames"))?;
-    for (path, _) in pictures(folder.path())? {
+/// Removes the pictures of the last run.
+pub fn clear(folder: &Path) -> Result<(), Error> {
+    for (path, _) in pictures(folder)? {
         std::fs::remove_file(&path).map_err(Error::file(&path))?;
     }
-    Ok(folder)
+    Ok(())
 }
 
 /// The numbered pictures of a folder, in order; none if there is no folder.

@@ -93,6 +93,8 @@ impl Plan {
             origins: origins(&simulation)?,
             scenario,
         };
+        // Before others are made: some units can live only once in a process.
+        drop(simulation);
         let simulation = plan.simulation(&plan.units)?;
         plan.resolved = simulation.resolved();
         plan.fingerprint = plan.sum(&simulation)?;

@@ -20,8 +20,7 @@ pub(crate) fn may_reuse(plan: &Plan) -> Result<bool, Error> {
         // Units of a run that failed are replaced anyway.
         return Ok(true);
     }
-    // As long as the used ones live, so that a library is not loaded anew.
-    let fresh = trace(plan, &mut plan.simulation(&units)?, last);
+    let fresh = trace(plan, &mut plan.simulation(&plan.units())?, last);
     Ok(after.ok() == fresh.ok())
 }
 

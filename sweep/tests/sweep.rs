@@ -142,25 +142,59 @@ fn law_a_failing_case_is_a_row_and_costs_nothing_else() {
     assert!(page.contains("of 6 cases failed") && page.contains("fmi2DoStep"));
 }
 
-#[test]
-fn law_a_unit_that_keeps_something_over_a_reset_gets_fresh_instances() {
-    let bench = Bench::new();
+/// The fixture's library with lines of its source replaced.
+fn library(bench: &Bench, replaced: &[(&str, &str)]) -> Vec<u8> {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../orchestrator/tests/fixtures/unit.c");
-    let text = std::fs::read_to_string(source).expect("there");
-    let honest = "API int fmi2Reset(void *c) { start(c); return 0; }";
-    assert!(text.contains(honest));
-    let leaky = "API int fmi2Reset(void *c) { double k = ((Unit *)c)->r[K]; start(c); ((Unit *)c)->r[K] = 2 * k; return 0; }";
-    std::fs::write(bench.path("leaky.c"), text.replace(honest, leaky)).expect("writable");
-    let library = bench.path("leaky.so");
+    let mut text = std::fs::read_to_string(source).expect("there");
+    for (honest, other) in replaced {
+        assert!(text.contains(honest), "{honest}");
+        text = text.replace(honest, other);
+    }
+    std::fs::write(bench.path("other.c"), text).expect("writable");
+    let library = bench.path("other.so");
     let compiled = std::process::Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
-        .args([&library, &bench.path("leaky.c")])
+        .args([&library, &bench.path("other.c")])
         .arg("-lm")
         .status();
     assert!(compiled.expect("a C compiler").success());
+    std::fs::read(&library).expect("compiled")
+}
+
+#[test]
+fn law_a_unit_that_can_live_only_once_is_loaded_by_each_thread() {
+    let bench = Bench::new();
+    bench.sweep(GRID, "honest", 1, None).expect("runs");
+    // It refuses a second instance while one is alive.
+    let make = "API void *fmi2Instantiate(";
+    let check = "    if (type != 1 ||";
+    let free = "API void fmi2FreeInstance(void *c) { ";
+    let library = library(
+        &bench,
+        &[
+            (make, "static int alive;\nAPI void *fmi2Instantiate("),
+            (check, "    if (alive++) return NULL;\n    if (type != 1 ||"),
+            (free, "API void fmi2FreeInstance(void *c) { alive--; "),
+        ],
+    );
+    let described = description(STATEFUL).replace(
+        "canGetAndSetFMUstate=",
+        "canBeInstantiatedOnlyOncePerProcess=\"true\" canGetAndSetFMUstate=",
+    );
+    bench.units.pack("stateful.fmu", &described, &library);
+    bench.sweep(GRID, "once", 3, None).expect("runs");
+    assert_eq!(bench.rows("once", "cases"), bench.rows("honest", "cases"));
+}
+
+#[test]
+fn law_a_unit_that_keeps_something_over_a_reset_gets_fresh_instances() {
+    let bench = Bench::new();
+    let honest = "API int fmi2Reset(void *c) { start(c); return 0; }";
+    let leaky = "API int fmi2Reset(void *c) { double k = ((Unit *)c)->r[K]; start(c); ((Unit *)c)->r[K] = 2 * k; return 0; }";
+    let library = library(&bench, &[(honest, leaky)]);
     let study = "[grid]\n\"a.x0\" = [0, 1, 2]\n[scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n";
     bench.sweep(study, "honest", 1, None).expect("runs");
-    bench.units.pack("stateful.fmu", &description(STATEFUL), &std::fs::read(&library).expect("compiled"));
+    bench.units.pack("stateful.fmu", &description(STATEFUL), &library);
     let notes = Notes::default();
     bench.watched(study, "leaky", 1, None, &notes).expect("runs");
     let said = notes.0.lock().expect("no panic").join("\n");

@@ -1,7 +1,8 @@
 //! A folder with units, a scenario and studies, and rows read back from Parquet.
 
+#![allow(dead_code, unused_imports)] // each test program uses its own share
+
 #[path = "../../../orchestrator/tests/common/mod.rs"]
-#[allow(unused_imports)]
 mod units;
 
 pub use units::{STATEFUL, Units, description};

@@ -8,10 +8,11 @@ crates=(fmi2-export orchestrator)
 for crate in "${crates[@]}"; do
     cargo package --quiet --package "$crate" --target-dir target/package-build "$@"
     archive=$(ls -t target/package-build/package/"$crate"-*.crate | head -1)
+    holds=$(tar -tzf "$archive")
     for file in README.md LICENSE-MIT LICENSE-APACHE; do
-        tar -tzf "$archive" | grep --quiet "/$file\$" || { echo "error: $archive lacks $file"; exit 1; }
+        grep --quiet "/$file\$" <<<"$holds" || { echo "error: $archive lacks $file"; exit 1; }
     done
     [ "$(tar -xzOf "$archive" --wildcards '*/LICENSE-APACHE' | grep --count 'Apache License')" -gt 0 ] ||
         { echo "error: LICENSE-APACHE in $archive is not that licence's text"; exit 1; }
-    echo "$(basename "$archive"): $(tar -tzf "$archive" | wc -l) files, $(stat -c %s "$archive") bytes, builds by itself"
+    echo "$(basename "$archive"): $(wc -l <<<"$holds") files, $(stat -c %s "$archive") bytes, builds by itself"
 done

@@ -3,10 +3,10 @@
 //! ```
 //! use diagnosis::{Options, Verdict, diagnose};
 //! use orchestrator::UnitPath;
-//! # let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-//! # let (dataset, packed) = (root.join("examples/hidden-effect"), root.join("target/fmus"));
 //!
 //! # fn main() -> Result<(), diagnosis::Error> {
+//! # let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+//! # let (dataset, packed) = (root.join("examples/hidden-effect"), root.join("target/fmus"));
 //! let units = UnitPath::new().with(packed);
 //! let found = diagnose(&dataset, &units, &Options::default(), &mut |_| {})?;
 //! assert_eq!(found.verdict, Verdict::Named);

@@ -1,12 +1,13 @@
 //! Graphs, tables and pages: what a person sees of a run, a claim or a diagnosis.
 //!
-//! Data comes in as numbers and leaves as one self-contained HTML file: graphs are inline SVG, pictures inline PNG,
-//! nothing is fetched from anywhere. This crate knows no unit and no signal by name.
+//! Data comes in as numbers and leaves as one self-contained HTML file: graphs are drawn by the page's own scripts or are
+//! inline SVG, pictures are inline PNG, nothing is fetched from anywhere. This crate knows no unit and no signal by name.
 
 pub mod field;
 pub mod graph;
 pub mod head;
 mod legend;
+pub mod live;
 pub mod map;
 pub mod page;
 pub mod picture;
@@ -31,6 +32,12 @@ pub enum Error {
         /// Title of the graph.
         title: String,
         /// What the drawing library says.
+        why: String,
+    },
+    /// Text for the page's scripts.
+    #[error("can't write the data of a graph: {why}")]
+    Data {
+        /// What the library says.
         why: String,
     },
     /// Nothing to draw.

@@ -1,5 +1,8 @@
 //! One self-contained HTML page: headings, text, tables, drawn graphs and pictures, in the order they are added.
 
+use crate::Error;
+use crate::graph::Graph;
+use crate::live::{self, Live};
 use base64::Engine as _;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::{Deserialize, Serialize};
@@ -9,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Page {
     title: String,
     body: Vec<Markup>,
+    live: Live,
 }
 
 /// A table of text.
@@ -44,33 +48,12 @@ impl From<String> for Cell {
     }
 }
 
-const STYLE: &str = "
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 1360px; margin: 2rem auto; padding: 0 1.5rem; }
-h1 { font-size: 1.6rem; margin-bottom: .3rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
-p { max-width: 75ch; }
-figure { margin: .6rem 0; display: inline-block; vertical-align: top; }
-figure svg, figure img { max-width: 100%; height: auto; }
-figcaption { color: #444; font-size: .9rem; max-width: 640px; }
-.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 520px), 1fr)); gap: 1rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; margin: 1rem 0; font-size: .92rem; }
-th, td { border-bottom: 1px solid #e3e3e3; padding: .25rem .7rem; text-align: left; vertical-align: top; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.verdict { border-left: .4rem solid #777; padding: .2rem 1rem; margin: 1rem 0; background: #f6f6f6; }
-.verdict.good { border-color: #00664a; } .verdict.bad { border-color: #a63603; }
-.verdict .words { font-size: 1.3rem; font-weight: 600; margin: .3rem 0; } .verdict.bad .words { color: #a63603; }
-.verdict dl { display: flex; flex-wrap: wrap; gap: .3rem 2rem; margin: .3rem 0; } .verdict dt { color: #444; font-size: .9rem; }
-.verdict dd { margin: 0; font-weight: 600; } .verdict .note { margin: .3rem 0; }
-.provenance { margin: 1rem 0; } .provenance summary { cursor: pointer; } .provenance td { overflow-wrap: anywhere; }
-.yes { color: #00664a; } .no { color: #a63603; font-weight: 600; }
-code, pre { font-family: ui-monospace, monospace; font-size: .9em; } pre { background: #f6f6f6; padding: .7rem; overflow-x: auto; }
-";
+const STYLE: &str = include_str!("../assets/page.css");
 
 impl Page {
     /// An empty page.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), body: Vec::new() }
+        Self { title: title.into(), body: Vec::new(), live: Live::default() }
     }
 
     /// A heading.
@@ -96,6 +79,18 @@ impl Page {
     /// Several drawn graphs side by side where the window is wide enough: (SVG, caption).
     pub fn figures(&mut self, figures: &[(String, String)]) -> &mut Self {
         self.push(html! { div.row { @for (svg, caption) in figures { (figure(svg, caption)) } } })
+    }
+
+    /// Graphs with captions, side by side where the window is wide enough, for cursor and zoom.
+    ///
+    /// # Errors
+    /// One of them can't be drawn.
+    pub fn graphs(&mut self, graphs: &[(Graph, String)]) -> Result<&mut Self, Error> {
+        let mut places = Vec::with_capacity(graphs.len());
+        for (graph, caption) in graphs {
+            places.push(self.live.add(graph, caption)?);
+        }
+        Ok(self.push(html! { div.row { @for place in &places { (place) } } }))
     }
 
     /// A PNG picture with a caption and an alternative text.
@@ -130,17 +125,31 @@ impl Page {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     title { (self.title) }
+                    // Otherwise a browser asks the server for one, and complains.
+                    link rel="icon" href="data:,";
                     style { (PreEscaped(STYLE)) }
+                    @if !self.live.is_empty() { (live::styles()) }
                 }
-                body { h1 { (self.title) } @for part in &self.body { (part) } }
+                body {
+                    main { h1 { (self.title) } @for part in &self.body { (part) } }
+                    @if !self.live.is_empty() { (self.live.scripts()) }
+                }
             }
         }
         .into_string()
     }
 }
 
-fn figure(svg: &str, caption: &str) -> Markup {
-    html! { figure { (PreEscaped(svg)) @if !caption.is_empty() { figcaption { (inline(caption)) } } } }
+pub(crate) fn figure(svg: &str, caption: &str) -> Markup {
+    let named = match caption {
+        "" => svg.to_owned(),
+        // For those who can't see it.
+        words => {
+            let words = html! { (words.replace('`', "")) }.into_string();
+            svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{words}\" "), 1)
+        }
+    };
+    html! { figure { (PreEscaped(named)) @if !caption.is_empty() { figcaption { (inline(caption)) } } } }
 }
 
 fn cell_markup(cell: &Cell) -> Markup {

@@ -157,11 +157,13 @@ impl Finished<'_> {
         for entry in self.layout.graphs() {
             let graph = graph(entry, series, event.clone());
             match graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| value.is_finite()) {
-                true => drawn.push((graph.to_svg()?, String::new())),
+                true => drawn.push((graph, String::new())),
                 false => empty.push(entry.title.as_str()),
             }
         }
-        page.figures(&drawn);
+        if !drawn.is_empty() {
+            page.heading("Signals").graphs(&drawn)?;
+        }
         if !empty.is_empty() {
             page.text(&format!("Without a finite value, and so without a graph: {}.", empty.join(", ")));
         }

@@ -23,7 +23,7 @@ impl PictureEntry {
         let delivered: Vec<_> = shots.iter().filter(|(_, number)| places.contains_key(number)).collect();
         if let Some((path, number)) = delivered.get(delivered.len() / 2) {
             let svg = self.marked(path, &places[number])?.to_svg();
-            page.figure(&svg, &format!("{}: frame {number}", self.caption));
+            page.heading("Picture").figure(&svg, &format!("{}: frame {number}", self.caption));
         }
         Ok(())
     }

@@ -1,0 +1,183 @@
+// Draws the page's graphs with uPlot: one cursor and one zoom for all over the same axis, values in the legend.
+"use strict";
+acro.graphs = []; // {plot, description} in the order of the page
+
+// Draws a description (report/src/live/mod.rs) into a figure; `columns` answers a column by its number.
+acro.graph = function (figure, described, columns, height) {
+  const over = columns(described.over);
+  const data = [over, ...described.lines.map((line) => columns(line.column))];
+  const whole = described.x_range || [over[0], over[over.length - 1]];
+  const host = acro.element("div", { class: "plot", tabindex: 0, role: "group", "aria-label": acro.described(described) });
+  const reset = acro.element("button", { type: "button", hidden: "", onclick: () => plot.setScale("x", { min: whole[0], max: whole[1] }) }, "Whole range");
+  const head = acro.element("div", { class: "graph-head" }, acro.element("h3", {}, described.title), reset);
+  const still = figure.querySelector("noscript");
+  if (still) head.append(acro.saver(still, described));
+  figure.prepend(head);
+  if (described.event) head.after(acro.element("p", { class: "graph-event" }, "┊ " + described.event[1]));
+  if (still) still.before(host); else figure.append(host);
+  const state = { whole, isWhole: true, reset };
+  const plot = new uPlot(acro.options(described, data, state, host, height), data, host);
+  plot.over.tabIndex = -1;
+  new ResizeObserver(() => {
+    if (host.clientWidth > 0 && host.clientWidth !== plot.width) plot.setSize({ width: host.clientWidth, height: acro.height(host, height) });
+  }).observe(host);
+  host.addEventListener("keydown", (event) => acro.key(event, plot, whole));
+  acro.touch(plot);
+  acro.graphs.push({ plot, described, host });
+  return plot;
+};
+
+acro.height = (host, height) => height || (host.clientWidth < 480 ? 240 : 300);
+
+acro.described = (graph) =>
+  `${graph.title}: ${graph.lines.map((line) => line.label).join(", ")} over ${graph.x}. Arrow keys move the cursor, plus and minus zoom, 0 shows all.`;
+
+// The button that hands out the graph as SVG, which stands on the page for readers without scripts.
+acro.saver = (still, described) =>
+  acro.element("button", { type: "button", "aria-label": `Save ${described.title} as SVG`, onclick: () => acro.download(still.textContent, acro.fileName(described.title) + ".svg", "image/svg+xml") }, "SVG");
+
+acro.options = function (described, data, state, host, height) {
+  const ink = () => acro.colour("ink");
+  const axis = {
+    stroke: ink, font: "13px system-ui, sans-serif", labelFont: "13px system-ui, sans-serif", labelGap: 2, labelSize: 20,
+    grid: { stroke: () => acro.colour("grid"), width: 1 }, ticks: { stroke: () => acro.colour("grid"), width: 1, size: 4 },
+    values: (_, splits, __, ___, step) => acro.ticks(splits, step),
+  };
+  const wide = (_, labels) => Math.max(40, 7.6 * Math.max(0, ...(labels || []).map((label) => label.length)) + 12);
+  return {
+    width: host.clientWidth || 300, height: acro.height(host, height),
+    scales: {
+      x: { time: false, range: (_, low, high) => { state.isWhole = low <= state.whole[0] && high >= state.whole[1]; return [low, high]; } },
+      y: { range: (_, low, high) => acro.fitted(described, state, low, high) },
+    },
+    axes: [{ ...axis, label: described.x, size: 28 }, { ...axis, label: described.y, size: wide }],
+    series: [{ label: described.x, value: (_, value) => acro.text(value) }, ...described.lines.map(acro.series)],
+    legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
+    cursor: {
+      x: true, y: false, drag: { x: true, y: false, dist: 6 }, points: { size: 6 },
+      sync: { key: described.x, scales: ["x", null] },
+      dataIdx: (_, line, row) => acro.nearest(data[line], row),
+    },
+    hooks: {
+      setScale: [(plot, scale) => { if (scale === "x") { acro.link(plot, described); state.reset.hidden = state.isWhole; } }],
+      draw: [(plot) => { if (described.event) acro.upright(plot, described.event[0]); }],
+    },
+  };
+};
+
+acro.dashes = (line) => (line && (line.style === "dashed" || line.style === "dotted") ? line.style : "solid");
+
+acro.series = function (line, number) {
+  const colour = () => acro.colour("line" + (number % 6));
+  const made = { label: line.label, stroke: colour, width: 1.5, value: (_, value) => acro.text(value), points: { show: false } };
+  if (line.style === "dashed") made.dash = [7, 4];
+  if (line.style === "dotted") made.dash = [2, 3];
+  if (line.style === "dots" || line.style === "crosses") {
+    made.paths = () => null;
+    made.points = { show: true, size: 4, stroke: colour, fill: line.style === "dots" ? colour : null };
+  }
+  return made;
+};
+
+// The vertical range: before a failure as long as all of the time is shown, else what the visible part needs.
+acro.fitted = function (described, state, low, high) {
+  if (described.y_range && state.isWhole) return described.y_range;
+  if (low == null || high == null) return [0, 1];
+  const margin = high > low ? 0.06 * (high - low) : 0.5 * Math.max(Math.abs(high), 1e-3);
+  return [low - margin, high + margin];
+};
+
+// The row nearest to this one in which a line has a point.
+acro.nearest = function (values, row) {
+  if (!values || values[row] !== undefined) return row;
+  for (let away = 1; away < values.length; away++) {
+    if (row - away >= 0 && values[row - away] != null) return row - away;
+    if (row + away < values.length && values[row + away] != null) return row + away;
+  }
+  return row;
+};
+
+// All graphs over the same axis show the same part of it.
+acro.link = function (plot, described) {
+  const { min, max } = plot.scales.x;
+  for (const other of acro.graphs) {
+    const scale = other.plot.scales.x;
+    if (other.plot !== plot && other.described.x === described.x && (scale.min !== min || scale.max !== max)) other.plot.setScale("x", { min, max });
+  }
+};
+
+// An upright line where something happened.
+acro.upright = function (plot, at) {
+  const { min, max } = plot.scales.x;
+  if (at < min || at > max) return;
+  const x = Math.round(plot.valToPos(at, "x", true));
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.strokeStyle = acro.colour("event");
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([2 * devicePixelRatio, 4 * devicePixelRatio]);
+  ctx.beginPath();
+  ctx.moveTo(x, bbox.top);
+  ctx.lineTo(x, bbox.top + bbox.height);
+  ctx.stroke();
+  ctx.restore();
+};
+
+// Puts the cursor on a row, there and in all linked graphs.
+acro.point = (plot, row) => plot.setCursor({ left: plot.valToPos(plot.data[0][row], "x"), top: 0 }, true, true);
+
+acro.key = function (event, plot, whole) {
+  const { min, max } = plot.scales.x;
+  const last = plot.data[0].length - 1;
+  const row = plot.cursor.idx == null ? plot.valToIdx(min) : plot.cursor.idx;
+  const far = event.shiftKey ? Math.max(1, Math.round((plot.valToIdx(max) - plot.valToIdx(min)) / 20)) : 1;
+  const zoom = (share) => {
+    const middle = plot.data[0][row];
+    plot.setScale("x", { min: Math.max(whole[0], middle - (middle - min) * share), max: Math.min(whole[1], middle + (max - middle) * share) });
+  };
+  const keys = {
+    ArrowLeft: () => acro.point(plot, Math.max(0, row - far)), ArrowRight: () => acro.point(plot, Math.min(last, row + far)),
+    Home: () => acro.point(plot, plot.valToIdx(min)), End: () => acro.point(plot, plot.valToIdx(max)),
+    "+": () => zoom(0.5), "-": () => zoom(2), 0: () => plot.setScale("x", { min: whole[0], max: whole[1] }), Escape: () => plot.setScale("x", { min: whole[0], max: whole[1] }),
+  };
+  if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
+  keys[event.key]();
+  event.preventDefault();
+};
+
+// A finger moves the cursor; the page scrolls up and down as ever.
+acro.touch = function (plot) {
+  const move = (event) => {
+    if (event.pointerType !== "touch") return;
+    const box = plot.over.getBoundingClientRect();
+    plot.setCursor({ left: event.clientX - box.left, top: 0 }, true, true);
+  };
+  plot.over.addEventListener("pointerdown", move);
+  plot.over.addEventListener("pointermove", move);
+};
+
+// Draws all graphs of the page, the first at once, the others when the browser has shown it.
+acro.drawAll = function () {
+  const data = acro.data("graphs");
+  const kept = new Map();
+  const columns = (number) => {
+    if (!kept.has(number)) kept.set(number, acro.unpack(data.columns[number]));
+    return kept.get(number);
+  };
+  const figures = [...document.querySelectorAll("figure[data-graph]")];
+  const next = () => {
+    const figure = figures.shift();
+    if (!figure) return document.documentElement.setAttribute("data-graphs", "drawn");
+    acro.graph(figure, data.graphs[Number(figure.dataset.graph)], columns);
+    performance.mark("graph-" + figure.dataset.graph);
+    setTimeout(next);
+  };
+  if (figures.length > 0) {
+    const words = "Drag over a graph to zoom, double click for the whole range. The values below a graph are the data's own, at the cursor.";
+    (figures[0].closest(".row") || figures[0]).before(acro.element("p", { class: "graph-hint" }, words));
+  }
+  next();
+  acro.onColours(() => { for (const { plot } of acro.graphs) plot.redraw(true, true); });
+};
+
+if (document.getElementById("graphs")) acro.drawAll();

@@ -3,6 +3,7 @@
 use crate::candidates::Candidate;
 use crate::correction::Correction;
 use crate::error::Notice;
+use crate::overlay::Channel;
 use crate::provenance::Provenance;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -211,6 +212,9 @@ pub struct Diagnosis {
     /// Pictures of the rest for the report.
     #[serde(skip)]
     pub traces: Vec<Trace>,
+    /// Measured, nominal and amended for the report.
+    #[serde(skip)]
+    pub channels: Vec<Channel>,
 }
 
 /// A rest over time, before and after.

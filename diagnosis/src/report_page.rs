@@ -1,10 +1,11 @@
 //! `report.html`: the story with its numbers and pictures.
 
 use crate::correction::Correction;
-use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Trace, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Verdict};
 use crate::error::Error;
+use crate::report_graphs;
 use crate::story::brief;
-use report::{Axis, Cell, Graph, Line, Page, Table};
+use report::{Cell, Figure, Page, Standing, Table};
 
 /// The page.
 ///
@@ -12,7 +13,7 @@ use report::{Axis, Cell, Graph, Line, Page, Table};
 /// A graph can't be drawn.
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
-    page.text(&summary(diagnosis));
+    page.verdict(&verdict(diagnosis));
     page.table(&provenance(diagnosis));
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
@@ -38,6 +39,11 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
             page.table(&experiments(next));
         }
     }
+    page.heading("What to do now");
+    for line in now(diagnosis) {
+        page.text(&line);
+    }
+    report_graphs::overlays(diagnosis, &mut page)?;
     page.heading("Step by step");
     for line in &diagnosis.story {
         page.text(line);
@@ -51,14 +57,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         );
         page.table(&gaps(&diagnosis.cross_validation));
     }
-    for trace in &diagnosis.traces {
-        if let Some(svg) = drawn(trace) {
-            page.figure(
-                &svg?,
-                "Runs one after the other. Before: the nominal model; after: the amended one.",
-            );
-        }
-    }
+    report_graphs::rests(diagnosis, &mut page)?;
     if !diagnosis.place.is_empty() {
         page.heading("Where they disagree");
         page.table(&places(diagnosis));
@@ -93,6 +92,54 @@ fn provenance(diagnosis: &Diagnosis) -> Table {
     let lines = diagnosis.provenance.lines().into_iter();
     let rows = lines.map(|(what, value)| vec![what.into(), value.into()]).collect();
     Table { head: vec!["this diagnosis".into(), String::new()], rows }
+}
+
+/// The answer, in large letters.
+fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
+    let value = |effect: &Effect| Figure {
+        label: effect.name.clone(),
+        value: Some(effect.value),
+        unit: effect.unit.clone(),
+    };
+    let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
+    if let Some(closed) = diagnosis.gap.closed {
+        figures.push(Figure { label: "gap closed".into(), value: Some(100.0 * closed), unit: "%".into() });
+    }
+    let standing = match diagnosis.verdict {
+        Verdict::None | Verdict::Named => Standing::Good,
+        Verdict::Ambiguous | Verdict::Unknown => Standing::Plain,
+    };
+    report::Verdict { standing, words: summary(diagnosis), figures, notes: Vec::new() }
+}
+
+/// What comes next, with the commands for it.
+fn now(diagnosis: &Diagnosis) -> Vec<String> {
+    let mut lines = Vec::new();
+    if diagnosis.verdict != Verdict::None {
+        lines.push(
+            "Beside this page lies `amended.toml`, the model with what was found. In that folder `acroscope run amended.toml --out replay` \
+             runs it with the inputs of a run, and `acroscope view replay` shows it."
+                .to_owned(),
+        );
+    }
+    let scenario = diagnosis.next_experiment.as_ref().and_then(|next| next.scenario.as_deref());
+    if let Some(scenario) = scenario {
+        lines.push(format!(
+            "`acroscope run {scenario} --out rehearsal` shows what the next experiment would do."
+        ));
+    }
+    if diagnosis.next_experiment.is_some() || diagnosis.verdict == Verdict::Unknown {
+        lines.push(
+            "After the next recording `acroscope diagnose NEW-DATA --after .` lets this diagnosis count beside it.".to_owned(),
+        );
+    }
+    if lines.is_empty() {
+        lines.push(
+            "Nothing: the nominal model stands. The last table says what these data could not have shown."
+                .to_owned(),
+        );
+    }
+    lines
 }
 
 fn summary(diagnosis: &Diagnosis) -> String {
@@ -251,15 +298,4 @@ fn places(diagnosis: &Diagnosis) -> Table {
         ]
     });
     Table { head: ["signal", "share", "when", "where"].map(str::to_owned).to_vec(), rows: rows.collect() }
-}
-
-fn drawn(trace: &Trace) -> Option<Result<String, Error>> {
-    if trace.before.is_empty() {
-        return None;
-    }
-    let graph =
-        Graph::new(&trace.title, Axis::fitted("time in s"), Axis::fitted(format!("rest in {}", trace.unit)))
-            .with(Line::dots("before", trace.before.clone()))
-            .with(Line::dots("after", trace.after.clone()));
-    Some(graph.to_svg().map_err(|error| Error::Model(error.to_string())))
 }

@@ -93,6 +93,7 @@ pub fn diagnosed(
         attachments,
         experiment: None,
         traces: Vec::new(),
+        channels: Vec::new(),
     })
 }
 

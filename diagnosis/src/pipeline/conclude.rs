@@ -10,7 +10,7 @@ use crate::imitation::{anything, imitation};
 use crate::provenance::Provenance;
 use crate::rest::{drifting, torque_shape, unknown};
 use crate::selection::{ALPHA, PICTURED};
-use crate::{amend, experiment, gap, places, story};
+use crate::{amend, experiment, gap, overlay, places, story};
 use std::collections::BTreeMap;
 
 #[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
@@ -170,6 +170,7 @@ pub(super) fn conclude(
         attachments: Vec::new(),
         experiment,
         traces,
+        channels: parts.iter().flat_map(|part| overlay::channels(&part.study, &part.signals, data)).collect(),
     };
     Ok((diagnosis, compared))
 }

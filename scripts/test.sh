@@ -30,6 +30,13 @@ cargo test --quiet --release --workspace --doc
 step "Foreign programs drive the units (FMPy, libcosim, scipy, OpenCV, PythonFMU)"
 .venv/bin/python -m pytest tests/fmpy
 
+step "Pages in a browser"
+if ! command -v chromium >/dev/null && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+    (apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium) >/dev/null 2>&1 ||
+        echo "chromium can't be installed here"
+fi
+.venv/bin/python -m pytest tests/browser
+
 step "The maker of hidden data, and a slice of blind diagnoses"
 (cd tests && ../.venv/bin/python -m pytest -q hidden)
 (cd tests && ../.venv/bin/python -m pytest -q hidden_any)

@@ -24,7 +24,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("diagnosis", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("sweep", &["orchestrator", "scenarios", "report"]),
-    ("acroscope", &["orchestrator", "scenarios", "diagnosis", "studies", "sweep", "report", "export"]),
+    ("viewer", &["orchestrator", "mechanics", "report"]),
+    (
+        "acroscope",
+        &["orchestrator", "scenarios", "diagnosis", "studies", "sweep", "report", "export", "viewer"],
+    ),
     ("acroscope-python", &["acroscope", "orchestrator", "scenarios"]),
     ("benches", &["camera", "plant", "fmi2-export", "orchestrator", "scenarios", "diagnosis"]),
     ("system-tests", &[]),

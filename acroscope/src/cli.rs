@@ -51,6 +51,8 @@ pub enum Command {
     Params(Params),
     /// Run a scenario many times with varied values: writes a Parquet data set and report.html.
     Sweep(Sweep),
+    /// Look at finished runs: the machine in motion, what the camera saw, the signals.
+    View(View),
     /// Print a script that completes commands and options in a shell.
     Completions(Completions),
     /// Write manual pages, one a command.
@@ -236,6 +238,20 @@ pub struct Sweep {
     /// Folder for the data set, made if it is missing; parts that are there are not made again [default: out/sweep-STUDY].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `acroscope view`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope view out/visual-servo\n  acroscope view out/visual-servo out/full-state -o both.html"
+)]
+pub struct View {
+    /// Folder of a finished run; of two for a look at both side by side.
+    #[arg(required = true, num_args = 1..=2, value_name = "RESULT")]
+    pub results: Vec<PathBuf>,
+    /// Write the page to this file; without it, it is served at an address of this machine until Ctrl-C.
+    #[arg(short, long, value_name = "FILE.html")]
+    pub output: Option<PathBuf>,
 }
 
 /// `acroscope completions`

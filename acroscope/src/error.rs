@@ -35,6 +35,9 @@ pub enum Error {
         /// What there is of the sweep.
         why: String,
     },
+    /// A result can't be shown.
+    #[error(transparent)]
+    View(#[from] viewer::Error),
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -78,7 +81,8 @@ impl Error {
             Self::Study(error) if !error.is_input() => 1,
             Self::Diagnosis(error) if !error.is_input() => 1,
             Self::Sweep(error) if !error.is_input() => 1,
-            Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) => 2,
+            Self::View(error) if !error.is_input() => 1,
+            Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Words(_) => 2,
             Self::Interrupted { signal, .. } | Self::SweepInterrupted { signal, .. } => {

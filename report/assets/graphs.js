@@ -156,28 +156,34 @@ acro.touch = function (plot) {
   plot.over.addEventListener("pointermove", move);
 };
 
+// A column of the page by its number, unpacked once.
+acro.column = function (number) {
+  if (!acro.packed) [acro.packed, acro.unpacked] = [acro.data("graphs"), new Map()];
+  if (!acro.unpacked.has(number)) acro.unpacked.set(number, acro.unpack(acro.packed.columns[number]));
+  return acro.unpacked.get(number);
+};
+
 // Draws all graphs of the page, the first at once, the others when the browser has shown it.
 acro.drawAll = function () {
-  const data = acro.data("graphs");
-  const kept = new Map();
-  const columns = (number) => {
-    if (!kept.has(number)) kept.set(number, acro.unpack(data.columns[number]));
-    return kept.get(number);
-  };
   const figures = [...document.querySelectorAll("figure[data-graph]")];
-  const next = () => {
-    const figure = figures.shift();
-    if (!figure) return document.documentElement.setAttribute("data-graphs", "drawn");
-    acro.graph(figure, data.graphs[Number(figure.dataset.graph)], columns);
-    performance.mark("graph-" + figure.dataset.graph);
-    setTimeout(next);
-  };
   if (figures.length > 0) {
     const words = "Drag over a graph to zoom, double click for the whole range. The values below a graph are the data's own, at the cursor.";
     (figures[0].closest(".row") || figures[0]).before(acro.element("p", { class: "graph-hint" }, words));
+    acro.column(0);
   }
+  const next = () => {
+    const figure = figures.shift();
+    if (!figure) {
+      document.documentElement.setAttribute("data-graphs", "drawn");
+      document.dispatchEvent(new Event("graphs-drawn"));
+      return;
+    }
+    acro.graph(figure, acro.packed.graphs[Number(figure.dataset.graph)], acro.column);
+    performance.mark("graph-" + figure.dataset.graph);
+    setTimeout(next);
+  };
   next();
   acro.onColours(() => { for (const { plot } of acro.graphs) plot.redraw(true, true); });
 };
 
-if (document.getElementById("graphs")) acro.drawAll();
+acro.drawAll();

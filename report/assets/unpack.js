@@ -19,7 +19,7 @@ acro.unpack = function (packed) {
     else if (order === 2) next = 2 * value[row - 1] - value[row - 2];
     else if (order === 3) next = 3 * value[row - 1] - 3 * value[row - 2] + value[row - 3];
     else if (order === 4) next = 4 * value[row - 1] - 6 * value[row - 2] + 4 * value[row - 3] - value[row - 4];
-    guess[0] = Number.isFinite(next) ? next : 0;
+    if (Number.isFinite(next)) guess[0] = next; else [guessed[0], guessed[1]] = [word[2 * row - 2], word[2 * row - 1]];
     const length = (text.charCodeAt(row >> 1) >> (4 * (row & 1))) & 15;
     let low = 0, high = 0;
     for (let byte = 0; byte < length; byte++) {

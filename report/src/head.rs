@@ -176,7 +176,7 @@ impl Page {
         self.push(html! {
             details.provenance open {
                 summary { "Where this comes from" }
-                div.scroll { table { tbody { @for (label, text) in &rows { (row(label, text)) } } } }
+                div.scroll tabindex="0" { table { tbody { @for (label, text) in &rows { (row(label, text)) } } } }
                 p { "The command that makes it again:" }
                 pre { (provenance.command) }
             }

@@ -7,7 +7,7 @@ pub mod field;
 pub mod graph;
 pub mod head;
 mod legend;
-pub mod live;
+mod live;
 pub mod map;
 pub mod page;
 pub mod picture;

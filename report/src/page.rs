@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::graph::Graph;
-use crate::live::{self, Live};
+use crate::live::Live;
 use base64::Engine as _;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::{Deserialize, Serialize};
@@ -86,11 +86,40 @@ impl Page {
     /// # Errors
     /// One of them can't be drawn.
     pub fn graphs(&mut self, graphs: &[(Graph, String)]) -> Result<&mut Self, Error> {
+        let places = self.places(graphs)?;
+        Ok(self.push(places))
+    }
+
+    /// The same for a place that the caller chooses: what is answered is still to be pushed.
+    ///
+    /// # Errors
+    /// One of them can't be drawn.
+    pub fn places(&mut self, graphs: &[(Graph, String)]) -> Result<Markup, Error> {
         let mut places = Vec::with_capacity(graphs.len());
         for (graph, caption) in graphs {
             places.push(self.live.add(graph, caption)?);
         }
-        Ok(self.push(html! { div.row { @for place in &places { (place) } } }))
+        Ok(html! { div.row { @for place in &places { (place) } } })
+    }
+
+    /// Takes a column of values for a script of the page's own, which gets it back as `acro.column(number)`.
+    ///
+    /// # Errors
+    /// It can't be written.
+    pub fn column(&mut self, values: &[f64]) -> Result<usize, Error> {
+        self.live.values(values)
+    }
+
+    /// Adds scripts of the page's own, which run when those for graphs are there and find `json` as `acro.data(id)`.
+    pub fn scripted(
+        &mut self,
+        id: &'static str,
+        json: String,
+        scripts: &'static [&'static str],
+        style: &'static str,
+    ) -> &mut Self {
+        self.live.own(id, json, scripts, style);
+        self
     }
 
     /// A PNG picture with a caption and an alternative text.
@@ -103,8 +132,9 @@ impl Page {
     /// A table.
     pub fn table(&mut self, table: &Table) -> &mut Self {
         self.push(html! {
-            div.scroll { table {
-                thead { tr { @for name in &table.head { th { (name) } } } }
+            // A keyboard can scroll what has the focus.
+            div.scroll tabindex="0" { table {
+                thead { tr { @for name in &table.head { @if name.is_empty() { td {} } @else { th { (name) } } } } }
                 tbody { @for row in &table.rows { tr { @for cell in row { (cell_markup(cell)) } } } }
             } }
         })
@@ -128,7 +158,7 @@ impl Page {
                     // Otherwise a browser asks the server for one, and complains.
                     link rel="icon" href="data:,";
                     style { (PreEscaped(STYLE)) }
-                    @if !self.live.is_empty() { (live::styles()) }
+                    @if !self.live.is_empty() { (self.live.styles()) }
                 }
                 body {
                     main { h1 { (self.title) } @for part in &self.body { (part) } }
@@ -143,6 +173,7 @@ impl Page {
 pub(crate) fn figure(svg: &str, caption: &str) -> Markup {
     let named = match caption {
         "" => svg.to_owned(),
+        _ if svg.split('>').next().is_some_and(|tag| tag.contains("aria-label")) => svg.to_owned(),
         // For those who can't see it.
         words => {
             let words = html! { (words.replace('`', "")) }.into_string();

@@ -9,6 +9,7 @@ mod record;
 mod reproduce;
 mod run;
 mod sweep;
+mod view;
 
 pub use run::carry_out;
 
@@ -25,6 +26,7 @@ pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
         Command::Params(params) => params::params(params),
         Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
+        Command::View(view) => view::view(view, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
         Command::Sweep(sweep) => sweep::sweep(sweep, arguments.quiet),
     }

@@ -26,6 +26,17 @@ pub(crate) struct Live {
     columns: BTreeMap<String, usize>,
     /// Each description as JSON.
     graphs: Vec<String>,
+    /// What scripts of the page's own need: `id` and JSON, scripts, style.
+    own: Vec<Own>,
+}
+
+/// A part of a page that has scripts of its own.
+#[derive(Debug, Clone)]
+struct Own {
+    id: &'static str,
+    json: String,
+    scripts: &'static [&'static str],
+    style: &'static str,
 }
 
 /// A graph as the scripts read it.
@@ -55,7 +66,24 @@ struct DescribedLine {
 impl Live {
     /// Whether the page needs the scripts.
     pub(crate) fn is_empty(&self) -> bool {
-        self.graphs.is_empty()
+        self.graphs.is_empty() && self.columns.is_empty() && self.own.is_empty()
+    }
+
+    /// Takes a column for a script of the page's own.
+    pub(crate) fn values(&mut self, values: &[f64]) -> Result<usize, Error> {
+        let bits = |value: &f64| if value.is_finite() { value.to_bits() } else { f64::NAN.to_bits() };
+        self.column(&values.iter().map(bits).collect::<Vec<_>>())
+    }
+
+    /// Takes scripts of the page's own and their data.
+    pub(crate) fn own(
+        &mut self,
+        id: &'static str,
+        json: String,
+        scripts: &'static [&'static str],
+        style: &'static str,
+    ) {
+        self.own.push(Own { id, json, scripts, style });
     }
 
     /// Takes a graph and answers its place on the page. A graph whose lines are no functions of x stays a picture.
@@ -101,25 +129,26 @@ impl Live {
         columns.sort_unstable();
         let columns: Vec<_> = columns.into_iter().map(|(_, packed)| packed).collect();
         let data = format!("{{\"columns\":[{}],\"graphs\":[{}]}}", columns.join(","), self.graphs.join(","));
-        html! { (data_block("graphs", &data)) (scripts()) }
+        html! {
+            (data_block("graphs", &data))
+            @for own in &self.own { (data_block(own.id, &own.json)) }
+            script { (PreEscaped(UPLOT)) }
+            script { (PreEscaped(UNPACK)) (PreEscaped(TOOLS)) (PreEscaped(GRAPHS)) }
+            @for own in &self.own { script { @for script in own.scripts { (PreEscaped(script)) } } }
+        }
     }
-}
 
-/// What draws graphs, without their data.
-pub fn scripts() -> Markup {
-    html! {
-        script { (PreEscaped(UPLOT)) }
-        script { (PreEscaped(UNPACK)) (PreEscaped(TOOLS)) (PreEscaped(GRAPHS)) }
+    /// The style sheets that go with the scripts.
+    pub(crate) fn styles(&self) -> Markup {
+        html! {
+            style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) }
+            @for own in &self.own { style { (PreEscaped(own.style)) } }
+        }
     }
-}
-
-/// The style sheets that go with the scripts.
-pub fn styles() -> Markup {
-    html! { style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) } }
 }
 
 /// JSON for a script of the page, which finds it by its `id`.
-pub fn data_block(id: &str, json: &str) -> Markup {
+fn data_block(id: &str, json: &str) -> Markup {
     // Inside a script element only `<` could end it; in JSON it stands in texts only.
     html! { script type="application/json" id=(id) { (PreEscaped(json.replace('<', r"\u003c"))) } }
 }

@@ -56,8 +56,8 @@ fn lengths(bits: &[u64], order: usize) -> Vec<usize> {
     (0..bits.len()).map(|row| 8 - differs(row).leading_zeros() as usize / 8).collect()
 }
 
-/// The bits of the next value by the polynomial through the last `order`; those of 0 where there is none. The order of
-/// the sums is that of `assets/unpack.js`: another one rounds otherwise.
+/// The bits of the next value by the polynomial through the last `order`, or those of the last value where that is no
+/// number. The order of the sums is that of `assets/unpack.js`: another one rounds otherwise.
 fn foretold(before: &[u64], order: usize) -> u64 {
     let back = |steps: usize| f64::from_bits(before[before.len() - steps]);
     let value = match order.min(before.len()) {
@@ -67,7 +67,8 @@ fn foretold(before: &[u64], order: usize) -> u64 {
         3 => 3.0 * back(1) - 3.0 * back(2) + back(3),
         _ => 4.0 * back(1) - 6.0 * back(2) + 4.0 * back(3) - back(4),
     };
-    if value.is_finite() { value.to_bits() } else { 0 }
+    // After a hole most often comes another one.
+    if value.is_finite() { value.to_bits() } else { before.last().copied().unwrap_or(0) }
 }
 
 #[cfg(test)]
@@ -121,5 +122,6 @@ mod tests {
         assert!(pack(&smooth).data.len() < 18_000 * 6, "{}", pack(&smooth).data.len());
         let time = bits((0..18_000).map(|row| f64::from(row) / 600.0));
         assert!(pack(&time).data.len() < 18_000 * 3, "{}", pack(&time).data.len());
+        assert!(pack(&[MISSING; 18_000]).data.len() < 12_100, "{}", pack(&[MISSING; 18_000]).data.len());
     }
 }

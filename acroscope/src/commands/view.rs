@@ -1,0 +1,21 @@
+//! `acroscope view`: finished runs to look at.
+
+use crate::cli::View;
+use crate::error::Error;
+use crate::signals::{self, Looking};
+
+/// Writes the page, or serves it until a signal comes.
+pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
+    let html = viewer::page(&arguments.results)?;
+    if let Some(file) = &arguments.output {
+        std::fs::write(file, html).map_err(Error::file(file))?;
+        if !quiet {
+            tell!("the page is {}", file.display());
+        }
+        return Ok(());
+    }
+    let _looking = Looking::now();
+    // The address is what was asked for, so that it is told in any case.
+    let told = |address: &str| tell!("the page is at {address} until Ctrl-C");
+    Ok(viewer::serve(&html, told, || signals::caught().is_some())?)
+}

@@ -154,7 +154,7 @@ pub enum Error {
         post_mortem: Box<PostMortem>,
     },
     /// A unit ended a step early.
-    #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help{}",
+    #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help, or `retry = true` of the unit{}",
             reached(*last), tail(log))]
     Discarded {
         /// Name in the scenario.
@@ -204,6 +204,23 @@ pub enum Error {
         /// By how much, in the last iteration.
         change: f64,
     },
+    /// What units give each other does not settle, or can't be made as exact as was asked for.
+    #[error(
+        "{variable} at t = {time} s: it still changes by {change} after {tried}, more than the tolerance of {tolerance}; a \
+         smaller interval or a larger tolerance may help"
+    )]
+    Coupling {
+        /// `unit.variable`.
+        variable: String,
+        /// Simulated time in s.
+        time: f64,
+        /// Relative to the larger of the value and one.
+        change: f64,
+        /// What was asked for.
+        tolerance: f64,
+        /// What was done.
+        tried: String,
+    },
     /// The times of a scenario have no common tick within 64 bits.
     #[error(
         "{place}: the intervals, delays, start and stop ({times}) have no common tick that fits 64 bits: use rounder numbers"
@@ -250,6 +267,7 @@ impl Error {
                 // The disk is full, or the folder is not to be written: somebody can make room or choose another.
                 | Self::Record { .. }
                 | Self::Loop { .. }
+                | Self::Coupling { .. }
                 | Self::Call { time: None, .. }
         )
     }

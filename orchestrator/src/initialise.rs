@@ -82,9 +82,11 @@ pub(crate) fn initialise(
     replaced: &mut Vec<String>,
 ) -> Result<(), Error> {
     for (unit, sets) in system.units.iter_mut().zip(sets) {
+        unit.forget();
         let instance = &mut unit.instance;
         instance.reset()?;
         unit.not_finite.clear();
+        unit.rollback.retried = 0;
         for (reference, value) in sets {
             instance.set(*reference, value)?;
         }

@@ -83,6 +83,7 @@ mod newton;
 mod noise;
 mod progress;
 mod recorder;
+mod rollback;
 mod run;
 pub mod scenario;
 mod simulation;
@@ -96,7 +97,7 @@ mod unit_path;
 mod value;
 mod wiring;
 
-pub use algorithm::{Sees, names as algorithms, sees};
+pub use algorithm::{Needs, Sees, names as algorithms, needs, sees};
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;

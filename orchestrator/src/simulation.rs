@@ -47,13 +47,9 @@ impl Simulation {
     /// # Errors
     /// If anything in the scenario doesn't fit the units, naming file and line.
     pub fn new(scenario: &Scenario, path: &UnitPath) -> Result<Self, Error> {
-        let name = &scenario.algorithm;
-        let algorithm = algorithm::find(&name.value).map_err(|expected| Error::Scenario {
-            place: name.place.clone(),
-            what: format!("there is no algorithm {:?}", name.value),
-            expected,
-        })?;
+        let algorithm = algorithm::of(scenario)?;
         let wiring = wiring::wire(scenario, path)?;
+        algorithm::fits(scenario, algorithm.as_ref(), &wiring.system)?;
         let in_folders = |(file, unit): (&PathBuf, &UnitEntry)| {
             path.folders().iter().any(|folder| *file == folder.join(&unit.fmu.value))
         };
@@ -321,8 +317,23 @@ impl Simulation {
                     .map_or_else(String::new, |line| format!("; last log line: {line}"));
                 format!("unit {} answered {} calls with a warning{last}", unit.name, unit.instance.warnings())
             });
+        let retried = self.wiring.system.units.iter().filter(|unit| unit.rollback.retried > 0).map(|unit| {
+            let (count, first) = (unit.rollback.retried, unit.rollback.first);
+            format!(
+                "unit {} discarded {count} steps, the first at t = {first} s; shorter ones were made instead",
+                unit.name
+            )
+        });
         let strange = self.wiring.system.units.iter().flat_map(|unit| &unit.not_finite).map(|(_, told)| told);
-        self.wiring.notices.iter().chain(&self.notices).chain(strange).cloned().chain(warnings).collect()
+        self.wiring
+            .notices
+            .iter()
+            .chain(&self.notices)
+            .chain(strange)
+            .cloned()
+            .chain(warnings)
+            .chain(retried)
+            .collect()
     }
 
     /// The names of the units with their descriptions, in the order of the scenario.

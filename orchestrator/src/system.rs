@@ -7,6 +7,7 @@ use crate::fmu::{Instance, Status};
 use crate::guard;
 use crate::line::Line;
 use crate::recorder::Slot;
+use crate::rollback::{By, Rollback};
 use crate::source::Signal;
 use crate::text::Text;
 use crate::time::Clock;
@@ -118,7 +119,8 @@ pub(crate) struct Unit {
     pub(crate) fixed: Blocks,
     /// Reals that go to no other unit and were not finite at some time: reference and what to tell.
     pub(crate) not_finite: Vec<(u32, String)>,
-    /// Copies are all there is to gather, and no line begins here.
+    pub(crate) rollback: Rollback,
+    /// Copies are all there is to gather, no state is kept before a step, and no line begins here.
     pub(crate) plain: bool,
 }
 
@@ -131,6 +133,8 @@ pub(crate) struct System {
     pub(crate) next: i64,
     pub(crate) lines: Vec<Line>,
     pub(crate) values: Values,
+    /// Recorded estimates of errors: the place of the output and their own among the reals.
+    pub(crate) errors: Vec<(usize, usize)>,
     /// Recorded ages of connected values: the line and the place among the reals.
     pub(crate) ages: Vec<(usize, usize)>,
     /// No unit steps past this.
@@ -237,7 +241,7 @@ impl Due<'_> {
     #[inline(always)]
     fn stepped<const FETCH: bool>(self) -> Result<(), Box<Error>> {
         let Self { unit, index, ends, lines, values, stop, point } = self;
-        unit.exchange::<FETCH>(values, point.time)?;
+        unit.exchange::<FETCH, true>(values, point.time)?;
         ends[index] = unit.end_of_next(point.ticks, stop);
         if !unit.plain {
             unit.lines_out.iter().for_each(|line| lines[*line].push(values, ends, point.ticks));
@@ -247,14 +251,18 @@ impl Due<'_> {
 }
 
 impl Unit {
-    /// Sets the inputs, with `FETCH` once the plain copies are made, steps to a time and reads the outputs. The error is
-    /// boxed, so that it comes back in a register.
+    /// Sets the inputs, with `FETCH` once the plain copies are made, steps to a time and reads the outputs; with `FINAL` the
+    /// unit is never taken back to before the step. The error is boxed, so that it comes back in a register.
     #[inline(always)]
-    fn exchange<const FETCH: bool>(&mut self, values: &mut Values, time: f64) -> Result<(), Box<Error>> {
+    pub(crate) fn exchange<const FETCH: bool, const FINAL: bool>(
+        &mut self,
+        values: &mut Values,
+        time: f64,
+    ) -> Result<(), Box<Error>> {
         let begin = self.begin;
         guard::enter(self.instance.label());
         self.inputs.set::<FETCH>(&mut self.instance, values).map_err(|error| error.during(begin))?;
-        let status = self.instance.step(begin, self.size, true);
+        let status = self.instance.step(begin, self.size, FINAL);
         if status != Status::Ok {
             not_ok(self, status, values)?;
         }
@@ -269,7 +277,7 @@ impl Unit {
 impl Unit {
     /// Where the step ends that begins at `from`; never, if that is past the stop.
     #[inline]
-    fn end_of_next(&mut self, from: i64, stop: i64) -> i64 {
+    pub(crate) fn end_of_next(&mut self, from: i64, stop: i64) -> i64 {
         // Both lie within half of the range (`wiring::clock`), so that neither difference nor sum overflows.
         if self.reach > stop - from { self.end_of_odd(from, stop) } else { from + self.reach }
     }
@@ -317,12 +325,7 @@ impl Unit {
                     continue;
                 }
                 let reference = blocks.reals.references[place];
-                let name = || {
-                    let variables = &self.instance.fmu().description().variables;
-                    // Of several names for one reference the first is as good as any.
-                    let named = variables.iter().find(|v| v.kind == Kind::Real && v.reference == reference);
-                    format!("{}.{}", self.name, named.map_or("?", |v| v.name.as_str()))
-                };
+                let name = || self.named(Kind::Real, reference);
                 if place < blocks.connected {
                     let (variable, log) = (name(), self.instance.log());
                     return Err(Box::new(Error::NotFinite { variable, value: *value, time, log }));
@@ -338,7 +341,7 @@ impl Unit {
 }
 
 /// What is no plain copy. Apart from [`Due`], which then stays in registers.
-fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
+pub(crate) fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
     for link in &unit.links {
         if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
             (link.conversion, link.from, link.to)
@@ -355,6 +358,10 @@ fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: 
     for feed in &mut unit.feeds {
         feed_into(feed, values, point.time);
     }
+    if unit.rollback.retry && unit.keep(By::Retry).is_err() {
+        // It fails again when the step is to be taken back, if it ever is.
+        unit.forget();
+    }
 }
 
 #[cold]
@@ -368,6 +375,9 @@ fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Er
             // What it reached is the last row.
             unit.outputs.get(&mut unit.instance, values).map_err(|error| *error)?;
             return Err(Error::Terminated { unit: unit.name.clone(), time: last.unwrap_or(unit.begin) });
+        }
+        if unit.rollback.retry && unit.retry(values).map_err(|error| *error)? {
+            return Ok(());
         }
         let log = unit.instance.log();
         return Err(Error::Discarded {

@@ -100,7 +100,7 @@ fn unit_host() {
 fn every_algorithm_goes_on_to_the_same_bytes() {
     unit_host();
     let units = Units::new();
-    for algorithm in orchestrator::algorithms() {
+    for algorithm in common::every_rate() {
         for isolated in [false, true] {
             let folder = tempfile::TempDir::new().expect("a temporary folder");
             let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");

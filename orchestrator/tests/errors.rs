@@ -116,6 +116,30 @@ fn every_mistake_in_a_scenario_is_named() {
         (way("drop = nan"), "test.toml:14: drop = nan: the share"),
         (way("drop = \"half\""), "test.toml:14: drop = \"half\": the share"),
         (way("hold = \"liner\""), "test.toml:14: hold = \"liner\": zero or linear; did you mean linear?"),
+        (
+            BASE.replace("stop = 1", "stop = 1, options = { tolerance = 1 }"),
+            "test.toml:2: algorithm \"gauss-seidel\" has no option \"tolerance\": it has no options",
+        ),
+        (
+            BASE.replace("stop = 1", "stop = 1, algorithm = \"iterated\", options = { tolerence = 1 }"),
+            "test.toml:2: algorithm \"iterated\" has no option \"tolerence\": did you mean tolerance",
+        ),
+        (
+            BASE.replace("stop = 1", "stop = 1, algorithm = \"iterated\", options = { tolerance = 0 }"),
+            "test.toml:2: tolerance = 0: a number from 0.000000000000001 to 1",
+        ),
+        (
+            BASE.replace("stop = 1", "stop = 1, algorithm = \"iterated\", options = { iterations = 2.5 }"),
+            "test.toml:2: iterations = 2.5: a whole number from 2 to 1000000",
+        ),
+        (
+            BASE.replace("stop = 1", "stop = 1, algorithm = \"step-halving\"").replacen("0.125", "0.25", 1),
+            "test.toml:7: algorithm \"step-halving\" with units at different points: a, b: the same interval and offset",
+        ),
+        (
+            with("[record]\nvariables = [\"b.y1:error\"]"),
+            "test.toml:12: b.y1:error with algorithm \"gauss-seidel\": algorithm = \"step-halving\", which estimates errors",
+        ),
         (way("seed = 3"), "test.toml:14: seed: it goes with jitter or drop"),
         (way("drop = 0.1\nseed = -3"), "test.toml:15: seed = -3: an integer, not less than zero"),
         (BASE.replace("stop = 1", "stop = 1, seed = -1"), "test.toml:2: seed = -1: an integer, not less"),
@@ -233,7 +257,7 @@ fn every_status_is_handled() {
     for (fault, expected) in [
         (
             2,
-            "unit a: the step from t = 0.125 s by 0.125 s was discarded by the unit, which reached t = 0.125 s; a smaller interval may help\n  [discard, logStatusError] fault 2 at 0.125 100%",
+            "unit a: the step from t = 0.125 s by 0.125 s was discarded by the unit, which reached t = 0.125 s; a smaller interval may help, or `retry = true` of the unit\n  [discard, logStatusError] fault 2 at 0.125 100%",
         ),
         (
             3,

@@ -63,7 +63,7 @@ fn isolate(scenario: &mut Scenario, isolation: Isolation) {
 #[test]
 fn every_algorithm_gives_the_same_bits_elsewhere() {
     let units = Units::new();
-    for algorithm in orchestrator::algorithms() {
+    for algorithm in common::every_rate() {
         let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
         scenario.algorithm.value = algorithm.into();
         let bytes = |scenario: &Scenario| {

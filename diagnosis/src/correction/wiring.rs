@@ -33,6 +33,7 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
         // the plant's own: torques are held for one of its steps
         interval: scenario.units[at].interval,
         offset: scenario.units[at].offset.clone(),
+        retry: false,
         isolation: None,
         set: set.collect(),
         place: here(),

@@ -31,6 +31,17 @@ impl Instance {
         Ok(SavedState { state })
     }
 
+    /// `fmi2GetFMUstate` into a state that there is.
+    pub(crate) fn save_state_again(&mut self, saved: &mut SavedState) -> Result<(), Error> {
+        const NAME: &str = "fmi2GetFMUstate";
+        let Some(function) = self.functions.get_state else { return Err(self.missing(NAME)) };
+        // SAFETY: the state came from this unit, which writes it anew.
+        let status = guard::around(self.label(), Function::GetFMUstate, || unsafe {
+            function(self.component(), &mut saved.state)
+        });
+        self.checked(NAME, status)
+    }
+
     /// `fmi2SetFMUstate`: back to a state of this instance.
     pub fn restore_state(&mut self, saved: &SavedState) -> Result<(), Error> {
         const NAME: &str = "fmi2SetFMUstate";

@@ -7,13 +7,15 @@
 //! start = 0.0                      # optional
 //! stop = 30.0                      # times: a number or a text such as "1/3", taken exactly; a decimal as long as
 //!                                  # 0.0016666666666666668 for the fraction that it came from, 1/600
-//! algorithm = "gauss-seidel"       # or "jacobi"; optional
+//! algorithm = "gauss-seidel"       # or "jacobi", "iterated", "step-halving"; optional
+//! options = { tolerance = 1e-6 }   # of the algorithm; optional
 //! seed = 0                         # of jitter and drop below; optional
 //! [[units]]                        # Gauss-Seidel steps units in this order
 //! name = "plant"
 //! fmu = "acrobot_plant.fmu"        # beside the scenario file, then in the folders of the unit path
 //! interval = "1/600"               # communication interval in s
 //! offset = "1/1200"                # optional: its points lie at start + offset + k interval; less than the interval
+//! retry = true                     # optional: a step that the unit discards is made in shorter ones
 //! isolate = true                   # optional: the unit runs in a process of its own, where
 //! step_limit = 30                  # a call may take so many seconds,
 //! memory_limit = 1024              # and the process may have so many MiB
@@ -67,6 +69,8 @@ pub struct Scenario {
     pub stop: Rational,
     /// Name of the master algorithm.
     pub algorithm: Placed<String>,
+    /// `[experiment.options]`: what is set of the algorithm.
+    pub options: Vec<(String, Placed<f64>)>,
     /// Of whatever chance decides.
     pub seed: u64,
     /// The units, in the order of stepping.
@@ -105,6 +109,8 @@ pub struct UnitEntry {
     pub interval: Rational,
     /// How much later than the start its points begin, in s, if that is not zero; less than the interval.
     pub offset: Option<Placed<Rational>>,
+    /// A step that the unit discards is made in shorter ones.
+    pub retry: bool,
     /// A process of its own, and its limits.
     pub isolation: Option<Isolation>,
     /// Start values and parameters: name and value, each name once.

@@ -38,6 +38,8 @@ struct Experiment {
     stop: Spanned<toml::Value>,
     algorithm: Option<Spanned<String>>,
     seed: Option<Spanned<i64>>,
+    #[serde(default)]
+    options: BTreeMap<String, Spanned<Number>>,
 }
 
 #[derive(Deserialize)]
@@ -47,6 +49,8 @@ struct Unit {
     fmu: Spanned<String>,
     interval: Spanned<toml::Value>,
     offset: Option<Spanned<toml::Value>>,
+    #[serde(default)]
+    retry: bool,
     #[serde(default)]
     isolate: bool,
     step_limit: Option<Spanned<f64>>,
@@ -185,6 +189,11 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
         start,
         stop,
         algorithm,
+        options: (raw.experiment.options.into_iter())
+            .map(|(name, value)| {
+                (name, Placed { place: at.place(value.span()), value: value.into_inner().into() })
+            })
+            .collect(),
         seed: raw.experiment.seed.as_ref().map_or(Ok(0), |seed| at.seed(seed))?,
         units: units(&at, raw.units)?,
         connections: raw
@@ -226,6 +235,7 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
         let interval = at.positive("interval", &unit.interval, false)?;
         units.push(UnitEntry {
             interval,
+            retry: unit.retry,
             offset: offset(at, unit.offset.as_ref(), interval)?,
             fmu: Placed { place: at.place(unit.fmu.span()), value: unit.fmu.into_inner() },
             name: unit.name.into_inner(),

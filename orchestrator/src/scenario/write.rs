@@ -22,6 +22,12 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
     if scenario.seed > 0 {
         put(&mut out, "seed", &Toml::Integer(scenario.seed.cast_signed()));
     }
+    if !scenario.options.is_empty() {
+        out.push_str("[experiment.options]\n");
+        for (name, value) in &scenario.options {
+            put(&mut out, name, &Toml::Float(value.value));
+        }
+    }
     for (entry, unit) in scenario.units.iter().zip(units) {
         out.push_str("\n[[units]]\n");
         line(&mut out, "name", &entry.name);
@@ -29,6 +35,9 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
         line(&mut out, "interval", &entry.interval.to_string());
         if let Some(offset) = &entry.offset {
             line(&mut out, "offset", &offset.value.to_string());
+        }
+        if entry.retry {
+            put(&mut out, "retry", &Toml::Boolean(true));
         }
         if let Some(isolation) = &entry.isolation {
             put(&mut out, "isolate", &Toml::Boolean(true));

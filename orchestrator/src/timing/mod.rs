@@ -42,7 +42,6 @@ struct Way {
 impl Schedule {
     fn of(scenario: &Scenario) -> Result<Self, Error> {
         let (clock, ticks) = clock(scenario)?;
-        let sees = algorithm::find(&scenario.algorithm.value).map(|algorithm| algorithm.sees());
         let unit = |full: &str| {
             let name = full.split_once('.')?.0;
             scenario.units.iter().position(|unit| unit.name == name)
@@ -65,7 +64,7 @@ impl Schedule {
             units: ticks.intervals.iter().copied().zip(ticks.offsets.iter().copied()).collect(),
             ways: scenario.connections.iter().enumerate().filter_map(way).collect(),
             // A name that there is not is told when the scenario is built.
-            sees: sees.unwrap_or(Sees::Begin),
+            sees: algorithm::sees(&scenario.algorithm.value).unwrap_or(Sees::Begin),
         })
     }
 

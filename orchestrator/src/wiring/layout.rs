@@ -145,6 +145,7 @@ impl UnitBlocks {
             outputs,
             fixed,
             not_finite: Vec::new(),
+            rollback: crate::rollback::Rollback::default(),
             plain: false,
         }
     }

@@ -79,3 +79,20 @@ pub(super) fn lay_ages(
     })
     .collect()
 }
+
+/// The same for the recorded estimates of errors.
+pub(super) fn lay_errors(
+    system: &mut System,
+    names: &Names,
+    recorded: &[Recorded],
+    slots: &HashMap<Variable, Slot>,
+    derived: &mut HashMap<String, Slot>,
+) {
+    for variable in recorded.iter().filter_map(Recorded::error) {
+        let Slot::Real(at) = slots[&variable] else { continue };
+        let place = system.values.reals.len();
+        system.values.reals.push(0.0);
+        system.errors.push((at as usize, place));
+        derived.insert(names.error(variable), Slot::Real(place as u32));
+    }
+}

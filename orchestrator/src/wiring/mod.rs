@@ -73,7 +73,7 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
     let connections = connections(scenario, &names, &mut driven, &mut notices)?;
     let sources = sources(scenario, &names, &mut driven, &mut sets)?;
     let recorded = record::chosen(scenario, &names, &connections)?;
-    let variables: Vec<Variable> = recorded.iter().filter_map(Recorded::variable).collect();
+    let variables: Vec<Variable> = recorded.iter().filter_map(Recorded::shown).collect();
 
     let (clock, ticks) = clock(scenario)?;
     let layout = Layout::new(&names, &connections, &sources, &variables);
@@ -86,6 +86,7 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         units: Vec::new(),
         lines: Vec::new(),
         values,
+        errors: Vec::new(),
         ages: Vec::new(),
         stop: ticks.stop,
     };
@@ -97,19 +98,25 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
         let first = ticks::first_step(entry, instance.fmu().description(), &clock)?;
         system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), [first, last]));
+        if let Some(unit) = system.units.last_mut() {
+            unit.rollback.retry = entry.retry;
+        }
     }
     let lines = lines::lay_connections(&mut system, scenario, &connections, &slots, &clock, &recorded);
-    let derived = lines::lay_ages(&mut system, &names, &connections, &recorded, &lines);
+    let mut derived = lines::lay_ages(&mut system, &names, &connections, &recorded, &lines);
+    lines::lay_errors(&mut system, &names, &recorded, &slots, &mut derived);
     let slot = |recorded: &Recorded| match recorded {
         Recorded::Variable(variable) => slots[variable],
         Recorded::Age(connection) => derived[&names.age(&connections[*connection])],
+        Recorded::Error(variable) => derived[&names.error(*variable)],
     };
     let recorded_slots = recorded.iter().map(slot).collect();
     for Source { to, signal } in sources {
         system.units[to.0].feeds.push(crate::system::Feed { signal, to: slots[&to] });
     }
     for unit in &mut system.units {
-        unit.plain = unit.links.is_empty()
+        unit.plain = !unit.rollback.retry
+            && unit.links.is_empty()
             && unit.lines_in.is_empty()
             && unit.feeds.is_empty()
             && unit.lines_out.is_empty();

@@ -51,6 +51,11 @@ impl Names {
         format!("{}:age", self.full(connection.to))
     }
 
+    /// Name of the estimated error of an output.
+    pub(crate) fn error(&self, output: Variable) -> String {
+        format!("{}:error", self.full(output))
+    }
+
     pub(crate) fn unit(&self, name: &str) -> Result<usize, Wrong> {
         self.units.iter().position(|(known, _)| known == name).ok_or_else(|| {
             (

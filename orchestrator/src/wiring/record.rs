@@ -12,6 +12,8 @@ use std::collections::HashSet;
 
 /// Ends the name of an age; before it stands that of the input.
 const AGE: &str = ":age";
+/// Likewise of an estimated error, after the output.
+const ERROR: &str = ":error";
 
 /// Something that is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,11 +22,22 @@ pub(super) enum Recorded {
     Variable(Variable),
     /// How old the value is that an input has of a connection, by its number.
     Age(usize),
+    /// How far an output is off, as the algorithm estimates it.
+    Error(Variable),
 }
 
 impl Recorded {
     pub(super) fn variable(&self) -> Option<Variable> {
         if let Self::Variable(variable) = self { Some(*variable) } else { None }
+    }
+
+    /// The variable that is recorded or estimated, so that it is read.
+    pub(super) fn shown(&self) -> Option<Variable> {
+        self.variable().or(self.error())
+    }
+
+    pub(super) fn error(&self) -> Option<Variable> {
+        if let Self::Error(output) = self { Some(*output) } else { None }
     }
 
     pub(super) fn age(&self) -> Option<usize> {
@@ -34,6 +47,7 @@ impl Recorded {
     pub(super) fn column(&self, names: &Names, connections: &[Connection]) -> Column {
         match self {
             Self::Variable(variable) => names.column(*variable),
+            Self::Error(output) => Column { name: names.error(*output), ..names.column(*output) },
             Self::Age(connection) => Column {
                 name: names.age(&connections[*connection]),
                 kind: Kind::Real,
@@ -83,7 +97,7 @@ fn matching(scenario: &Scenario, names: &Names, connections: &[Connection]) -> R
         let wrong = |(what, expected)| Error::Scenario { place: pattern.place.clone(), what, expected };
         let pattern = pattern.value.as_str();
         if !pattern.contains('*') {
-            choose(named(pattern, names, connections).map_err(wrong)?);
+            choose(named(pattern, names, connections, &scenario.algorithm.value).map_err(wrong)?);
             continue;
         }
         let signals = all()
@@ -107,8 +121,26 @@ fn matching(scenario: &Scenario, names: &Names, connections: &[Connection]) -> R
 }
 
 /// A variable, or the age of an input's value, by its full name.
-fn named(full: &str, names: &Names, connections: &[Connection]) -> Result<Recorded, names::Wrong> {
+fn named(
+    full: &str,
+    names: &Names,
+    connections: &[Connection],
+    algorithm: &str,
+) -> Result<Recorded, names::Wrong> {
     let found = names.find(full);
+    if let (Err(_), Some(output)) = (&found, full.strip_suffix(ERROR)) {
+        let output = names.output(output)?;
+        return match (crate::algorithm::estimates(algorithm), names.variable(output).kind) {
+            (true, Kind::Real) => Ok(Recorded::Error(output)),
+            (true, kind) => {
+                Err((format!("{full}: the output is of type {kind}"), "the error of a Real".into()))
+            }
+            (false, _) => {
+                let expected = "algorithm = \"step-halving\", which estimates errors";
+                Err((format!("{full} with algorithm {algorithm:?}"), expected.into()))
+            }
+        };
+    }
     let (Err(_), Some(input)) = (&found, full.strip_suffix(AGE)) else {
         return found.map(Recorded::Variable);
     };

@@ -71,6 +71,11 @@ impl Units {
     }
 }
 
+/// The algorithms for units at different rates.
+pub fn every_rate() -> impl Iterator<Item = &'static str> {
+    orchestrator::algorithms().filter(|name| orchestrator::needs(name).is_some_and(|needs| !needs.one_rate))
+}
+
 /// Compiles a C file of `fixtures/` to a shared library.
 pub fn compile(source: &str) -> Vec<u8> {
     let folder = TempDir::new().expect("a temporary folder");

@@ -1,0 +1,192 @@
+//! Algorithms that take steps back: what they converge to, what they refuse, and that they go on from saved states.
+
+mod common;
+
+use common::Units;
+use orchestrator::{Ended, Error, MemoryRecorder, Quiet, Scenario, Simulation};
+
+/// x' = v, v' = -x.
+fn oscillator(experiment: &str, interval: &str) -> String {
+    format!(
+        r#"
+        format = 1
+        experiment = {{ {experiment} }}
+        [[units]]
+        name = "x"
+        fmu = "stateful.fmu"
+        interval = {interval}
+        set = {{ x0 = 1 }}
+        [[units]]
+        name = "v"
+        fmu = "stateful.fmu"
+        interval = {interval}
+        set = {{ k = -1 }}
+        [[connections]]
+        from = "v.y1"
+        to = "x.u1"
+        [[connections]]
+        from = "x.y1"
+        to = "v.u1"
+        "#
+    )
+}
+
+fn build(units: &Units, text: &str) -> Result<Simulation, Error> {
+    Simulation::new(&Scenario::parse(text, "test.toml")?, &units.unit_path())
+}
+
+fn run(units: &Units, text: &str) -> Result<Ended, Error> {
+    build(units, text)?.run(&mut MemoryRecorder::new(), &mut Quiet)
+}
+
+fn results(text: &str) -> MemoryRecorder {
+    let mut results = MemoryRecorder::new();
+    let mut simulation = build(&Units::new(), text).unwrap_or_else(|error| panic!("{error}"));
+    simulation.run(&mut results, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+    results
+}
+
+#[test]
+fn cross_step_halving_comes_as_near_as_it_is_asked_to() {
+    let off = |tolerance: &str| {
+        let options =
+            format!("stop = 4, algorithm = \"step-halving\", options = {{ tolerance = {tolerance} }}");
+        let text =
+            oscillator(&options, "0.5") + "[record]\nvariables = [\"x.y1\", \"v.y1\", \"x.y1:error\"]\n";
+        let results = results(&text);
+        assert_eq!(results.times(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0], "the points stay");
+        let tolerance: f64 = tolerance.parse().expect("a number");
+        let errors = results.series("x.y1:error").expect("recorded");
+        assert_eq!(errors[0], 0.0);
+        // Relative to the larger of the value and one, and no value is above 1.1.
+        assert!(errors[1..].iter().all(|e| *e > 0.0 && *e <= 1.1 * tolerance), "{errors:?}");
+        let rows = results.times().iter().zip(results.series("x.y1").expect("recorded"));
+        rows.map(|(t, x)| (x - t.cos()).abs()).fold(0.0, f64::max)
+    };
+    // A step of h differs from its halves by h²/4, which stays below the tolerance; the halves, Euler steps of h/2, are off by
+    // t h/4 after t: at 4 s by twice the root of the tolerance.
+    let (coarse, fine) = (off("1e-4"), off("1e-6"));
+    assert!(coarse < 0.021 && fine < 0.0021, "{coarse} {fine}");
+    // The root of a hundred, and steps are powers of two of each other.
+    assert!((4.0..25.0).contains(&(coarse / fine)), "{coarse} {fine}");
+    let jacobi = results(&oscillator("stop = 4, algorithm = \"jacobi\"", "0.5"));
+    assert!((jacobi.series("x.y1").expect("recorded")[8] - 4.0f64.cos()).abs() > 0.5, "as it was");
+}
+
+#[test]
+fn every_algorithm_goes_on_from_a_saved_state() {
+    let units = Units::new();
+    for algorithm in orchestrator::algorithms() {
+        let text = oscillator(&format!("stop = 3, algorithm = \"{algorithm}\""), "0.25");
+        let mut simulation = build(&units, &text).expect("builds");
+        simulation.advance_to(1.0).expect("steps");
+        let saved = simulation.save().expect("saves");
+        let rest = |simulation: &mut Simulation| {
+            let mut seen = Vec::new();
+            while let Some(time) = simulation.advance().expect("steps") {
+                seen.push((time, simulation.value("x.y1").expect("a number").to_bits()));
+            }
+            seen
+        };
+        let first = rest(&mut simulation);
+        assert_eq!(first.len(), 8);
+        let mut other = build(&units, &text).expect("builds");
+        other.go_back(&saved).expect("the same");
+        assert_eq!(rest(&mut other), first, "{algorithm}");
+        assert!(other.run(&mut MemoryRecorder::new(), &mut Quiet).is_ok(), "again");
+    }
+}
+
+#[test]
+fn every_algorithm_makes_a_discarded_step_in_shorter_ones() {
+    let units = Units::new();
+    for algorithm in orchestrator::algorithms() {
+        let text = |retry: &str| {
+            format!(
+                r#"
+                format = 1
+                experiment = {{ stop = 1, algorithm = "{algorithm}" }}
+                [[units]]
+                name = "a"
+                fmu = "stateful.fmu"
+                interval = 0.25
+                {retry}
+                set = {{ fault = 23, u1 = 2.0 }}
+                "#
+            )
+        };
+        let mut results = MemoryRecorder::new();
+        let mut simulation = build(&units, &text("retry = true")).expect("builds");
+        simulation.run(&mut results, &mut Quiet).unwrap_or_else(|error| panic!("{algorithm}: {error}"));
+        // Steps of 1/64 s: dyadic, so exact, and each counted once.
+        assert_eq!(results.series("a.y1").expect("recorded"), [0.0, 0.5, 1.0, 1.5, 2.0], "{algorithm}");
+        assert!(results.series("a.y2").expect("recorded")[1] <= 0.03, "{algorithm}");
+        let told = simulation.notices().into_iter().filter(|n| n.contains("shorter ones were made")).count();
+        assert_eq!(told, 1, "{algorithm}");
+        match (algorithm, run(&units, &text(""))) {
+            // It halves its steps anyway.
+            ("step-halving", ended) => assert!(ended.is_ok()),
+            (_, ended) => {
+                let error = ended.expect_err("discarded").to_string();
+                assert!(error.contains("or `retry = true` of the unit"), "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_loop_that_does_not_settle_is_told() {
+    let units = Units::new();
+    // Over a step b adds 40 · 0.25 s · y1, of which a makes -2: no iteration settles.
+    let text = r#"
+        format = 1
+        experiment = { stop = 1, algorithm = "iterated" }
+        [[units]]
+        name = "a"
+        fmu = "feedthrough.fmu"
+        interval = 0.25
+        set = { mode = 1, k = -2, x0 = 1 }
+        [[units]]
+        name = "b"
+        fmu = "stateful.fmu"
+        interval = 0.25
+        set = { k = 40 }
+        [[connections]]
+        from = "a.y1"
+        to = "b.u1"
+        [[connections]]
+        from = "b.y1"
+        to = "a.u1"
+    "#;
+    let error = run(&units, text).expect_err("it grows");
+    assert!(error.is_input(), "{error}");
+    let told = error.to_string();
+    assert!(
+        told.contains("at t = 0.25 s: it still changes by ") && told.contains("after 100 iterations"),
+        "{told}"
+    );
+    run(&units, &text.replace("k = 40", "k = 0.4")).expect("a contraction");
+    let coarse = "stop = 1, algorithm = \"step-halving\", options = { tolerance = 1e-9, halvings = 2 }";
+    let told = run(&units, &oscillator(coarse, "0.5")).expect_err("too coarse").to_string();
+    assert!(told.contains("after 2 halvings of the step, more than the tolerance of 0.000000001"), "{told}");
+}
+
+#[test]
+fn every_unit_that_cannot_be_taken_back_is_named() {
+    let units = Units::new();
+    let plain = common::description(common::STATEFUL).replace("canGetAndSetFMUstate=\"true\"", "");
+    units.pack("stateful.fmu", &plain, &common::library());
+    let message = |text: &str| build(&units, text).err().expect("refused").to_string();
+    for algorithm in ["iterated", "step-halving"] {
+        let found = message(&oscillator(&format!("stop = 1, algorithm = \"{algorithm}\""), "0.5"));
+        let expected = format!(
+            "test.toml:4: algorithm \"{algorithm}\" with unit x: a unit that says canGetAndSetFMUstate"
+        );
+        assert!(found.starts_with(&expected), "{found}");
+    }
+    let found = message(&oscillator("stop = 1", "0.5\n        retry = true"));
+    assert!(
+        found.starts_with("test.toml:4: retry = true of unit x: a unit that says canGetAndSetFMUstate"),
+        "{found}"
+    );
+}

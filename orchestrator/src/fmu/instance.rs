@@ -71,7 +71,7 @@ impl Instance {
     fn made_here(fmu: &Fmu, name: &str, label: &'static Label) -> Result<Made, Error> {
         let functions = fmu.library()?.functions;
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
-        let (instance_name, guid) = (text(name), text(&fmu.description().guid));
+        let (instance_name, guid) = (text(name), text(fmu.guid()));
         let resources = text(&fmu.resource_uri());
         let sink = Sink::new(functions.instantiate as *const c_void);
         let callbacks = Box::new(Callbacks {
@@ -303,19 +303,22 @@ impl Instance {
         }
         self.warnings = 0;
         self.sink.take();
-        if self.phase != Phase::Dead
-            && let Some(reset) = self.functions.reset
-        {
-            // SAFETY: the component is alive.
-            let call = || unsafe { reset(self.component) };
-            let status = Status::from(guard::around(self.label, Function::Reset, call));
-            if matches!(status, Status::Ok | Status::Warning) {
-                self.phase = Phase::Instantiated;
-                return Ok(());
-            }
-            self.note(status);
+        if self.phase != Phase::Dead && self.reset_itself().is_ok() {
+            self.warnings = 0;
+            return Ok(());
         }
         *self = Self::new(self.fmu.clone(), &self.name.clone())?;
+        Ok(())
+    }
+
+    /// `fmi2Reset` and nothing else: an error where the unit can't.
+    pub fn reset_itself(&mut self) -> Result<(), Error> {
+        const NAME: &str = "fmi2Reset";
+        let Some(reset) = self.functions.reset else { return Err(self.missing(NAME)) };
+        // SAFETY: the component is alive.
+        let status = guard::around(self.label, Function::Reset, || unsafe { reset(self.component) });
+        self.checked(NAME, status)?;
+        self.phase = Phase::Instantiated;
         Ok(())
     }
 

@@ -12,6 +12,7 @@ mod instance;
 pub(crate) mod library;
 mod limits;
 pub(crate) mod logger;
+mod probe;
 mod read;
 mod state;
 mod workshop;
@@ -24,6 +25,7 @@ pub use description::{
 pub(crate) use function::Function;
 pub use instance::Instance;
 pub use logger::LogLine;
+pub use probe::platforms;
 pub use state::SavedState;
 pub use workshop::discard_unpacked;
 
@@ -88,6 +90,8 @@ impl fmt::Display for Status {
 pub struct Fmu {
     inner: Arc<Inner>,
     isolation: Option<Arc<Isolation>>,
+    /// What is told to the library in place of its own GUID.
+    guid: Option<Arc<str>>,
 }
 
 pub(crate) struct Inner {
@@ -125,18 +129,24 @@ impl Fmu {
                 archive,
             }),
             isolation: None,
+            guid: None,
         })
     }
 
     /// The same unit, whose instances run in processes of their own.
     #[must_use]
     pub fn isolated(&self, isolation: Isolation) -> Self {
-        Self { inner: self.inner.clone(), isolation: Some(Arc::new(isolation)) }
+        Self { isolation: Some(Arc::new(isolation)), ..self.clone() }
     }
 
     /// Whether instances run in processes of their own, and how.
     pub(crate) fn isolation(&self) -> Option<&Isolation> {
         self.isolation.as_deref()
+    }
+
+    /// The GUID that the library is told.
+    pub(crate) fn guid(&self) -> &str {
+        self.guid.as_deref().unwrap_or(&self.inner.description.guid)
     }
 
     /// The `fmuResourceLocation` of `fmi2Instantiate`.

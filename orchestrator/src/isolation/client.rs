@@ -109,7 +109,7 @@ impl Remote {
             failed: None,
             warned: 0,
         });
-        let guid = fmu.description().guid.clone();
+        let guid = fmu.guid().to_owned();
         let resources = fmu.resource_uri();
         remote.begin(Function::Instantiate, |message| {
             message.bytes(library.to_string_lossy().as_bytes());

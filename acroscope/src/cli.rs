@@ -53,6 +53,10 @@ pub enum Command {
     Sweep(Sweep),
     /// Look at finished runs: the machine in motion, what the camera saw, the signals.
     View(View),
+    /// Tell what is wrong with an FMU: rules that read it, and rules that run it.
+    Check(Check),
+    /// Make a scenario that runs of FMUs: connects what fits, says what it guessed.
+    New(New),
     /// Print a script that completes commands and options in a shell.
     Completions(Completions),
     /// Write manual pages, one a command.
@@ -252,6 +256,43 @@ pub struct View {
     /// Write the page to this file; without it, it is served at an address of this machine until Ctrl-C.
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
+}
+
+/// `acroscope check`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope check my-unit.fmu\n  acroscope check my-unit.fmu --json\n\nExit status: 1 if anything found is an error. docs/check.md explains each rule."
+)]
+pub struct Check {
+    /// The unit.
+    #[arg(value_name = "FILE.fmu")]
+    pub file: PathBuf,
+    /// As JSON, for programs: a list of {rule, severity, variable, text}.
+    #[arg(long)]
+    pub json: bool,
+    /// Seconds that a call into the unit may take.
+    #[arg(long, value_name = "S", value_parser = above_zero, default_value_t = 10.0)]
+    pub step_limit: f64,
+    /// Memory that a process of the unit may have, in MiB.
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40), default_value_t = 4096)]
+    pub memory_limit: u64,
+}
+
+/// `acroscope new`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope new plant.fmu controller.fmu -o loop.toml\n  acroscope new my-unit.fmu > alone.toml"
+)]
+pub struct New {
+    /// The units, in the order in which they are to be stepped.
+    #[arg(required = true, value_name = "FILE.fmu")]
+    pub files: Vec<PathBuf>,
+    /// The scenario's file; without it the scenario is printed, for a file in this folder.
+    #[arg(long, short, value_name = "SCENARIO.toml")]
+    pub output: Option<PathBuf>,
+    /// Replace a file that is there.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `acroscope completions`

@@ -38,6 +38,23 @@ pub enum Error {
     /// A result can't be shown.
     #[error(transparent)]
     View(#[from] viewer::Error),
+    /// A unit can't be looked at.
+    #[error(transparent)]
+    Inspection(#[from] inspection::Error),
+    /// A unit is not as it should be; what is wrong has been told.
+    #[error("{}: {errors} {}", path.display(), if *errors == 1 { "error" } else { "errors" })]
+    Faulty {
+        /// The unit.
+        path: PathBuf,
+        /// How many.
+        errors: usize,
+    },
+    /// A file would be lost.
+    #[error("{} is there already: --force replaces it", path.display())]
+    There {
+        /// The file.
+        path: PathBuf,
+    },
     /// An override that is none.
     #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
     Override {
@@ -82,7 +99,9 @@ impl Error {
             Self::Diagnosis(error) if !error.is_input() => 1,
             Self::Sweep(error) if !error.is_input() => 1,
             Self::View(error) if !error.is_input() => 1,
+            Self::Inspection(error) if !error.is_input() => 1,
             Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
+            Self::Inspection(_) | Self::There { .. } => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Words(_) => 2,
             Self::Interrupted { signal, .. } | Self::SweepInterrupted { signal, .. } => {
@@ -90,7 +109,7 @@ impl Error {
             }
             // A folder that can't be written, a disk that is full: another one will do.
             Self::File { .. } => 2,
-            Self::Report(_) | Self::Export(_) => 1,
+            Self::Report(_) | Self::Export(_) | Self::Faulty { .. } => 1,
         }
     }
 

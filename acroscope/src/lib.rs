@@ -20,6 +20,8 @@ mod run_report;
 mod signals;
 
 pub use error::Error;
+/// For hosts of the command line: where the rules of `acroscope check` run units.
+pub use inspection::host_rules_by;
 
 use clap::Parser as _;
 use orchestrator::{Progress, Recorder};

@@ -12,6 +12,7 @@ extern "C" fn _exit(status: i32) -> ! {
 fn main() -> ExitCode {
     // First, since this process may be that of a unit.
     orchestrator::host_units(["(the process of a unit)"]);
+    inspection::host_rules(["(the process of a check)"]);
     let _guard = orchestrator::Guard::begin();
     ExitCode::from(acroscope::command_line(std::env::args_os()))
 }

@@ -27,10 +27,13 @@ fn main(py: Python<'_>, arguments: Vec<String>) -> u8 {
     py.detach(|| acroscope::command_line(arguments))
 }
 
-/// Serves a unit and never returns, if this process was started for that; else says how such a process is started.
+/// Serves a unit, or looks at a rule for units, and never returns, if this process was started for that; else says how such a process is started.
 #[pyfunction]
 fn host_units(py: Python<'_>, program: PathBuf, arguments: Vec<String>) {
-    py.detach(|| orchestrator::host_units_by(program, arguments));
+    py.detach(|| {
+        acroscope::host_rules_by(program.clone(), arguments.clone());
+        orchestrator::host_units_by(program, arguments);
+    });
 }
 
 /// Names the folder in which the packed units lie.

@@ -1,9 +1,11 @@
 //! One file a command.
 
+mod check;
 mod completions;
 mod diagnose;
 mod import;
 mod man;
+mod new;
 mod params;
 mod record;
 mod reproduce;
@@ -19,10 +21,12 @@ use crate::error::Error;
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
+        Command::Check(check) => check::check(check, arguments.quiet),
         Command::Completions(completions) => completions::completions(completions),
         Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
         Command::Import(import) => import::import(import, arguments.quiet),
         Command::Man(man) => man::man(man, arguments.quiet),
+        Command::New(new) => new::new(new, arguments.quiet),
         Command::Params(params) => params::params(params),
         Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),

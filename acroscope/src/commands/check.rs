@@ -1,0 +1,61 @@
+//! `acroscope check`: what is wrong with a unit.
+
+use crate::cli::Check;
+use crate::error::Error;
+use inspection::{Finding, Limits, Severity};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Findings of one rule that a person is shown; more of them say no more.
+const SHOWN: usize = 10;
+
+/// Prints the findings; those that are errors make it one.
+pub fn check(arguments: &Check, quiet: bool) -> Result<(), Error> {
+    let limits = Limits {
+        call: Duration::from_secs_f64(arguments.step_limit),
+        memory: arguments.memory_limit.saturating_mul(1 << 20),
+    };
+    let findings = inspection::check(&arguments.file, &limits)?;
+    let errors = count(&findings, Severity::Error);
+    if arguments.json {
+        // Texts only: nothing can fail.
+        tell!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
+    } else {
+        for finding in shown(&findings, quiet) {
+            tell!("{finding}");
+        }
+        if !quiet {
+            let (warnings, notes) = (count(&findings, Severity::Warning), count(&findings, Severity::Note));
+            tell!(
+                "{}: {errors} errors, {warnings} warnings, {notes} notes of {} rules",
+                arguments.file.display(),
+                inspection::rules().len()
+            );
+        }
+    }
+    match errors {
+        0 => Ok(()),
+        errors => Err(Error::Faulty { path: arguments.file.clone(), errors }),
+    }
+}
+
+fn count(findings: &[Finding], severity: Severity) -> usize {
+    findings.iter().filter(|finding| finding.severity == severity).count()
+}
+
+/// The lines for a person: of each rule the first ones, and how many more there are.
+fn shown(findings: &[Finding], quiet: bool) -> Vec<String> {
+    let mut seen: BTreeMap<(&str, Severity), usize> = BTreeMap::new();
+    let mut lines = Vec::new();
+    for finding in findings.iter().filter(|finding| !quiet || finding.severity == Severity::Error) {
+        let count = seen.entry((&finding.rule, finding.severity)).or_default();
+        *count += 1;
+        if *count <= SHOWN {
+            lines.push(finding.to_string());
+        }
+    }
+    for ((rule, severity), count) in seen.iter().filter(|(_, count)| **count > SHOWN) {
+        lines.push(format!("{severity}[{rule}] and {} more like these; --json has all", count - SHOWN));
+    }
+    lines
+}

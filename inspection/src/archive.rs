@@ -1,0 +1,133 @@
+//! The `.fmu` file as it lies on the disk: the names in it, the text of the description, what its libraries export.
+//! Nothing is unpacked.
+
+use crate::error::Error;
+use std::fs::File;
+use std::io::{BufReader, Read as _};
+use std::path::Path;
+
+/// A file of the archive.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    /// As it is written there.
+    pub(crate) name: String,
+    pub(crate) is_folder: bool,
+    /// Its content can't be read: why.
+    pub(crate) unreadable: Option<String>,
+}
+
+/// A shared library under `binaries/`.
+#[derive(Debug)]
+pub(crate) struct Binary {
+    /// Where it lies.
+    pub(crate) name: String,
+    /// Folder under `binaries/`.
+    pub(crate) platform: String,
+    /// Without folder and ending.
+    pub(crate) stem: String,
+    /// What it exports; an error is why that can't be read.
+    pub(crate) exports: Result<Vec<String>, String>,
+}
+
+/// What is known of the file.
+#[derive(Debug)]
+pub(crate) struct Archive {
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) binaries: Vec<Binary>,
+    /// The description; an error is why there is none.
+    pub(crate) description: Result<String, String>,
+}
+
+/// Longer descriptions and libraries are not read: a small archive may unpack to any size.
+const LONGEST: u64 = 1 << 28;
+
+const DESCRIPTION: &str = "modelDescription.xml";
+
+impl Archive {
+    /// Reads a file. The inner error is why it is no archive.
+    pub(crate) fn read(path: &Path) -> Result<Result<Self, String>, Error> {
+        let file = File::open(path).map_err(|source| Error::File { path: path.into(), source })?;
+        if file.metadata().is_ok_and(|data| data.is_dir()) {
+            let source = std::io::Error::from(std::io::ErrorKind::IsADirectory);
+            return Err(Error::File { path: path.into(), source });
+        }
+        let mut zip = match zip::ZipArchive::new(BufReader::new(file)) {
+            Ok(zip) => zip,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let mut archive = Self {
+            entries: Vec::new(),
+            binaries: Vec::new(),
+            description: Err(format!("it holds no {DESCRIPTION} at its root")),
+        };
+        for index in 0..zip.len() {
+            archive.add(zip.by_index(index));
+        }
+        Ok(Ok(archive))
+    }
+
+    fn add<R: std::io::Read>(&mut self, entry: zip::result::ZipResult<zip::read::ZipFile<'_, R>>) {
+        let mut entry = match entry {
+            Ok(entry) => entry,
+            Err(error) => {
+                let unreadable = Some(error.to_string());
+                return self.entries.push(Entry { name: String::new(), is_folder: false, unreadable });
+            }
+        };
+        let (name, mut unreadable) = match entry.name() {
+            Ok(name) => (name.into_owned(), None),
+            Err(error) => (String::from_utf8_lossy(entry.name_raw()).into_owned(), Some(error.to_string())),
+        };
+        if name == DESCRIPTION {
+            self.description = content(&mut entry).and_then(|bytes| {
+                String::from_utf8(bytes).map_err(|error| format!("{DESCRIPTION}: {error}"))
+            });
+        } else if let Some((platform, stem)) = library(&name) {
+            let exports = content(&mut entry).and_then(|bytes| exports(&bytes));
+            let (name, platform, stem) = (name.clone(), platform.to_owned(), stem.to_owned());
+            self.binaries.push(Binary { name, platform, stem, exports });
+        } else if let Err(error) = entry.read(&mut [0]) {
+            unreadable = Some(error.to_string());
+        }
+        self.entries.push(Entry { name, is_folder: entry.is_dir(), unreadable });
+    }
+}
+
+fn content<R: std::io::Read>(entry: &mut zip::read::ZipFile<'_, R>) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = entry.by_ref().take(LONGEST + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if read as u64 > LONGEST { Err(format!("it is longer than {LONGEST} bytes")) } else { Ok(bytes) }
+}
+
+/// Platform and stem of a library: `binaries/PLATFORM/STEM.so`.
+fn library(name: &str) -> Option<(&str, &str)> {
+    let (platform, file) = name.strip_prefix("binaries/")?.split_once('/')?;
+    let (stem, ending) = file.rsplit_once('.')?;
+    let is_library = matches!(ending, "so" | "dll" | "dylib") && !file.contains('/');
+    is_library.then_some((platform, stem))
+}
+
+/// The names that a library exports, without the underscore that Mach-O puts before them.
+fn exports(bytes: &[u8]) -> Result<Vec<String>, String> {
+    use object::read::macho::{FatArch as _, MachOFatFile32};
+    use object::{FileKind, Object as _};
+    let text = |error: object::Error| error.to_string();
+    let part = match FileKind::parse(bytes).map_err(text)? {
+        // All parts of a universal library are built from the same source; the first stands for them.
+        FileKind::MachOFat32 => {
+            let fat = MachOFatFile32::parse(bytes).map_err(text)?;
+            let first = fat.arches().first().ok_or("a universal library without a part")?;
+            first.data(bytes).map_err(text)?
+        }
+        _ => bytes,
+    };
+    let file = object::File::parse(part).map_err(text)?;
+    let bare = |name: &[u8]| {
+        let name = String::from_utf8_lossy(name).into_owned();
+        match file.format() {
+            object::BinaryFormat::MachO => name.strip_prefix('_').map_or(name.clone(), str::to_owned),
+            _ => name,
+        }
+    };
+    Ok(file.exports().map_err(text)?.iter().map(|export| bare(export.name())).collect())
+}

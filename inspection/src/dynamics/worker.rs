@@ -1,0 +1,241 @@
+//! The process in which a rule runs a unit: this very program, started again. It says each call before it makes it, so that
+//! the last ones are known when it does not come back.
+
+use super::{Limits, bench::Bench, look};
+use crate::error::Error;
+use crate::finding::{Finding, Found};
+use orchestrator::Fmu;
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+
+/// In the environment of the process: rule, unit, bytes of memory.
+const RULE: &str = "ACROSCOPE_CHECK_RULE";
+const UNIT: &str = "ACROSCOPE_CHECK_UNIT";
+const MEMORY: &str = "ACROSCOPE_CHECK_MEMORY";
+
+/// Begins each line that is ours: a unit may print what it likes to the same place.
+const MARK: &str = "\u{1}acroscope-check ";
+/// How many calls are remembered.
+const REMEMBERED: usize = 8;
+
+static HOST: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
+
+/// Looks at a rule and never returns, if this process was started for that. Else this program, started again with
+/// `arguments` that lead it here, will look at the rules that run a unit. To be called first in `main`.
+pub fn host_rules(arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    serve_if_asked();
+    if let Ok(program) = std::env::current_exe() {
+        remember(program, arguments);
+    }
+}
+
+/// As [`host_rules`], for a library in a program of another language: `program`, started with `arguments`, comes here.
+pub fn host_rules_by(program: impl Into<PathBuf>, arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    serve_if_asked();
+    remember(program.into(), arguments);
+}
+
+fn remember(program: PathBuf, arguments: impl IntoIterator<Item = impl Into<OsString>>) {
+    let arguments = arguments.into_iter().map(Into::into).collect();
+    HOST.get_or_init(|| (program, arguments));
+}
+
+fn serve_if_asked() {
+    if let (Ok(rule), Some(unit)) = (std::env::var(RULE), std::env::var_os(UNIT)) {
+        serve(&rule, Path::new(&unit));
+    }
+}
+
+/// Whether there is a program that can look at rules.
+pub(super) fn is_hosted() -> bool {
+    HOST.get().is_some()
+}
+
+/// What the process says.
+enum Line {
+    Call(String),
+    Trace(String),
+    Findings(Vec<Finding>),
+}
+
+/// How the process ended.
+pub(super) struct Ended {
+    pub(super) findings: Vec<Finding>,
+    /// What a rule compares from process to process.
+    pub(super) trace: Option<String>,
+}
+
+/// Says one line. There is nobody to tell that it can't be said.
+fn say(kind: char, text: &str) {
+    // In one piece, at the begin of a line whatever the unit printed before.
+    let line = format!("\n{MARK}{kind}{}\n", text.replace('\n', " "));
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(line.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Says which call comes next.
+pub(super) fn say_call(text: &str) {
+    say('c', text);
+}
+
+/// Hands out what is compared from process to process.
+pub(super) fn say_trace(text: &str) {
+    say('t', text);
+}
+
+fn serve(rule: &str, unit: &Path) -> ! {
+    limit_memory();
+    std::thread::spawn(end_with_the_master);
+    let findings = match Fmu::open(unit) {
+        Ok(fmu) => look(rule, &Bench::new(fmu)),
+        Err(error) => {
+            let mut found = Found::new("runs");
+            found.error(format!("it can't be opened: {error}"));
+            found.findings
+        }
+    };
+    // Texts only: nothing can fail.
+    say('f', &serde_json::to_string(&findings).unwrap_or_default());
+    leave(0)
+}
+
+/// Ends the process without what a unit has registered for its end.
+fn leave(status: i32) -> ! {
+    orchestrator::fmu::discard_unpacked();
+    // SAFETY: never returns, and nothing is used afterwards.
+    unsafe { libc::_exit(status) }
+}
+
+/// The master holds the other end of the standard input: when it has gone, nobody waits for this process.
+fn end_with_the_master() {
+    let _ = std::io::stdin().read(&mut [0]);
+    leave(1);
+}
+
+fn limit_memory() {
+    #[cfg(unix)]
+    if let Some(limit) = std::env::var(MEMORY).ok().and_then(|text| text.parse().ok()) {
+        let limit = libc::rlimit { rlim_cur: limit, rlim_max: limit };
+        // SAFETY: plain data.
+        unsafe { libc::setrlimit(libc::RLIMIT_DATA, &limit) };
+    }
+}
+
+/// Looks at a rule in a process of its own.
+pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<Ended, Error> {
+    let (program, arguments) =
+        HOST.get().cloned().ok_or_else(|| Error::Host("this program does not call host_rules".into()))?;
+    // What the unit prints of itself is shown once, with the first rule.
+    let first = rule == super::RULES[0].id;
+    let unheard = || if first { Stdio::inherit() } else { Stdio::null() };
+    let mut command = Command::new(&program);
+    command.args(arguments).env(RULE, rule).env(UNIT, unit).env(MEMORY, limits.memory.to_string());
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt as _;
+        // A group of its own: keys and signals that are meant for the master don't reach it.
+        command.process_group(0);
+    }
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(unheard());
+    let started = command.spawn();
+    let mut child = started.map_err(|error| Error::Host(format!("{}: {error}", program.display())))?;
+    let Some(out) = child.stdout.take() else { return Err(Error::Host("it has no output".into())) };
+    let lines = listen(out, first);
+    let mut calls: VecDeque<String> = VecDeque::new();
+    let mut ended = Ended { findings: Vec::new(), trace: None };
+    let hung = loop {
+        match lines.recv_timeout(limits.call) {
+            Ok(Line::Call(call)) => {
+                if calls.len() == REMEMBERED {
+                    calls.pop_front();
+                }
+                calls.push_back(call);
+            }
+            Ok(Line::Trace(trace)) => ended.trace = Some(trace),
+            Ok(Line::Findings(findings)) => {
+                ended.findings = findings;
+                let _ = child.kill();
+                let _ = child.wait();
+                return Ok(ended);
+            }
+            Err(RecvTimeoutError::Timeout) => break true,
+            Err(RecvTimeoutError::Disconnected) => break false,
+        }
+    };
+    if hung {
+        let _ = child.kill();
+    }
+    let status = child.wait().map_err(|error| Error::Host(error.to_string()))?;
+    let calls: Vec<String> = calls.into();
+    let last = calls.last().map_or("loading the library", String::as_str);
+    let (end, how) = if hung {
+        let seconds = limits.call.as_secs_f64();
+        ("endless-loop", format!("did not come back within {seconds} s"))
+    } else {
+        how(status)
+    };
+    let before = if calls.len() > 1 {
+        format!("; calls before: {}", calls[..calls.len() - 1].join(", "))
+    } else {
+        String::new()
+    };
+    let mut found = Found::new(end);
+    found.error(format!("the unit {how} in {last}, while the rule {rule} was looked at{before}"));
+    ended.findings.append(&mut found.findings);
+    Ok(ended)
+}
+
+/// The kind of an end and words for it.
+fn how(status: ExitStatus) -> (&'static str, String) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt as _;
+        if let Some(signal) = status.signal() {
+            let name = match signal {
+                libc::SIGSEGV => " (SIGSEGV, a segmentation fault)",
+                libc::SIGBUS => " (SIGBUS, a bus error)",
+                libc::SIGILL => " (SIGILL, an illegal instruction)",
+                libc::SIGFPE => " (SIGFPE, an arithmetic fault)",
+                libc::SIGABRT => " (SIGABRT, it gave up)",
+                _ => "",
+            };
+            return ("crash", format!("ended its process by signal {signal}{name}"));
+        }
+    }
+    ("exit", format!("ended its process by exit with status {}", status.code().unwrap_or_default()))
+}
+
+/// Reads what the process says, for as long as it lives.
+fn listen(out: ChildStdout, show: bool) -> Receiver<Line> {
+    let (tell, heard) = channel();
+    std::thread::spawn(move || {
+        let mut lines = BufReader::new(out);
+        let mut bytes = Vec::new();
+        while lines.read_until(b'\n', &mut bytes).is_ok_and(|read| read > 0) {
+            let text = String::from_utf8_lossy(&bytes);
+            let text = text.trim_end_matches(['\n', '\r']);
+            let said = text.strip_prefix(MARK).and_then(|rest| Some((rest.chars().next()?, rest.get(1..)?)));
+            let line = match said {
+                Some(('c', call)) => Some(Line::Call(call.to_owned())),
+                Some(('t', trace)) => Some(Line::Trace(trace.to_owned())),
+                Some(('f', findings)) => serde_json::from_str(findings).ok().map(Line::Findings),
+                _ => {
+                    if show && !text.is_empty() {
+                        eprintln!("{text}");
+                    }
+                    None
+                }
+            };
+            if line.is_some_and(|line| tell.send(line).is_err()) {
+                return;
+            }
+            bytes.clear();
+        }
+    });
+    heard
+}

@@ -1,0 +1,270 @@
+//! Rules that read: each planted fault is found, and the description without one has none.
+
+mod common;
+
+use common::{DESCRIPTION, Units, check};
+use inspection::Severity::{self, Error, Note, Warning};
+
+/// What is replaced in the description, by what, and what is then found: rule, severity, variable.
+type Planted = (&'static str, &'static str, &'static str, Severity, Option<&'static str>);
+
+const PLANTED: &[Planted] = &[
+    ("<DefaultExperiment", "<DefaultExperimet/><DefaultExperiment", "schema", Error, None),
+    ("guid=\"{fault-0}\"", "", "schema", Error, None),
+    ("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"", "schema", Error, None),
+    ("valueReference=\"3\"", "valueReference=\"-3\"", "schema", Error, None),
+    ("causality=\"input\"", "causality=\"in\"", "schema", Error, None),
+    ("12:00:00Z", "noon", "schema", Error, None),
+    ("dependenciesKind=\"dependent\"", "dependenciesKind=\"much\"", "schema", Error, None),
+    ("<Real/>", "<Real/><Integer/>", "schema", Error, None),
+    ("<LogCategories>", "<ModelStructure/><LogCategories>", "schema", Error, None),
+    ("  </ModelVariables>", "", "well-formed", Error, None),
+    ("guid=\"{fault-0}\"", "guid=\"\"", "identity", Error, None),
+    ("modelIdentifier=\"unit\"", "modelIdentifier=\"../unit\"", "identity", Error, None),
+    ("canGetAndSetFMUstate=\"true\"", "", "capabilities", Error, None),
+    ("stopTime=\"2\"", "stopTime=\"0\"", "default-experiment", Error, None),
+    ("stepSize=\"0.01\"", "stepSize=\"0\"", "default-experiment", Error, None),
+    ("stepSize=\"0.01\"", "stepSize=\"3\"", "default-experiment", Warning, None),
+    ("name=\"d\"", "name=\"y\"", "variable-names", Error, Some("y")),
+    ("name=\"d\"", "name=\"\"", "variable-names", Error, Some("")),
+    ("name=\"d\"", "name=\"d&#10;e\"", "variable-names", Error, Some("d\ne")),
+    ("name=\"d\"", "name=\"d e\"", "structured-names", Error, Some("d e")),
+    ("<Unit name=\"m/s\">", "<Unit name=\"m\">", "unique-names", Error, None),
+    ("name=\"fast\"", "name=\"slow\"", "unique-names", Error, None),
+    ("value=\"2\"", "value=\"1\"", "unique-names", Error, None),
+    ("unit=\"m/s\"", "unit=\"furlong\"", "units", Error, Some("u")),
+    ("unit=\"m/s\"", "unit=\"m\" displayUnit=\"cm\"", "units", Error, Some("u")),
+    ("displayUnit=\"mm\"", "displayUnit=\"cm\"", "units", Error, None),
+    ("unit=\"m/s\"", "displayUnit=\"m\"", "units", Error, Some("u")),
+    ("factor=\"1000\"", "factor=\"0\"", "unit-definitions", Error, None),
+    ("declaredType=\"Place\"/>", "declaredType=\"Plaice\"/>", "types", Error, Some("y")),
+    ("declaredType=\"Place\"/>", "declaredType=\"Mode\"/>", "types", Error, Some("y")),
+    ("min=\"0\" max=\"9\"", "min=\"9\" max=\"0\"", "min-max", Error, Some("n")),
+    ("min=\"-1e6\"", "min=\"2e6\"", "min-max", Error, None),
+    ("start=\"0\" min=\"0\"", "start=\"-1\" min=\"0\"", "start-range", Error, Some("n")),
+    ("start=\"0.5\"", "start=\"1e7\"", "start-range", Error, Some("x0")),
+    (
+        "<Integer start=\"0\" min=\"0\" max=\"9\"/>",
+        "<Enumeration declaredType=\"Mode\" start=\"3\"/>",
+        "start-range",
+        Error,
+        Some("n"),
+    ),
+    ("<Real start=\"1\"", "<Real", "start-missing", Error, Some("u")),
+    ("<Real start=\"2\"/>", "<Real/>", "start-missing", Error, Some("k")),
+    ("<Real/>", "<Real start=\"0\"/>", "start-superfluous", Error, Some("d")),
+    ("<Real start=\"2\"/>", "<Real start=\"2\" nominal=\"0\"/>", "nominal", Warning, Some("k")),
+    (
+        "causality=\"parameter\" variability=\"fixed\"><Real start=\"2\"",
+        "causality=\"parameter\"><Real start=\"2\"",
+        "causality-variability",
+        Error,
+        Some("k"),
+    ),
+    (
+        "variability=\"discrete\"><Integer/>",
+        "variability=\"continuous\"><Integer/>",
+        "causality-variability",
+        Error,
+        Some("c"),
+    ),
+    ("causality=\"input\"><Real", "causality=\"input\" initial=\"exact\"><Real", "initial", Error, Some("u")),
+    (
+        "causality=\"parameter\" variability=\"fixed\"><Real start=\"2\"",
+        "causality=\"parameter\" variability=\"fixed\" initial=\"approx\"><Real start=\"2\"",
+        "initial",
+        Error,
+        Some("k"),
+    ),
+    (
+        "name=\"n\" valueReference=\"0\" causality=\"input\" variability=\"discrete\"><Integer start=\"0\" min=\"0\" max=\"9\"/>",
+        "name=\"n\" valueReference=\"0\" causality=\"independent\" variability=\"continuous\"><Integer/>",
+        "causality-variability",
+        Error,
+        Some("n"),
+    ),
+    (
+        "name=\"k\" valueReference=\"3\" causality=\"parameter\" variability=\"fixed\"><Real start=\"2\"/>",
+        "name=\"k\" valueReference=\"3\" causality=\"independent\"><Real start=\"2\"/>",
+        "start-superfluous",
+        Error,
+        Some("k"),
+    ),
+    ("<Real/>", "<Real derivative=\"99\"/>", "derivative", Error, Some("d")),
+    ("<Real/>", "<Real derivative=\"4\"/>", "derivative", Error, Some("k")),
+    ("valueReference=\"4\"", "valueReference=\"3\"", "aliases", Error, Some("x0")),
+    ("valueReference=\"2\"", "valueReference=\"1\"", "aliases", Error, Some("d")),
+    (
+        "<Unknown index=\"7\" dependencies=\"6\"/>",
+        "<Unknown index=\"70\" dependencies=\"6\"/>",
+        "structure-index",
+        Error,
+        None,
+    ),
+    ("<Unknown index=\"2\" dependencies=\"\"/>", "", "outputs", Error, Some("y")),
+    (
+        "<Unknown index=\"2\" dependencies=\"\"/>",
+        "<Unknown index=\"2\"/><Unknown index=\"4\"/>",
+        "outputs",
+        Error,
+        Some("k"),
+    ),
+    (
+        "<InitialUnknowns>",
+        "<Derivatives><Unknown index=\"2\"/></Derivatives><InitialUnknowns>",
+        "derivatives",
+        Error,
+        Some("y"),
+    ),
+    ("<Unknown index=\"2\" dependencies=\"5\"/>", "", "initial-unknowns", Error, Some("y")),
+    (
+        "<Unknown index=\"2\" dependencies=\"5\"/>",
+        "<Unknown index=\"2\"/><Unknown index=\"4\"/>",
+        "initial-unknowns",
+        Error,
+        Some("k"),
+    ),
+    (
+        "dependencies=\"1\" dependenciesKind",
+        "dependencies=\"1 6\" dependenciesKind",
+        "dependencies-list",
+        Error,
+        Some("d"),
+    ),
+    ("dependencies=\"1\" dependenciesKind", "dependenciesKind", "dependencies-list", Error, Some("d")),
+    ("dependencies=\"1 4 5\"", "dependencies=\"1 4 4\"", "dependencies-list", Error, Some("d")),
+    (
+        "<DefaultExperiment startTime=\"0\" stopTime=\"2\" stepSize=\"0.01\"/>",
+        "",
+        "default-experiment",
+        Note,
+        None,
+    ),
+];
+
+/// Nobody's library: nothing is run.
+const ELSEWHERE: &[(&str, &[u8])] = &[("sources/unit.c", b"")];
+
+#[test]
+fn every_planted_fault_of_a_description_is_found() {
+    let units = Units::new();
+    for (number, (good, bad, rule, severity, variable)) in PLANTED.iter().enumerate() {
+        assert!(DESCRIPTION.contains(good), "{good}");
+        let text = DESCRIPTION.replacen(good, bad, 1);
+        let path = units.pack_files(&format!("{number}.fmu"), &text, ELSEWHERE);
+        let findings = check(&path);
+        let found = findings.iter().any(|finding| {
+            finding.rule == *rule && finding.severity == *severity && finding.variable.as_deref() == *variable
+        });
+        assert!(found, "{good} -> {bad}: wanted is {rule}, found {findings:#?}");
+    }
+}
+
+#[test]
+fn law_a_description_without_a_fault_has_no_finding() {
+    let units = Units::new();
+    let findings = check(&units.pack_files("good.fmu", DESCRIPTION, ELSEWHERE));
+    assert_eq!(common::short(&findings), [("binaries", Note, None)], "{findings:#?}");
+}
+
+#[test]
+fn law_both_kinds_in_one_archive_are_legal_and_a_list_left_out_is_a_warning() {
+    let units = Units::new();
+    let both = DESCRIPTION.replace("<CoSimulation", "<ModelExchange modelIdentifier=\"unit\"/><CoSimulation");
+    let findings = check(&units.pack_files("both.fmu", &both, ELSEWHERE));
+    assert_eq!(common::short(&findings), [("binaries", Note, None)], "{findings:#?}");
+    let (before, rest) = DESCRIPTION.split_once("<InitialUnknowns>").expect("there");
+    let (_, after) = rest.split_once("</InitialUnknowns>").expect("there");
+    let findings = check(&units.pack_files("none.fmu", &format!("{before}{after}"), ELSEWHERE));
+    let expected = [("binaries", Note, None), ("initial-unknowns", Warning, None)];
+    assert_eq!(common::short(&findings), expected, "{findings:#?}");
+}
+
+#[test]
+fn every_finding_of_a_description_says_its_line() {
+    let text = DESCRIPTION.replace("min=\"0\" max=\"9\"", "min=\"9\" max=\"0\"");
+    let line = text.lines().position(|line| line.contains("min=\"9\"")).expect("there") + 1;
+    let units = Units::new();
+    let findings = check(&units.pack_files("lines.fmu", &text, ELSEWHERE));
+    let finding = findings.iter().find(|finding| finding.rule == "min-max").expect("found");
+    assert_eq!(finding.text, format!("modelDescription.xml:{line}: min 9 is above max 0"));
+}
+
+/// Files beside the description, and what is then found: rule, severity, a part of the text.
+type Case<'a> = (&'a [(&'a str, &'a [u8])], &'static str, Severity, &'static str);
+
+#[test]
+fn every_planted_fault_of_an_archive_is_found() {
+    let units = Units::new();
+    let library = common::library();
+    let so = library.as_slice();
+    let cases: &[Case<'_>] = &[
+        (&[], "binaries", Error, "neither binaries/PLATFORM"),
+        (&[("binaries/linux64/other.so", so)], "binaries", Error, "no library unit"),
+        (&[("binaries/win64/unit.so", so)], "binaries", Error, "another ending than .dll"),
+        (&[("binaries/win64/unit.dll", b"no library")], "binary-functions", Error, "is no shared library"),
+        (&[("sources/x.c", b""), ("Resources/a", b"")], "archive-layout", Error, "must be called resources"),
+        (&[("sources/x.c", b""), ("readme.txt", b"")], "archive-layout", Warning, "readme.txt at the root"),
+        (
+            &[("sources/x.c", b""), ("resources/../../a", b"")],
+            "archive-paths",
+            Error,
+            "leads out of the archive",
+        ),
+        (&[("sources/x.c", b""), ("/etc/a", b"")], "archive-paths", Error, "leads out of the archive"),
+        (&[("sources/x.c", b""), ("resources\\a", b"")], "archive-paths", Error, "has a backslash"),
+        (
+            &[("sources/x.c", b""), ("resources/a", b""), ("resources/A", b"")],
+            "archive-paths",
+            Error,
+            "is there twice",
+        ),
+        (&[("binaries/win64/unit.dll", so)], "runs", Note, "none for this machine"),
+    ];
+    for (files, rule, severity, text) in cases {
+        let findings = check(&units.pack_files("case.fmu", DESCRIPTION, files));
+        let found = findings.iter().any(|finding| {
+            finding.rule == *rule && finding.severity == *severity && finding.text.contains(text)
+        });
+        assert!(found, "{rule} {text}: {findings:#?}");
+    }
+    let listed = DESCRIPTION.replace(
+        "providesDirectionalDerivative=\"true\"/>",
+        "><SourceFiles><File name=\"all.c\"/></SourceFiles></CoSimulation>",
+    );
+    let findings = check(&units.pack_files("case.fmu", &listed, ELSEWHERE));
+    assert!(findings.iter().any(|finding| finding.rule == "source-files"), "{findings:#?}");
+}
+
+#[test]
+fn law_what_is_no_archive_is_a_finding_and_what_is_not_there_an_error() {
+    let units = Units::new();
+    let path = units.path().join("text.fmu");
+    std::fs::write(&path, "no archive").expect("writable");
+    assert_eq!(common::short(&check(&path)), [("archive", Error, None)]);
+    let missing = units.path().join("missing.fmu");
+    let error = inspection::check(&missing, &inspection::Limits::default()).expect_err("not there");
+    assert!(error.is_input() && error.to_string().contains("missing.fmu"), "{error}");
+    // A folder around it all is said to be what is wrong.
+    let file = std::fs::File::create(&path).expect("writable");
+    let mut zip = zip::ZipWriter::new(file);
+    zip.start_file("model/modelDescription.xml", zip::write::SimpleFileOptions::default()).expect("an entry");
+    zip.finish().expect("finished");
+    let findings = check(&path);
+    assert!(findings.iter().any(|finding| finding.text.contains("but in the folder model")), "{findings:#?}");
+}
+
+#[test]
+fn every_rule_has_its_section() {
+    let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/check.md");
+    let page = std::fs::read_to_string(page).expect("docs/check.md");
+    let sections: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("### ")).collect();
+    let mut rules = inspection::rules();
+    for rule in &rules {
+        assert!(sections.contains(rule), "docs/check.md has no section for {rule}");
+    }
+    rules.sort_unstable();
+    let mut sorted = sections.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, rules, "sections of rules that are gone, or twice");
+}

@@ -1,5 +1,7 @@
 //! The shipped scenarios, which travel inside the program, and where the packed units lie.
 
+#![forbid(unsafe_code)]
+
 mod embedded;
 
 use orchestrator::{Scenario, UnitPath, suggest};

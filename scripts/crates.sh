@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-crates=(fmi2-export orchestrator)
+crates=(fmi2-export acroscope-orchestrator)
 for crate in "${crates[@]}"; do
     cargo package --quiet --package "$crate" --target-dir target/package-build "$@"
     archive=$(ls -t target/package-build/package/"$crate"-*.crate | head -1)

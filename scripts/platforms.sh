@@ -18,7 +18,7 @@ wine=$(command -v wine64 || command -v wine || ls /usr/lib/wine/wine64 2>/dev/nu
 if [ -z "$wine" ]; then
     echo "SKIPPED: there is no Wine here (apt-get install wine64), so nothing of win64 has run"
 else
-    master=(--quiet --release --package orchestrator --example run_csv)
+    master=(--quiet --release --package acroscope-orchestrator --example run_csv)
     cargo build "${master[@]}"
     PATH="$PWD/.venv/bin:$PATH" cargo zigbuild "${master[@]}" --target x86_64-pc-windows-gnu --target-dir target/programs
     out=$(mktemp -d)

@@ -63,17 +63,22 @@ fn arrows_of(name: &str) -> Vec<String> {
     to.iter().map(|name| (*name).to_owned()).collect()
 }
 
+/// The name that the map uses: the registry's one of the master is longer.
+fn short(package: &str) -> &str {
+    if package == "acroscope-orchestrator" { "orchestrator" } else { package }
+}
+
 #[test]
 fn every_dependency_follows_an_arrow() {
     let metadata = metadata();
     let ours: BTreeSet<&str> = metadata.packages.iter().map(|package| package.name.as_str()).collect();
     for package in &metadata.packages {
-        let allowed = arrows_of(&package.name);
+        let allowed = arrows_of(short(&package.name));
         let product =
             package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Development);
         for dependency in product.filter(|dependency| ours.contains(dependency.name.as_str())) {
             assert!(
-                allowed.contains(&dependency.name),
+                allowed.iter().any(|name| name == short(&dependency.name)),
                 "{} -> {} is no arrow of ARCHITECTURE.md",
                 package.name,
                 dependency.name

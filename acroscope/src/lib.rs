@@ -4,6 +4,8 @@
 //!
 //! Exit status: 0 done; 2 the user's input is wrong; 130, 143, 129 after SIGINT, SIGTERM, SIGHUP; 1 anything else.
 
+#![forbid(unsafe_code)]
+
 #[macro_use]
 mod tell;
 

@@ -2,6 +2,8 @@
 //! (`feedthrough_loop.c`): our own unit (`feedthrough.c`), and the Feedthrough of the FMI project's reference units where
 //! `ACROSCOPE_FEEDTHROUGH` names its file. Both sides must end at the same values, so that they are known to do the same.
 
+#![allow(unsafe_code)] // the plain C loop beside the master
+
 use crate::ring::{Calls, Ring, STEPPING, compile};
 use crate::samples::seconds;
 use crate::{Row, Samples};

@@ -1,6 +1,8 @@
 //! The master on a ring of three nearly free units with six connections: a C loop calling the same functions, ours,
 //! FMPy, libcosim and Ecos, in turns; and what it costs to open a unit.
 
+#![allow(unsafe_code)] // the plain C loop beside the master
+
 use crate::ring::Ring;
 use crate::samples::seconds;
 use crate::{Peer, Row, Samples, closed_loop};

@@ -2,6 +2,8 @@
 //! (`oscillator.c`), and our own plant, camera and controller in the closed loop of Figure 19 (`closed.c`). Both sides
 //! must end at the same bits, so that they are known to do the same.
 
+#![allow(unsafe_code)] // the plain C loop beside the master
+
 use crate::closed_loop::{scenario, unit, units};
 use crate::ring::{Calls, Ring, STEPPING, compile};
 use crate::samples::seconds;

@@ -2,6 +2,8 @@
 //! of `ring.c`, one that costs what a small real one does, of `oscillator.c`, and one that hands on what it gets, of
 //! `feedthrough.c`.
 
+#![allow(unsafe_code)] // the plain C loop beside the master
+
 use orchestrator::{Scenario, Simulation, UnitPath};
 use std::ffi::c_void;
 use std::io::Write;

@@ -1,5 +1,7 @@
 //! What a built library says of itself, through the symbol `fmi2_export_describe`.
 
+#![allow(unsafe_code)] // asks a built library
+
 use crate::Result;
 use fmi2_export::abi::types::{OK, Sink, Status};
 use libloading::{Library, Symbol};

@@ -29,6 +29,8 @@
 //! 8. `dynamics` and `ports` make any unit a function of one interval, `infer` links its states, `search` finds what it lacks.
 //! 9. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
 
+#![forbid(unsafe_code)]
+
 mod amend;
 mod bench;
 mod counting;

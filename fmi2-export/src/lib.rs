@@ -64,6 +64,8 @@
 //! `description` writes what the unit says of itself; [`abi`] is the C boundary, the only place with unsafe code
 //! (besides the call of the log callback).
 
+#![allow(unsafe_code)] // is called through the C functions of FMI
+
 pub mod abi;
 mod access;
 pub mod description;

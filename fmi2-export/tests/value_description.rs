@@ -1,4 +1,6 @@
 //! What the toy unit says of itself.
+
+#![allow(unsafe_code)] // calls the C functions as a master does
 mod common;
 use common::Toy;
 use fmi2_export::abi::{lifecycle, types};

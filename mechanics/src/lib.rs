@@ -10,6 +10,8 @@
 //! Sources: eqs. (12), (13), Tables 1 and 2 of Bishop, Hutchinson, Spong, "Camera Modelling for Visual Servo
 //! Control Applications"; the velocity terms from the Lagrangian that belongs to the M(q) printed there.
 
+#![forbid(unsafe_code)]
+
 pub mod manifold;
 pub mod motion;
 pub mod place;

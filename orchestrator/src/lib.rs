@@ -65,6 +65,8 @@
 //! A warning is counted and the run goes on ([`Simulation::notices`]); a discarded step, an error, an unknown status,
 //! or a NaN or infinity for another unit ends it with an error that names unit, variable and time.
 
+#![allow(unsafe_code)] // calls C functions of units, shares memory with their processes
+
 //!
 //! A unit can have a process of its own ([`Isolation`]); a program that allows it begins its `main` with [`host_units`]. For
 //! one that runs units in its own process, [`Guard`] says which unit took it down, and saves its rows.

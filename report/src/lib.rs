@@ -3,6 +3,8 @@
 //! Data comes in as numbers and leaves as one self-contained HTML file: graphs are drawn by the page's own scripts or are
 //! inline SVG, pictures are inline PNG, nothing is fetched from anywhere. This crate knows no unit and no signal by name.
 
+#![forbid(unsafe_code)]
+
 pub mod field;
 pub mod graph;
 pub mod head;

@@ -3,6 +3,8 @@
 //! A study reaches the units only through FMI. It returns what the paper states, what we get, and whether it holds;
 //! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and `index.html`.
 
+#![forbid(unsafe_code)]
+
 pub mod bench;
 mod blur;
 pub mod claim;

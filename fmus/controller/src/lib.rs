@@ -12,6 +12,8 @@
 //! Beyond the table's ends (abs(q2) > 2.60 rad, or where controllability ends) the schedule stays at the end and
 //! the law goes on linearly from that equilibrium: the links have touched long before.
 
+#![forbid(unsafe_code)]
+
 pub mod law;
 pub mod schedule;
 pub mod spline;

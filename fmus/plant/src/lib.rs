@@ -14,6 +14,8 @@
 //! Inputs hold over a step, or run along a line if the master gives their rates. The actuator starts from
 //! `tau_0`, at rest there.
 
+#![forbid(unsafe_code)]
+
 pub mod actuator;
 mod derivative;
 mod dynamics;

@@ -15,6 +15,8 @@
 //! Torques are those at the state at the end of a step; a master that steps the plant first holds them over the plant's
 //! next step, which delays them by half a step on average.
 
+#![forbid(unsafe_code)]
+
 pub mod terms;
 mod variables;
 

@@ -20,6 +20,8 @@
 //!
 //! Before the start u has always been what it was at the start: delay, rate limit and lag begin settled there.
 
+#![forbid(unsafe_code)]
+
 mod delay;
 pub mod line;
 mod variables;

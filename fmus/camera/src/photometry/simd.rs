@@ -1,6 +1,8 @@
 //! The AVX2 and AVX-512 paths of [`super::quantise`] and the AVX2 one of [`super::edges`], chosen at run time. All
 //! `unsafe` of the camera is in this file.
 
+#![allow(unsafe_code)] // intrinsics of the processor
+
 use super::edges;
 use super::quantise::{Span, portable};
 

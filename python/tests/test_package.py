@@ -165,6 +165,13 @@ def test_what_is_wrong_says_so():
     assert issubclass(ac.InputError, ac.Error)
 
 
+def test_check_finds_no_error_in_our_units():
+    for unit in ac.units().values():
+        assert not [finding for finding in ac.check(unit) if finding["severity"] == "error"]
+    with pytest.raises(ac.InputError, match="nowhere.fmu"):
+        ac.check("nowhere.fmu")
+
+
 def test_reproduce_gives_claims():
     reproduction = ac.reproduce("table-3")
     assert reproduction.claims and all(claim["holds"] for claim in reproduction.claims)

@@ -1,5 +1,6 @@
 """`acroscope view`, in a real browser."""
 
+import re
 import signal
 import subprocess
 
@@ -107,6 +108,17 @@ def test_a_picture_that_was_kept_is_shown_itself(views, look):
     page.evaluate("(time) => acro.clock.go(time)", kept + 0.1)
     said = page.locator(".of-camera").inner_text()
     assert "Frame 153, drawn" in said and "drum" in said and "tip" in said
+
+
+def test_the_camera_is_compared_with_what_it_looks_at(views, look):
+    # Its arm is another one than the robot's, which is drawn.
+    acroscope("run", "dual-loop", "--stop", 8, "--out", views / "dual")
+    acroscope("view", views / "dual", "-o", views / "dual.html")
+    page = look(views / "dual.html")
+    page.evaluate("acro.clock.go(7.5)")
+    apart = re.search(r"Apart: (.*) px", page.locator(".of-camera").inner_text()).group(1)
+    # Centroids of grey pixels are found within hundredths of a pixel; the two arms are tens of pixels apart.
+    assert all(float(entry.split()[1]) < 0.2 for entry in apart.split(", ")), apart
 
 
 def test_two_runs_stand_side_by_side_on_one_clock(views, look):

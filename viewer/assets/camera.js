@@ -18,7 +18,8 @@ acro.kept = function (run, number, redraw) {
 
 // Ideal places of the circles in pixels, u right and v up from the centre, at the pose of mid-exposure.
 acro.ideal = function (run, middle) {
-  const [q1, q2] = [run.at("q1", middle), run.at("q2", middle)];
+  const seen = "seen_q1" in run.parts && "seen_q2" in run.parts ? "seen_" : "";
+  const [q1, q2] = [run.at(seen + "q1", middle), run.at(seen + "q2", middle)];
   if (q1 == null || q2 == null) return null;
   const scene = run.machine.scene;
   return acro.pose(scene, q1, q2).map(([x, y]) => [x * scene.width / scene.field_of_view, y * scene.width / scene.field_of_view]);

@@ -17,7 +17,7 @@ pub struct Machine {
     scene: BTreeMap<&'static str, f64>,
     /// Points (z, q1, q2) of the manifold of equilibria, in order of z; none where there is no manifold.
     manifold: Vec<[f64; 3]>,
-    /// Columns by what they are to the drawing: q1, q2, tau, z, z_desired, u1, ...
+    /// Columns by what they are to the drawing: q1, q2, tau, z, z_desired, u1, seen_q1, ...
     #[serde(skip)]
     pub columns: BTreeMap<&'static str, String>,
 }
@@ -53,20 +53,21 @@ impl Machine {
         let plant = of_kind("acrobot_plant")?;
         let camera = of_kind("acrobot_camera");
         let mut columns = BTreeMap::new();
-        let mut take = |unit: &str, variables: &[&'static str]| {
-            for variable in variables {
-                let name = format!("{unit}.{variable}");
-                if results.column(&name).is_some() {
-                    columns.insert(*variable, name);
-                }
+        let mut take = |part: &'static str, unit: &str, variable: &str| {
+            let name = format!("{unit}.{variable}");
+            if results.column(&name).is_some() {
+                columns.insert(part, name);
             }
         };
-        take(&plant.name, &OF_PLANT);
+        OF_PLANT.iter().for_each(|variable| take(variable, &plant.name, variable));
         if let Some(camera) = camera {
-            take(&camera.name, &OF_CAMERA);
+            OF_CAMERA.iter().for_each(|variable| take(variable, &camera.name, variable));
+            // What the camera looks at may be another arm than the one that is drawn.
+            take("seen_q1", &camera.name, "q1");
+            take("seen_q2", &camera.name, "q2");
         }
-        for unit in results.scenario.units.iter().filter(|unit| file_stem(unit) == "acrobot_controller") {
-            take(&unit.name, &["z_desired"]);
+        if let Some(controller) = drives(results, &plant.name) {
+            take("z_desired", controller, "z_desired");
         }
         if !columns.contains_key("q1") || !columns.contains_key("q2") {
             return None;
@@ -84,6 +85,13 @@ impl Machine {
             columns,
         })
     }
+}
+
+/// The unit whose torque the plant gets.
+fn drives<'a>(results: &'a Results, plant: &str) -> Option<&'a str> {
+    let input = format!("{plant}.tau");
+    let connection = results.scenario.connections.iter().find(|connection| connection.to == input)?;
+    connection.from.split_once('.').map(|(unit, _)| unit)
 }
 
 fn file_stem(unit: &UnitEntry) -> &str {

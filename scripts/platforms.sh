@@ -21,6 +21,13 @@ else
     master=(--quiet --release --package acroscope-orchestrator --example run_csv)
     cargo build "${master[@]}"
     PATH="$PWD/.venv/bin:$PATH" cargo zigbuild "${master[@]}" --target x86_64-pc-windows-gnu --target-dir target/programs
+    # Wine before 8.13 lacks what Rust asks Windows' bcryptprimitives.dll for; its own generator gives it.
+    cat >target/prng.c <<'END'
+__declspec(dllimport) unsigned char SystemFunction036(void *, unsigned long);
+__declspec(dllexport) int ProcessPrng(void *to, unsigned long long length) { return SystemFunction036(to, (unsigned long)length); }
+END
+    .venv/bin/python -m ziglang cc -target x86_64-windows-gnu -shared -O1 target/prng.c -ladvapi32 \
+        -o target/programs/x86_64-pc-windows-gnu/release/examples/bcryptprimitives.dll
     out=$(mktemp -d)
     trap 'rm -rf "$out"' EXIT
     export WINEPREFIX="$out/wine" WINEDEBUG=-all

@@ -113,7 +113,8 @@ impl Simulation {
     fn identity(&self) -> String {
         let guids: Vec<&str> = self.units().map(|(_, description)| description.guid.as_str()).collect();
         // The description is words: it changes no row, and it would hide what does.
-        let resolved = self.resolved();
+        // Files by their names: a state goes to another folder, too, and the GUIDs tell units apart.
+        let resolved = self.bundled(&self.bundle());
         let told = |line: &&str| line.starts_with("description = ");
         let words =
             resolved.lines().take_while(|line| *line != "[experiment]").find(told).unwrap_or_default();

@@ -79,6 +79,14 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A package can't be read.
+    #[error("{}: {reason}", path.display())]
+    Package {
+        /// The package.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// A description breaks the standard.
     #[error("{}: modelDescription.xml:{line}: {what}", path.display())]
     Description {
@@ -260,6 +268,7 @@ impl Error {
                 | Self::Name { .. }
                 | Self::Value { .. }
                 | Self::Archive { .. }
+                | Self::Package { .. }
                 | Self::Description { .. }
                 | Self::Library { .. }
                 | Self::Tick { .. }

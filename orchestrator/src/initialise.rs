@@ -77,7 +77,7 @@ pub(crate) fn initialise(
     plan: &Plan,
     sets: &[Vec<(u32, Value)>],
     start: Point,
-    stop: f64,
+    stop: Option<f64>,
     notices: &mut Vec<String>,
     replaced: &mut Vec<String>,
 ) -> Result<(), Error> {
@@ -90,7 +90,7 @@ pub(crate) fn initialise(
         for (reference, value) in sets {
             instance.set(*reference, value)?;
         }
-        instance.setup_experiment(start.time, Some(stop))?;
+        instance.setup_experiment(start.time, stop)?;
         instance.enter_initialization()?;
         // The buffers begin with the start values, whatever an earlier run left there.
         unit.inputs.get(instance, &mut system.values).map_err(|error| *error)?;

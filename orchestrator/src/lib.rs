@@ -73,16 +73,19 @@
 
 mod algorithm;
 mod blocks;
+mod bundle;
 mod checkpoint;
 mod error;
 pub mod fmu;
 mod graph;
 mod guard;
 mod initialise;
+mod inside;
 mod isolation;
 mod line;
 mod newton;
 mod noise;
+pub mod package;
 mod progress;
 mod recorder;
 mod rollback;
@@ -98,8 +101,10 @@ pub mod timing;
 mod unit_path;
 mod value;
 mod wiring;
+pub mod xml;
 
 pub use algorithm::{Needs, Sees, names as algorithms, needs, sees};
+pub use bundle::Bundle;
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;

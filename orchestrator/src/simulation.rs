@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::fmu::{Causality, Description, Initial, Variability};
 use crate::guard;
 use crate::initialise::initialise;
+use crate::package;
 use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
 use crate::run::Stop;
@@ -119,7 +120,7 @@ impl Simulation {
         if self.phase != Phase::Ready {
             return Ok(());
         }
-        let Wiring { system, clock, plan, sets, start, stop, names, .. } = &mut self.wiring;
+        let Wiring { system, clock, plan, sets, start, told_stop, names, .. } = &mut self.wiring;
         let by_reference: Vec<Vec<(u32, Value)>> = (sets.iter().enumerate())
             .map(|(unit, sets)| {
                 let reference = |place: usize| names.variable((unit, place)).reference;
@@ -129,7 +130,8 @@ impl Simulation {
         self.notices.clear();
         self.replaced_starts.clear();
         self.phase = Phase::Over;
-        initialise(system, plan, &by_reference, *start, *stop, &mut self.notices, &mut self.replaced_starts)?;
+        let (notices, replaced) = (&mut self.notices, &mut self.replaced_starts);
+        initialise(system, plan, &by_reference, *start, *told_stop, notices, replaced)?;
         system.age(clock, start.ticks);
         self.now = *start;
         self.phase = Phase::Running;
@@ -328,6 +330,7 @@ impl Simulation {
         self.wiring
             .notices
             .iter()
+            .chain(&self.wiring.last_points)
             .chain(&self.notices)
             .chain(strange)
             .cloned()
@@ -358,9 +361,13 @@ impl Simulation {
             let entry = &self.scenario.units[unit];
             let file = &self.wiring.files[unit];
             // A file of the unit path is found again by its name, another one only by its full path.
-            let fmu = match self.from_unit_path[unit] {
-                true => entry.fmu.value.clone(),
-                false => file.canonicalize().unwrap_or_else(|_| file.clone()).to_string_lossy().into_owned(),
+            let fmu = match package::split(&entry.fmu.value) {
+                Some((package, inside)) => {
+                    let package = self.scenario.folder().join(package);
+                    format!("{}#{inside}", package.canonicalize().unwrap_or(package).display())
+                }
+                None if self.from_unit_path[unit] => entry.fmu.value.clone(),
+                None => file.canonicalize().unwrap_or_else(|_| file.clone()).to_string_lossy().into_owned(),
             };
             ResolvedUnit { fmu, values: self.used_values(unit) }
         };
@@ -369,7 +376,7 @@ impl Simulation {
     }
 
     /// All parameters and everything that was set, in the order of the description.
-    fn used_values(&self, unit: usize) -> Vec<(String, Value)> {
+    pub(crate) fn used_values(&self, unit: usize) -> Vec<(String, Value)> {
         let description = self.wiring.names.units[unit].1.description();
         let used = |place: usize| -> Option<(String, Value)> {
             let variable: Variable = (unit, place);

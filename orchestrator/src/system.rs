@@ -56,6 +56,7 @@ pub(crate) enum Conversion {
     /// Not at all.
     Same,
     /// To another unit of the same quantity: gain · value + bias.
+    /// A number of another type for a Real, too.
     Affine { gain: f64, bias: f64 },
     /// To another type, then perhaps to another unit.
     Type,
@@ -72,7 +73,9 @@ pub(crate) struct Link {
 impl Link {
     pub(crate) fn convert(&self, value: Value) -> Value {
         match (self.conversion, self.to, &value) {
-            (Conversion::Affine { gain, bias }, _, Value::Real(value)) => Value::Real(gain * value + bias),
+            (Conversion::Affine { gain, bias }, ..) => {
+                Value::Real(gain * value.as_f64().unwrap_or(f64::NAN) + bias)
+            }
             (Conversion::Same, ..) => value,
             (_, Slot::Real(_), _) => Value::Real(value.as_f64().unwrap_or(f64::NAN)),
             (_, Slot::Integer(_), Value::Boolean(value)) => Value::Integer(i32::from(*value)),

@@ -2,9 +2,10 @@
 
 use crate::error::{Error, Place};
 use crate::fmu::Fmu;
+use crate::package::{self, Unpacked};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::SystemTime;
 
 /// Folders with units. Clones share the opened units, also between threads.
@@ -12,7 +13,11 @@ use std::time::SystemTime;
 pub struct UnitPath {
     folders: Vec<PathBuf>,
     opened: Arc<Mutex<HashMap<Key, Fmu>>>,
+    unpacked: Arc<Mutex<HashMap<Entry, Weak<Unpacked>>>>,
 }
+
+/// A package, and a file in it.
+type Entry = (Key, String);
 
 /// A file that was rebuilt is another file.
 type Key = (PathBuf, Option<SystemTime>, u64);
@@ -50,8 +55,30 @@ impl UnitPath {
         Ok(fmu)
     }
 
-    /// The file of a unit: beside the scenario, then in the folders.
-    pub(crate) fn find(&self, name: &str, beside: &Path, place: &Place) -> Result<PathBuf, Error> {
+    /// The file of a unit: beside the scenario, then in the folders. One inside a package is unpacked, which lasts as long
+    /// as what comes with it; clones of this path share it.
+    pub(crate) fn find(
+        &self,
+        name: &str,
+        beside: &Path,
+        place: &Place,
+    ) -> Result<(PathBuf, Option<Arc<Unpacked>>), Error> {
+        let Some((package, inside)) = package::split(name) else {
+            return self.file(name, beside, place).map(|file| (file, None));
+        };
+        let package = self.file(package, beside, place)?;
+        let key = (key(&package), inside.to_owned());
+        let mut unpacked = self.unpacked.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = unpacked.get(&key).and_then(Weak::upgrade);
+        let found = match known {
+            Some(found) => found,
+            None => Arc::new(package::unpack(&package, inside)?),
+        };
+        unpacked.insert(key, Arc::downgrade(&found));
+        Ok((found.path.clone(), Some(found)))
+    }
+
+    fn file(&self, name: &str, beside: &Path, place: &Place) -> Result<PathBuf, Error> {
         let folders = std::iter::once(beside).chain(self.folders.iter().map(PathBuf::as_path));
         for folder in folders.clone() {
             let path = folder.join(name);

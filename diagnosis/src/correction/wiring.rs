@@ -3,7 +3,7 @@
 use super::Correction;
 use super::dictionary::UNIT;
 use orchestrator::Place;
-use orchestrator::scenario::{Channel, ConnectionEntry, Given, Placed, Scenario, UnitEntry};
+use orchestrator::scenario::{Channel, ConnectionEntry, Given, Placed, Scenario, Transform, UnitEntry};
 use orchestrator::time::Rational;
 
 /// Name of the unit in a scenario, if no other has it.
@@ -49,8 +49,8 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
         });
     }
     let mut connect = |from: String, to: String| {
-        let (delay, channel) = (Rational::ZERO, Channel::default());
-        scenario.connections.push(ConnectionEntry { from, to, delay, channel, place: here() });
+        let (delay, channel, transform) = (Rational::ZERO, Channel::default(), Transform::default());
+        scenario.connections.push(ConnectionEntry { from, to, delay, channel, transform, place: here() });
     };
     STATE.iter().for_each(|variable| connect(format!("plant.{variable}"), format!("{name}.{variable}")));
     TORQUES.iter().for_each(|variable| connect(format!("{name}.{variable}"), format!("plant.{variable}")));

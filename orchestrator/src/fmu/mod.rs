@@ -10,13 +10,12 @@ mod doubts;
 mod function;
 mod instance;
 pub(crate) mod library;
-mod limits;
+pub(crate) mod limits;
 pub(crate) mod logger;
 mod probe;
 mod read;
 mod state;
-mod workshop;
-mod xml;
+pub(crate) mod workshop;
 
 pub use description::{
     BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,

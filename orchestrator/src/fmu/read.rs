@@ -4,8 +4,9 @@ use crate::fmu::description::{
     BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,
     Variability, Variable,
 };
-use crate::fmu::xml::Element;
+
 use crate::value::{Kind, Value};
+use crate::xml::Element;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 

@@ -18,6 +18,8 @@ pub struct ConnectionEntry {
     pub delay: Rational,
     /// What else happens on the way.
     pub channel: Channel,
+    /// What becomes of the value.
+    pub transform: Transform,
     /// Where the entry begins.
     pub place: Place,
 }
@@ -38,6 +40,24 @@ pub struct Channel {
 impl Default for Channel {
     fn default() -> Self {
         Self { jitter: Rational::ZERO, drop: 0.0, hold: Hold::Zero, seed: None }
+    }
+}
+
+/// What becomes of a connected value: input = gain · value + bias, where the value is first converted to the input's
+/// physical unit, unless `convert_units` is false.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    /// Times the value.
+    pub gain: f64,
+    /// Added then.
+    pub bias: f64,
+    /// By the units that both descriptions give.
+    pub convert_units: bool,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { gain: 1.0, bias: 0.0, convert_units: true }
     }
 }
 
@@ -85,11 +105,15 @@ pub(super) struct Connection {
     drop: Option<Spanned<toml::Value>>,
     hold: Option<Spanned<String>>,
     seed: Option<Spanned<i64>>,
+    gain: Option<Spanned<f64>>,
+    bias: Option<Spanned<f64>>,
+    convert_units: Option<bool>,
 }
 
 pub(super) fn read(at: &Text<'_>, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {
     let place = at.place(entry.span());
-    let Connection { from, to, latency, delay, jitter, drop, hold, seed } = entry.into_inner();
+    let Connection { from, to, latency, delay, jitter, drop, hold, seed, gain, bias, convert_units } =
+        entry.into_inner();
     if let (Some(_), Some(delay)) = (&latency, &delay) {
         let expected = "it is the old name of latency; keep one of them";
         return Err(at.wrong(delay.span(), "delay beside latency", expected));
@@ -110,7 +134,18 @@ pub(super) fn read(at: &Text<'_>, entry: Spanned<Connection>) -> Result<Connecti
         Some(_) => time("latency", latency.as_ref()),
         None => time("delay", delay.as_ref()),
     };
-    Ok(ConnectionEntry { from, to, delay: delay?, channel, place })
+    let transform = Transform {
+        gain: gain.as_ref().map_or(Ok(1.0), |gain| finite(at, "gain", gain))?,
+        bias: bias.as_ref().map_or(Ok(0.0), |bias| finite(at, "bias", bias))?,
+        convert_units: convert_units.unwrap_or(true),
+    };
+    Ok(ConnectionEntry { from, to, delay: delay?, channel, transform, place })
+}
+
+fn finite(at: &Text<'_>, key: &str, given: &Spanned<f64>) -> Result<f64, Error> {
+    let number = *given.get_ref();
+    let wrong = || at.wrong(given.span(), format!("{key} = {number}"), "a finite number");
+    number.is_finite().then_some(number).ok_or_else(wrong)
 }
 
 fn share(at: &Text<'_>, drop: &Spanned<toml::Value>) -> Result<f64, Error> {

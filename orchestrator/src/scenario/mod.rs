@@ -29,6 +29,8 @@
 //! drop = 0.1                       # optional: share of values that are lost
 //! hold = "zero"                    # or "linear": between values on the line through the newest two; optional
 //! seed = 1                         # of this connection alone; optional
+//! gain = 2.0                       # optional, with bias: input = gain · value + bias, for Real inputs
+//! convert_units = false            # optional: the value passes as a number, whatever its physical unit
 //! [[sources]]
 //! to = "controller.z_desired"
 //! kind = "smooth"                  # constant | hold | linear | smooth | csv
@@ -47,7 +49,8 @@ mod connection;
 mod raw;
 pub(crate) mod write;
 
-pub use connection::{Channel, ConnectionEntry, Hold};
+pub use crate::wiring::table;
+pub use connection::{Channel, ConnectionEntry, Hold, Transform};
 pub(crate) use write::resolved;
 
 use crate::error::{Error, Place};
@@ -231,6 +234,32 @@ impl Scenario {
         self.connections.retain(|entry| entry.to != input);
         self.sources.retain(|entry| entry.to != input);
         Ok(())
+    }
+
+    /// An empty scenario for one that is made by a program or read from another format; `origin` is what errors name, and
+    /// files are looked for beside it.
+    #[must_use]
+    pub fn new(origin: impl Into<PathBuf>, start: Rational, stop: Rational, place: Place) -> Self {
+        Self {
+            origin: origin.into(),
+            description: String::new(),
+            start,
+            stop,
+            algorithm: Placed { value: "gauss-seidel".into(), place: place.clone() },
+            units: Vec::new(),
+            connections: Vec::new(),
+            sources: Vec::new(),
+            seed: 0,
+            record: None,
+            report: toml::Table::new(),
+            place,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Adds what a person should know of how it was read; it is among the notices of a simulation.
+    pub fn note(&mut self, note: String) {
+        self.notes.push(note);
     }
 
     /// Replaces the stop time: a number or a fraction, in s.

@@ -1,6 +1,6 @@
 //! A scenario with every value that was used, as TOML that loads again and gives the same run.
 
-use super::{Channel, ConnectionEntry, Hold, Scenario, Shape, SignalEntry};
+use super::{Channel, ConnectionEntry, Hold, Scenario, Shape, SignalEntry, Transform};
 use crate::value::Value;
 use std::fmt::Write;
 use toml::Value as Toml;
@@ -11,8 +11,20 @@ pub(crate) struct ResolvedUnit {
     pub(crate) values: Vec<(String, Value)>,
 }
 
-/// The text of the resolved scenario; `units` in the scenario's order.
+/// The text of the resolved scenario; `units` in the scenario's order. Files are named by their full paths.
 pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
+    text(scenario, units, |file| {
+        let path = scenario.folder().join(file);
+        path.canonicalize().unwrap_or(path).to_string_lossy().into_owned()
+    })
+}
+
+/// As [`resolved`], with files as the scenario names them.
+pub(crate) fn files_as_named(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
+    text(scenario, units, str::to_owned)
+}
+
+fn text(scenario: &Scenario, units: &[ResolvedUnit], path: impl Fn(&str) -> String) -> String {
     let mut out = String::from("# Written by the run: every value that was used.\nformat = 1\n");
     line(&mut out, "description", &scenario.description);
     out.push_str("\n[experiment]\n");
@@ -60,7 +72,7 @@ pub(crate) fn resolved(scenario: &Scenario, units: &[ResolvedUnit]) -> String {
     for source in &scenario.sources {
         out.push_str("\n[[sources]]\n");
         line(&mut out, "to", &source.to);
-        signal(&mut out, &source.signal, scenario);
+        signal(&mut out, &source.signal, &path);
     }
     if let Some(patterns) = &scenario.record {
         out.push_str("\n[record]\n");
@@ -92,9 +104,19 @@ fn way(out: &mut String, connection: &ConnectionEntry) {
     if let Some(seed) = seed {
         put(out, "seed", &Toml::Integer(seed.cast_signed()));
     }
+    let Transform { gain, bias, convert_units } = connection.transform;
+    if gain != 1.0 {
+        put(out, "gain", &Toml::Float(gain));
+    }
+    if bias != 0.0 {
+        put(out, "bias", &Toml::Float(bias));
+    }
+    if !convert_units {
+        put(out, "convert_units", &Toml::Boolean(false));
+    }
 }
 
-fn signal(out: &mut String, signal: &SignalEntry, scenario: &Scenario) {
+fn signal(out: &mut String, signal: &SignalEntry, path: impl Fn(&str) -> String) {
     match signal {
         SignalEntry::Constant(value) => {
             line(out, "kind", "constant");
@@ -107,8 +129,7 @@ fn signal(out: &mut String, signal: &SignalEntry, scenario: &Scenario) {
         }
         SignalEntry::Csv { file, column, shape } => {
             line(out, "kind", "csv");
-            let path = scenario.folder().join(file);
-            line(out, "file", &path.canonicalize().unwrap_or(path).to_string_lossy());
+            line(out, "file", &path(file));
             line(out, "column", column);
             line(out, "interpolation", name(*shape));
         }

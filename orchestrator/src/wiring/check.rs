@@ -2,7 +2,7 @@
 
 use super::names::{Names, Variable, Wrong};
 use crate::fmu::{self, BaseUnit};
-use crate::scenario::{Shape, SignalEntry};
+use crate::scenario::{Shape, SignalEntry, Transform};
 use crate::source::Signal;
 use crate::system::Conversion;
 use crate::value::{Kind, Value};
@@ -69,6 +69,41 @@ pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(),
 
 /// How the value of an output becomes that of an input.
 pub(super) fn conversion(
+    names: &Names,
+    from: Variable,
+    to: Variable,
+    transform: Transform,
+    notices: &mut Vec<String>,
+) -> Result<Conversion, Wrong> {
+    let Transform { gain, bias, convert_units } = transform;
+    let is_plain = gain == 1.0 && bias == 0.0;
+    let (output, input) = (names.variable(from), names.variable(to));
+    if !is_plain && (input.kind != Kind::Real || output.kind == Kind::String) {
+        let what = format!(
+            "gain = {gain}, bias = {bias} from {} ({}) to {} ({})",
+            names.full(from),
+            output.kind,
+            names.full(to),
+            input.kind
+        );
+        return Err((what, "only numbers for a Real input are scaled".into()));
+    }
+    let both_real = (output.kind, input.kind) == (Kind::Real, Kind::Real);
+    let by_units = match convert_units || !both_real {
+        true => by_descriptions(names, from, to, notices)?,
+        false => Conversion::Same,
+    };
+    Ok(match by_units {
+        unchanged if is_plain => unchanged,
+        Conversion::Same | Conversion::Type => Conversion::Affine { gain, bias },
+        Conversion::Affine { gain: first, bias: offset } => {
+            Conversion::Affine { gain: gain * first, bias: gain * offset + bias }
+        }
+    })
+}
+
+/// As the types and physical units of both ends ask for.
+fn by_descriptions(
     names: &Names,
     from: Variable,
     to: Variable,
@@ -171,11 +206,19 @@ pub(super) fn signal(
     Ok(Signal::new(shape, points))
 }
 
-/// The first column and another one of a CSV file; rows with an empty cell are passed over.
 fn read_csv(path: &Path, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
     let shown = path.display();
     let text = std::fs::read_to_string(path)
         .map_err(|error| (format!("file {shown}: {error}"), "a CSV file beside the scenario".to_owned()))?;
+    table(&text, &shown.to_string(), column)
+}
+
+/// The first column, which is the time, and another one of a text of comma-separated values; rows with an empty cell are
+/// passed over. An error is what is wrong, naming the text as `shown`, and what would be right.
+///
+/// # Errors
+/// If there is no such column, or a cell holds no finite number.
+pub fn table(text: &str, shown: &str, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
     let mut lines = text.lines().enumerate();
     let header: Vec<&str> =
         lines.next().map_or(Vec::new(), |(_, line)| line.split(',').map(str::trim).collect());

@@ -7,6 +7,7 @@ mod names;
 mod record;
 mod ticks;
 
+pub use check::table;
 pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
 pub(crate) use ticks::clock;
@@ -15,6 +16,7 @@ use crate::error::{Error, Place};
 use crate::fmu::Fmu;
 use crate::graph;
 use crate::initialise::Plan;
+use crate::package::Unpacked;
 use crate::recorder::{Column, Slot};
 use crate::scenario::{Channel, Given, Hold, Scenario, SignalEntry};
 use crate::source::Signal;
@@ -26,6 +28,7 @@ use layout::Layout;
 use record::Recorded;
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Everything that a simulation needs.
 pub(crate) struct Wiring {
@@ -33,6 +36,8 @@ pub(crate) struct Wiring {
     pub(crate) clock: Clock,
     pub(crate) start: Point,
     pub(crate) stop: f64,
+    /// The stop that the units are told.
+    pub(crate) told_stop: Option<f64>,
     pub(crate) plan: Plan,
     pub(crate) names: Names,
     pub(crate) slots: HashMap<Variable, Slot>,
@@ -44,7 +49,11 @@ pub(crate) struct Wiring {
     pub(crate) columns: Vec<Column>,
     pub(crate) recorded: Vec<Slot>,
     pub(crate) notices: Vec<String>,
+    /// What a person should know of the stop.
+    pub(crate) last_points: Vec<String>,
     pub(crate) files: Vec<PathBuf>,
+    /// Units that were taken out of packages: these files vanish with it.
+    pub(crate) _unpacked: Vec<Arc<Unpacked>>,
 }
 
 /// A connection with its ends found.
@@ -65,7 +74,7 @@ pub(crate) struct Source {
 }
 
 pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error> {
-    let (fmus, files) = open(scenario, path)?;
+    let (fmus, files, unpacked) = open(scenario, path)?;
     let names = Names::new(scenario, &fmus);
     let mut notices = Vec::new();
     let mut driven: HashMap<Variable, Place> = HashMap::new();
@@ -91,10 +100,11 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         stop: ticks.stop,
     };
     notices.extend(scenario.notes.iter().cloned());
+    let mut last_points = Vec::new();
     for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
         let (entry, interval) = (&scenario.units[unit], ticks.intervals[unit]);
         let last = ticks.last(unit, instance.fmu().description(), &clock);
-        notices.extend(ticks::last_point(scenario, entry, last));
+        last_points.extend(ticks::last_point(scenario, entry, last));
         let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
         let first = ticks::first_step(entry, instance.fmu().description(), &clock)?;
         system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), [first, last]));
@@ -129,6 +139,7 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         plan: Plan::new(&names, &connections, &slots),
         start: Point { ticks: ticks.start, time: scenario.start.to_f64() },
         stop: scenario.stop.to_f64(),
+        told_stop: Some(scenario.stop.to_f64()),
         columns: recorded.iter().map(|recorded| recorded.column(&names, &connections)).collect(),
         recorded: recorded_slots,
         derived,
@@ -139,15 +150,22 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         driven,
         sets,
         notices,
+        last_points,
         files,
+        _unpacked: unpacked,
     })
 }
 
-fn open(scenario: &Scenario, path: &UnitPath) -> Result<(Vec<Fmu>, Vec<PathBuf>), Error> {
+/// The units, their files, and those of the files that lie in a temporary folder.
+type Opened = (Vec<Fmu>, Vec<PathBuf>, Vec<Arc<Unpacked>>);
+
+fn open(scenario: &Scenario, path: &UnitPath) -> Result<Opened, Error> {
     let mut fmus: Vec<Fmu> = Vec::new();
     let mut files: Vec<PathBuf> = Vec::new();
+    let mut unpacked: Vec<Arc<Unpacked>> = Vec::new();
     for unit in &scenario.units {
-        let file = path.find(&unit.fmu.value, scenario.folder(), &unit.fmu.place)?;
+        let (file, packed) = path.find(&unit.fmu.value, scenario.folder(), &unit.fmu.place)?;
+        unpacked.extend(packed);
         let mut fmu = path.open(&file)?;
         if let Some(isolation) = &unit.isolation {
             fmus.push(fmu.isolated(isolation.clone()));
@@ -161,7 +179,7 @@ fn open(scenario: &Scenario, path: &UnitPath) -> Result<(Vec<Fmu>, Vec<PathBuf>)
         fmus.push(fmu);
         files.push(file);
     }
-    Ok((fmus, files))
+    Ok((fmus, files, unpacked))
 }
 
 fn start_values(scenario: &Scenario, names: &Names) -> Result<Vec<Vec<(usize, Value)>>, Error> {
@@ -219,7 +237,7 @@ fn connections(
         let from = names.output(&entry.from).map_err(wrong)?;
         let to = names.input(&entry.to).map_err(wrong)?;
         drive(driven, names, to, &entry.place)?;
-        let conversion = check::conversion(names, from, to, notices).map_err(wrong)?;
+        let conversion = check::conversion(names, from, to, entry.transform, notices).map_err(wrong)?;
         let channel = entry.channel.clone();
         let real = |variable| names.variable(variable).kind == Kind::Real;
         if channel.hold == Hold::Linear && !(real(from) && real(to)) {

@@ -4,18 +4,24 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
 /// One element.
-#[derive(Debug)]
-pub(crate) struct Element {
-    pub(crate) name: String,
-    pub(crate) line: usize,
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// Its name without a prefix.
+    pub name: String,
+    /// Line of the document, from 1.
+    pub line: usize,
     attributes: Vec<(String, String)>,
-    pub(crate) children: Vec<Element>,
+    /// What is in it.
+    pub children: Vec<Element>,
 }
 
 impl Element {
     /// Parses a document and returns its root, without elements (and what is in them) whose names are not listed; an
     /// error is (line, what). The root is kept whatever its name is.
-    pub(crate) fn parse_known(text: &str, known: &[&str]) -> Result<Self, (usize, String)> {
+    ///
+    /// # Errors
+    /// If it is no XML, or nests too deep.
+    pub fn parse_known(text: &str, known: &[&str]) -> Result<Self, (usize, String)> {
         // A byte order mark is legal before the declaration.
         let text = text.trim_start_matches('\u{feff}');
         let mut reader = quick_xml::Reader::from_str(text);
@@ -60,17 +66,17 @@ impl Element {
     }
 
     /// An attribute by its name without prefix.
-    pub(crate) fn attribute(&self, name: &str) -> Option<&str> {
+    pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
     /// The first child of a name.
-    pub(crate) fn child(&self, name: &str) -> Option<&Element> {
+    pub fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }
 
     /// The children of the first child of a name: `ModelVariables`' variables, for example.
-    pub(crate) fn list(&self, name: &str) -> &[Element] {
+    pub fn list(&self, name: &str) -> &[Element] {
         self.child(name).map_or(&[], |child| &child.children)
     }
 }

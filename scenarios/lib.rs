@@ -38,6 +38,17 @@ pub enum Error {
     /// It can't be read.
     #[error(transparent)]
     Unreadable(#[from] orchestrator::Error),
+    /// A packed unit of ours is not there.
+    #[error("{name} was not found: looked in {folders}; `cargo xtask pack` makes it")]
+    Missing {
+        /// The file's name.
+        name: String,
+        /// Where it could be.
+        folders: String,
+    },
+    /// It is a package that can't be read.
+    #[error(transparent)]
+    Package(#[from] ssp::Error),
 }
 
 /// Names of the shipped scenarios.
@@ -45,10 +56,26 @@ pub fn names() -> String {
     SHIPPED.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
-/// Loads a shipped scenario by its name, or any other by its path.
+/// Loads a shipped scenario by its name, or any other by its path: a TOML file, or a package (`.ssp`).
 pub fn load(name: &str) -> Result<Scenario, Error> {
+    read(name).map(|(scenario, _)| scenario)
+}
+
+/// As [`load`], with the bytes that it was read from.
+pub fn read(name: &str) -> Result<(Scenario, Cow<'static, [u8]>), Error> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|ending| ending == "ssp") && path.is_file() {
+        let unreadable = |source| orchestrator::Error::File { path: path.into(), source };
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        return Ok((ssp::read(path)?, Cow::Owned(bytes)));
+    }
     let (text, origin) = text(name)?;
-    Ok(Scenario::parse(&text, origin)?)
+    let scenario = Scenario::parse(&text, origin)?;
+    let bytes = match text {
+        Cow::Borrowed(text) => Cow::Borrowed(text.as_bytes()),
+        Cow::Owned(text) => Cow::Owned(text.into_bytes()),
+    };
+    Ok((scenario, bytes))
 }
 
 /// The text of a scenario as [`load`] reads it, and where it comes from.
@@ -80,7 +107,7 @@ fn inside(folder: &Path) -> String {
         return format!("it holds a diagnosis, `acroscope run {}` runs its model", path("amended.toml"));
     }
     match tomls(folder).as_slice() {
-        [] => "it holds no .toml file".to_owned(),
+        [] => "it holds no .toml and no .ssp file".to_owned(),
         names => format!("it holds {}", names.iter().map(|name| path(name)).collect::<Vec<_>>().join(", ")),
     }
 }
@@ -99,7 +126,7 @@ fn tomls(folder: &Path) -> Vec<String> {
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = names
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .filter(|name| name.ends_with(".toml"))
+        .filter(|name| name.ends_with(".toml") || name.ends_with(".ssp"))
         .collect();
     names.sort();
     names
@@ -111,6 +138,21 @@ static ADDED: OnceLock<PathBuf> = OnceLock::new();
 /// beside it. The first one counts.
 pub fn add_units(folder: PathBuf) {
     ADDED.get_or_init(|| folder);
+}
+
+/// A packed unit of ours by its file's name, where [`unit_path`] looks.
+pub fn packed(name: &str) -> Result<PathBuf, Error> {
+    let path = unit_path();
+    let found = path.folders().iter().map(|folder| folder.join(name)).find(|file| file.is_file());
+    found.ok_or_else(|| Error::Missing {
+        name: name.to_owned(),
+        folders: path
+            .folders()
+            .iter()
+            .map(|folder| folder.display().to_string())
+            .collect::<Vec<_>>()
+            .join(", "),
+    })
 }
 
 /// Where units are looked for when they don't lie beside the scenario, in this order: the folders of the environment
@@ -160,7 +202,7 @@ mod tests {
     fn law_a_folder_says_what_it_holds() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let name = folder.path().to_string_lossy().into_owned();
-        assert!(refused(&name).contains("a folder") && refused(&name).contains("no .toml file"));
+        assert!(refused(&name).contains("a folder") && refused(&name).contains("no .toml and no .ssp file"));
         for (file, said) in [
             ("mine.toml", "mine.toml"),
             ("resolved.toml", "acroscope run "),

@@ -57,6 +57,10 @@ pub enum Command {
     Check(Check),
     /// Make a scenario that runs of FMUs: connects what fits, says what it guessed.
     New(New),
+    /// Make one FMI 2.0 unit of a whole scenario, which keeps its rates and delays inside.
+    Container(Containing),
+    /// Pack a scenario with its units as an SSP 1.0 package, for other tools.
+    Ssp(Packing),
     /// Print a script that completes commands and options in a shell.
     Completions(Completions),
     /// Write manual pages, one a command.
@@ -69,7 +73,7 @@ pub enum Command {
     after_help = "Examples:\n  acroscope run visual-servo\n  acroscope run visual-servo --set camera.k1=0.1 --stop 20\n  acroscope run my-scenario.toml --out out/mine"
 )]
 pub struct Run {
-    /// A scenario file, or the name of a shipped one: visual-servo, full-state, dual-loop.
+    /// A scenario file, a package (.ssp), or the name of a shipped scenario: visual-servo, full-state, dual-loop.
     pub scenario: String,
     /// Set a parameter or start value; may be given several times.
     #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
@@ -293,6 +297,38 @@ pub struct New {
     /// Replace a file that is there.
     #[arg(long)]
     pub force: bool,
+}
+
+/// `acroscope container`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope container visual-servo -o visual_servo.fmu\n  acroscope container my-scenario.toml --set plant.q1_0=0.1 -o mine.fmu"
+)]
+pub struct Containing {
+    /// A scenario file, a package (.ssp), or the name of a shipped scenario.
+    pub scenario: String,
+    /// Set a parameter or start value; may be given several times.
+    #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
+    pub set: Vec<String>,
+    /// The unit to write; its name is the unit's, too.
+    #[arg(long, short, value_name = "FILE.fmu")]
+    pub output: PathBuf,
+}
+
+/// `acroscope ssp`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  acroscope ssp visual-servo -o visual-servo.ssp\n  acroscope ssp my-scenario.toml --set plant.q1_0=0.1 -o mine.ssp\n  acroscope run mine.ssp"
+)]
+pub struct Packing {
+    /// A scenario file, a package, or the name of a shipped scenario.
+    pub scenario: String,
+    /// Set a parameter or start value; may be given several times.
+    #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
+    pub set: Vec<String>,
+    /// The package to write.
+    #[arg(long, short, value_name = "FILE.ssp")]
+    pub output: PathBuf,
 }
 
 /// `acroscope completions`

@@ -15,6 +15,12 @@ pub enum Error {
     /// There is no such scenario, or it can't be read.
     #[error(transparent)]
     Scenario(#[from] scenarios::Error),
+    /// A container can't be made.
+    #[error(transparent)]
+    Container(#[from] container::Error),
+    /// A package can't be written.
+    #[error(transparent)]
+    Ssp(#[from] ssp::Error),
     /// A study can't be run.
     #[error(transparent)]
     Study(#[from] studies::Error),
@@ -95,12 +101,15 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Orchestrator(error) if !error.is_input() => 1,
+            Self::Container(error) if !error.is_input() => 1,
+            Self::Ssp(error) if !error.is_input() => 1,
             Self::Study(error) if !error.is_input() => 1,
             Self::Diagnosis(error) if !error.is_input() => 1,
             Self::Sweep(error) if !error.is_input() => 1,
             Self::View(error) if !error.is_input() => 1,
             Self::Inspection(error) if !error.is_input() => 1,
             Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
+            Self::Ssp(_) | Self::Container(_) => 2,
             Self::Inspection(_) | Self::There { .. } => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Words(_) => 2,

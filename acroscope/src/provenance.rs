@@ -38,10 +38,10 @@ pub fn input(role: &str, name: &str, path: &Path) -> Result<Input, Error> {
     Ok(Input { role: role.to_owned(), name: name.to_owned(), sha256: hex(&Sha256::digest(&bytes)) })
 }
 
-/// Of a run; `text` is the scenario as it was read.
-pub fn of_run(request: &Request, text: &str, simulation: &Simulation) -> Result<Provenance, Error> {
+/// Of a run; `bytes` are those that the scenario was read from.
+pub fn of_run(request: &Request, bytes: &[u8], simulation: &Simulation) -> Result<Provenance, Error> {
     let scenario = simulation.scenario();
-    let sha256 = hex(&Sha256::digest(text.as_bytes()));
+    let sha256 = hex(&Sha256::digest(bytes));
     let mut inputs = vec![Input { role: "scenario".to_owned(), name: request.scenario.clone(), sha256 }];
     inputs.extend(signals(scenario)?);
     Ok(Provenance {

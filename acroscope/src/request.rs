@@ -24,16 +24,7 @@ const LONGEST: usize = 100;
 impl Request {
     /// Takes the command line apart.
     pub fn of(arguments: &Run) -> Result<Self, Error> {
-        let mut sets: Vec<(String, String)> = Vec::new();
-        for given in &arguments.set {
-            let Some((name, value)) = given.split_once('=') else {
-                return Err(Error::Override { given: given.clone() });
-            };
-            let (name, value) = (name.trim().to_owned(), value.trim().to_owned());
-            sets.retain(|(known, _)| *known != name);
-            sets.push((name, value));
-        }
-        sets.sort();
+        let sets = sets(&arguments.set)?;
         let stop = arguments.stop.as_ref().map(|stop| stop.trim().to_owned());
         Ok(Self { scenario: arguments.scenario.clone(), sets, stop })
     }
@@ -96,6 +87,21 @@ impl Request {
         }
         words.join(" ")
     }
+}
+
+/// What `--set` sets, each name once, in order of the names: the last one counts.
+pub fn sets(given: &[String]) -> Result<Vec<(String, String)>, Error> {
+    let mut sets: Vec<(String, String)> = Vec::new();
+    for given in given {
+        let Some((name, value)) = given.split_once('=') else {
+            return Err(Error::Override { given: given.clone() });
+        };
+        let (name, value) = (name.trim().to_owned(), value.trim().to_owned());
+        sets.retain(|(known, _)| *known != name);
+        sets.push((name, value));
+    }
+    sets.sort();
+    Ok(sets)
 }
 
 /// The name of a scenario: that of a shipped one, or the file's without its ending, after its folder's if it was named:

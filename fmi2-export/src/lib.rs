@@ -69,9 +69,9 @@
 pub mod abi;
 mod access;
 pub mod description;
-mod error;
+pub mod error;
 mod instance;
-mod logger;
+pub mod logger;
 pub mod model;
 mod saved;
 mod state_machine;

@@ -118,7 +118,8 @@ fn is_fresh(root: &Path, libraries: &[PathBuf], fmus: &Path) -> bool {
 fn generated(root: &Path, units: &[Unit]) -> Vec<(PathBuf, String)> {
     let mut notation = NOTATION_HEAD.to_owned();
     let mut files = Vec::new();
-    for unit in units {
+    // The blank unit of containers has no variables, so there is nothing to write down.
+    for unit in units.iter().filter(|unit| !unit.notation.is_empty()) {
         notation.push('\n');
         notation.push_str(&unit.notation);
         files.push((

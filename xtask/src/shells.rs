@@ -1,10 +1,10 @@
-//! Which units there are: the folders `fmus/*/fmu` with a Cargo.toml.
+//! Which units there are: the folders `fmus/*/fmu` with a Cargo.toml, and the blank unit that containers are made of.
 
 use crate::{Result, at};
 use std::fs;
 use std::path::Path;
 
-/// The package names of all shells, sorted by folder.
+/// The package names of all shells, sorted by folder; the container's comes last.
 pub fn find(root: &Path) -> Result<Vec<String>> {
     let folder = root.join("fmus");
     let mut manifests = Vec::new();
@@ -15,6 +15,9 @@ pub fn find(root: &Path) -> Result<Vec<String>> {
         }
     }
     manifests.sort();
+    if !manifests.is_empty() {
+        manifests.push(root.join("container").join("fmu").join("Cargo.toml"));
+    }
     manifests.iter().map(|manifest| package(manifest)).collect()
 }
 

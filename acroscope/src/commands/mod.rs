@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod container;
 mod diagnose;
 mod import;
 mod man;
@@ -10,6 +11,7 @@ mod params;
 mod record;
 mod reproduce;
 mod run;
+mod ssp;
 mod sweep;
 mod view;
 
@@ -23,6 +25,7 @@ pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.command {
         Command::Check(check) => check::check(check, arguments.quiet),
         Command::Completions(completions) => completions::completions(completions),
+        Command::Container(packing) => container::container(packing, arguments.quiet),
         Command::Diagnose(diagnose) => diagnose::diagnose(diagnose, arguments.quiet),
         Command::Import(import) => import::import(import, arguments.quiet),
         Command::Man(man) => man::man(man, arguments.quiet),
@@ -32,6 +35,7 @@ pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::View(view) => view::view(view, arguments.quiet),
         Command::Run(run) => run::run(run, arguments.quiet),
+        Command::Ssp(packing) => ssp::ssp(packing, arguments.quiet),
         Command::Sweep(sweep) => sweep::sweep(sweep, arguments.quiet),
     }
 }

@@ -67,8 +67,7 @@ pub fn carry_out(
     let shown = arguments.out.clone().unwrap_or_else(|| request.folder());
     // Units may change the working folder.
     let out = std::path::absolute(&shown).map_err(Error::file(&shown))?;
-    let (text, origin) = scenarios::text(&arguments.scenario)?;
-    let mut scenario = Scenario::parse(&text, origin)?;
+    let (mut scenario, bytes) = scenarios::read(&arguments.scenario)?;
     let mut layout = Layout::of(&scenario)?;
     if let Some(picture) = &layout.picture {
         scenario.set(&picture.directory_parameter(), &out.join("frames").to_string_lossy())?;
@@ -77,7 +76,7 @@ pub fn carry_out(
     isolate(&mut scenario, arguments);
     let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     layout.complete(&simulation)?;
-    let provenance = provenance::of_run(&request, &text, &simulation)?;
+    let provenance = provenance::of_run(&request, &bytes, &simulation)?;
 
     let folder = Folder::make(&out)?;
     let from = checkpoint(arguments, &folder, quiet)?;

@@ -77,7 +77,7 @@ unsafe fn call<M: Model>(
 }
 
 /// What a panic said.
-fn panic_message(payload: Box<dyn Any + Send>) -> String {
+pub fn panic_message(payload: Box<dyn Any + Send>) -> String {
     let message = match payload.downcast::<String>() {
         Ok(message) => return *message,
         Err(payload) => payload.downcast::<&'static str>(),
@@ -106,7 +106,11 @@ fn check_array<T>(pointer: *const T, length: usize, argument: &'static str) -> R
 ///
 /// # Safety
 /// If `length` is not 0 and `pointer` not null, `length` elements can be read there for `'a`.
-unsafe fn slice<'a, T>(pointer: *const T, length: usize, argument: &'static str) -> Result<&'a [T], Error> {
+pub unsafe fn slice<'a, T>(
+    pointer: *const T,
+    length: usize,
+    argument: &'static str,
+) -> Result<&'a [T], Error> {
     if length == 0 {
         return Ok(&[]);
     }
@@ -119,7 +123,7 @@ unsafe fn slice<'a, T>(pointer: *const T, length: usize, argument: &'static str)
 ///
 /// # Safety
 /// As for [`slice`], and nobody else uses the elements during `'a`.
-unsafe fn slice_out<'a, T>(
+pub unsafe fn slice_out<'a, T>(
     pointer: *mut T,
     length: usize,
     argument: &'static str,
@@ -136,7 +140,7 @@ unsafe fn slice_out<'a, T>(
 ///
 /// # Safety
 /// `pointer` is null or leads to a terminated string that lives for `'a`.
-unsafe fn bytes<'a>(pointer: *const c_char) -> Option<&'a [u8]> {
+pub unsafe fn bytes<'a>(pointer: *const c_char) -> Option<&'a [u8]> {
     // SAFETY: by the contract above.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_bytes())
 }

@@ -246,6 +246,7 @@ impl Scenario {
             start,
             stop,
             algorithm: Placed { value: "gauss-seidel".into(), place: place.clone() },
+            options: Default::default(),
             units: Vec::new(),
             connections: Vec::new(),
             sources: Vec::new(),

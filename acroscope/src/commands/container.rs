@@ -1,0 +1,41 @@
+//! `acroscope container`: a whole scenario as one unit.
+
+use crate::cli::Containing;
+use crate::commands::ssp::{named, write};
+use crate::error::Error;
+use crate::request::sets;
+use orchestrator::Simulation;
+use orchestrator::fmu::Causality;
+
+/// Writes the unit.
+pub fn container(arguments: &Containing, quiet: bool) -> Result<(), Error> {
+    let output = &arguments.output;
+    named(output, "fmu")?;
+    let blank = scenarios::packed(container::BLANK)?;
+    let mut scenario = scenarios::load(&arguments.scenario)?;
+    for (name, value) in sets(&arguments.set)? {
+        scenario.set(&name, &value)?;
+    }
+    let isolated = scenario.units.iter_mut().filter_map(|unit| unit.isolation.take()).count();
+    let simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
+    let interface = container::Interface::of(&simulation);
+    write(output, &container::pack(&simulation, &blank, output)?)?;
+    if quiet {
+        return Ok(());
+    }
+    if isolated > 0 {
+        eprintln!("note: isolate is left out: in a container units live in the process of its master");
+    }
+    simulation.notices().iter().for_each(|notice| eprintln!("note: {notice}"));
+    let count =
+        |causality| interface.variables.iter().filter(|variable| variable.causality == causality).count();
+    tell!(
+        "{}: {} units inside; {} inputs, {} outputs, {} parameters",
+        output.display(),
+        scenario.units.len(),
+        count(Causality::Input),
+        count(Causality::Output),
+        count(Causality::Parameter)
+    );
+    Ok(())
+}

@@ -1,0 +1,288 @@
+//! Parameter bindings: which value each variable of a unit begins with.
+//!
+//! A binding on a system names variables of its elements with dots; one on an element farther out counts more, and of two
+//! on one element the later one. A name that nothing has is passed over, as the standard wants, and told.
+
+use super::document::Document;
+use super::source::resolve;
+use super::tree::{Kind, Part, Tree};
+use super::values::{self, Mapped, Parameter, Written};
+use super::wires::{End, Scale, Wires, shown};
+use crate::Error;
+use orchestrator::Kind as Type;
+use orchestrator::Place;
+use orchestrator::fmu::Variable;
+use orchestrator::scenario::{Given, Placed};
+use orchestrator::suggest::nearest;
+use orchestrator::xml::Element;
+use std::collections::BTreeSet;
+use std::rc::Rc;
+use toml::Value as Toml;
+
+/// Names of a binding that nothing has are told up to this number.
+const TOLD: usize = 3;
+
+/// Start values of each component, each name once.
+pub(super) struct Starts {
+    pub(super) of: Vec<Vec<(String, Placed<Given>)>>,
+    pub(super) notes: Vec<String>,
+}
+
+/// A parameter on its way to a variable.
+struct Bound {
+    parameter: Parameter,
+    target: String,
+    mapped: Option<Mapped>,
+}
+
+pub(super) fn read(tree: &mut Tree, wires: &Wires) -> Result<Starts, Error> {
+    let mut starts = Starts { of: tree.components.iter().map(|_| Vec::new()).collect(), notes: Vec::new() };
+    // Those farther in first, so that those farther out come after them and count.
+    let mut order: Vec<usize> = (0..tree.nodes.len()).collect();
+    order.sort_by_key(|node| std::cmp::Reverse(tree.nodes[*node].depth));
+    for node in order {
+        for part in tree.nodes[node].parts.clone() {
+            for binding in
+                part.element.list("ParameterBindings").iter().filter(|e| e.name == "ParameterBinding")
+            {
+                let bound = bound(tree, &part, binding)?;
+                let all = bound.len();
+                let mut unknown = BTreeSet::new();
+                for bound in bound {
+                    let mut reached = BTreeSet::new();
+                    match find(tree, node, &bound.target) {
+                        Some(end) => set(tree, wires, &mut starts, &end, &bound, &mut reached)?,
+                        None => drop(unknown.insert(bound.target)),
+                    }
+                }
+                starts.notes.extend(passed_over(tree, node, &part, binding, &unknown, all));
+            }
+        }
+    }
+    Ok(starts)
+}
+
+fn passed_over(
+    tree: &Tree,
+    node: usize,
+    part: &Part,
+    binding: &Element,
+    unknown: &BTreeSet<String>,
+    all: usize,
+) -> Option<String> {
+    let first = unknown.first()?;
+    let shown: Vec<&str> = unknown.iter().take(TOLD).map(String::as_str).collect();
+    let more = if unknown.len() > TOLD { ", ..." } else { "" };
+    let near = match tree.nodes[node].kind {
+        Kind::Component(component) if unknown.len() == 1 => {
+            let description = &tree.components[component].description;
+            format!(
+                " ({})",
+                nearest(first, description.variables.iter().map(|variable| variable.name.as_str()))
+            )
+        }
+        _ => String::new(),
+    };
+    Some(format!(
+        "{}: {} of {all} parameters name nothing that is there and are passed over: {}{more}{near}",
+        part.document.place(binding),
+        unknown.len(),
+        shown.join(", ")
+    ))
+}
+
+/// The parameters of a binding with their targets.
+fn bound(tree: &mut Tree, part: &Part, binding: &Element) -> Result<Vec<Bound>, Error> {
+    let document = &part.document;
+    if let Some(other @ ("component" | "Component")) = binding.attribute("sourceBase") {
+        let what = format!("sourceBase=\"{other}\" of <ParameterBinding>");
+        return Err(document.wrong(
+            binding,
+            what,
+            "a parameter set that lies in the package, not in the unit",
+        ));
+    }
+    let parameters = match binding.attribute("source") {
+        Some(source) => {
+            let kind = binding.attribute("type").unwrap_or("application/x-ssp-parameter-set");
+            if kind != "application/x-ssp-parameter-set" {
+                let what = format!("<ParameterBinding> of type {kind:?}");
+                return Err(document.wrong(binding, what, "application/x-ssp-parameter-set"));
+            }
+            let set = open(tree, part, binding, source, "ParameterSet")?;
+            values::parameters(&set, &set.root)?
+        }
+        None => match binding.list("ParameterValues").iter().find(|child| child.name == "ParameterSet") {
+            Some(set) => values::parameters(document, set)?,
+            None => return Ok(Vec::new()),
+        },
+    };
+    let prefix = binding.attribute("prefix").unwrap_or_default();
+    let named = parameters.into_iter().map(|parameter| {
+        let target = format!("{prefix}{}", parameter.name);
+        Bound { parameter, target, mapped: None }
+    });
+    let named: Vec<Bound> = named.collect();
+    let Some(element) = binding.child("ParameterMapping") else { return Ok(named) };
+    let entries = match (element.attribute("source"), element.child("ParameterMapping")) {
+        (Some(source), _) => {
+            let mapping = open(tree, part, element, source, "ParameterMapping")?;
+            values::mapping(&mapping, &mapping.root)?
+        }
+        (None, Some(inline)) => values::mapping(document, inline)?,
+        (None, None) => return Ok(named),
+    };
+    let mut all = Vec::new();
+    for bound in named {
+        let mine = entries.iter().filter(|entry| entry.source == bound.target);
+        all.extend(mine.map(|entry| Bound {
+            parameter: bound.parameter.clone(),
+            target: entry.target.clone(),
+            mapped: Some(entry.clone()),
+        }));
+    }
+    Ok(all)
+}
+
+fn open(
+    tree: &mut Tree,
+    part: &Part,
+    element: &Element,
+    source: &str,
+    root: &str,
+) -> Result<Rc<Document>, Error> {
+    let entry = resolve(&part.document, element, &part.base, source)?;
+    match tree.packages.get_mut(&part.package) {
+        Some(package) => Ok(Rc::new(Document::open(package, &entry, root)?)),
+        None => Err(part.document.wrong(element, format!("source=\"{source}\""), "an open package")),
+    }
+}
+
+/// The connector or variable that a name with dots means, from an element on.
+fn find(tree: &Tree, node: usize, name: &str) -> Option<End> {
+    let at = &tree.nodes[node];
+    match at.kind {
+        Kind::Component(component) => {
+            tree.components[component].description.variable(name).map(|_| (node, name.to_owned()))
+        }
+        Kind::System | Kind::Dictionary => {
+            if at.connectors.contains_key(name) {
+                return Some((node, name.to_owned()));
+            }
+            // Names of elements may have dots, too.
+            at.children.iter().find_map(|(child, inner)| {
+                let rest = name.strip_prefix(child.as_str())?.strip_prefix('.')?;
+                find(tree, *inner, rest)
+            })
+        }
+    }
+}
+
+/// Gives a value to a variable, or through a system's connector to all that are connected to it.
+fn set(
+    tree: &Tree,
+    wires: &Wires,
+    starts: &mut Starts,
+    end: &End,
+    bound: &Bound,
+    reached: &mut BTreeSet<End>,
+) -> Result<(), Error> {
+    let place = || bound.mapped.as_ref().map_or(&bound.parameter.place, |mapped| &mapped.place).clone();
+    let wrong = |(what, expected): (String, String)| Error::Document {
+        place: place(),
+        what: format!("{} for {}: {what}", bound.parameter.name, shown(tree, end)),
+        expected,
+    };
+    // In the target's unit first, then what the mapping makes of it.
+    let unit = tree.unit(end.0, &end.1);
+    let suppress = bound.mapped.as_ref().is_some_and(|mapped| mapped.suppress);
+    let mut value = bound.parameter.value.clone();
+    if let (Written::Real(number), false) = (&value, suppress) {
+        let scale = Scale::of(bound.parameter.unit.clone()).into_unit(unit.clone()).map_err(wrong)?;
+        value = Written::Real(scaled(*number, &scale));
+    }
+    if let Some(change) = bound.mapped.as_ref().and_then(|mapped| mapped.change.as_ref()) {
+        value = change.apply(value).map_err(wrong)?;
+    }
+    give(tree, wires, starts, end, value, Scale::of(unit), &bound.parameter.place, reached).map_err(|error| {
+        match error {
+            Wrong::Here(here) => wrong(here),
+            Wrong::There(error) => error,
+        }
+    })
+}
+
+/// What went wrong with the value itself, or on a wire.
+enum Wrong {
+    Here((String, String)),
+    There(Error),
+}
+
+#[allow(clippy::too_many_arguments)] // the state of one walk
+fn give(
+    tree: &Tree,
+    wires: &Wires,
+    starts: &mut Starts,
+    end: &End,
+    value: Written,
+    scale: Scale,
+    place: &Place,
+    reached: &mut BTreeSet<End>,
+) -> Result<(), Wrong> {
+    if let Kind::Component(component) = tree.nodes[end.0].kind {
+        let Some(variable) = tree.components[component].description.variable(&end.1) else {
+            return Ok(()); // the connection that leads here is refused by the scenario, with its place
+        };
+        let value = match value {
+            Written::Real(number) => Written::Real(scaled(number, &scale)),
+            Written::Integer(number) if scale.gain != 1.0 || scale.bias != 0.0 => {
+                Written::Real(scaled(number as f64, &scale))
+            }
+            other => other,
+        };
+        let value = toml(value, variable).map_err(Wrong::Here)?;
+        let known = &mut starts.of[component];
+        known.retain(|(name, _)| *name != end.1);
+        known.push((end.1.clone(), Placed { value: Given::Toml(value), place: place.clone() }));
+        return Ok(());
+    }
+    if !reached.insert(end.clone()) {
+        return Ok(());
+    }
+    for (to, wire) in wires.out_of(end) {
+        let scale = wire.pass(tree, to, scale.clone()).map_err(Wrong::There)?;
+        give(tree, wires, starts, to, value.clone(), scale, place, reached)?;
+    }
+    Ok(())
+}
+
+fn scaled(number: f64, scale: &Scale) -> f64 {
+    if scale.gain == 1.0 && scale.bias == 0.0 { number } else { scale.gain * number + scale.bias }
+}
+
+/// A value as a scenario has it. What doesn't fit the variable's type stays as it is: the scenario tells it.
+fn toml(value: Written, variable: &Variable) -> Result<Toml, (String, String)> {
+    Ok(match (value, variable.kind) {
+        (Written::Integer(value), Type::Real) => Toml::Float(value as f64),
+        (Written::Real(value), Type::Integer) if value.fract() == 0.0 && value.abs() < 1e15 => {
+            Toml::Integer(value as i64)
+        }
+        (Written::Integer(value @ (0 | 1)), Type::Boolean) => Toml::Boolean(value == 1),
+        // An enumeration's item by its number, as some tools write it.
+        (Written::Item(text), Type::Integer) => match text.trim().parse() {
+            Ok(number) if !named(variable, &text) => Toml::Integer(number),
+            _ => Toml::String(text),
+        },
+        (Written::Real(value), _) => Toml::Float(value),
+        (Written::Integer(value), _) => Toml::Integer(value),
+        (Written::Boolean(value), _) => Toml::Boolean(value),
+        (Written::Text(value) | Written::Item(value), _) => Toml::String(value),
+        (Written::Other(what), kind) => {
+            return Err((format!("{what}, for a variable of type {kind}"), "one value of that type".into()));
+        }
+    })
+}
+
+fn named(variable: &Variable, text: &str) -> bool {
+    variable.items.as_deref().is_some_and(|items| items.iter().any(|(name, _)| name == text))
+}

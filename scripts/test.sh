@@ -41,6 +41,7 @@ step "The maker of hidden data, and a slice of blind diagnoses"
 (cd tests && ../.venv/bin/python -m pytest -q hidden)
 (cd tests && ../.venv/bin/python -m pytest -q hidden_any)
 .venv/bin/python scripts/blind.py
+.venv/bin/python scripts/blind_any.py
 
 step "Random calls, legal and not (a slice; scripts/test-long.sh has the rest)"
 cargo xtask fuzz --sequences 300 target/fmus/acrobot_plant.fmu target/fmus/acrobot_camera.fmu \

@@ -34,6 +34,7 @@
 mod amend;
 mod bench;
 mod counting;
+mod design;
 mod diagnosis;
 mod dynamics;
 mod earlier;

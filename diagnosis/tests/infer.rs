@@ -191,3 +191,42 @@ fn law_the_sweep_is_the_dense_gaussian_likelihood() {
 fn law_the_same_with_an_unlisted_input_that_remembers() {
     both(Some(Disturbance { equation: 2, size: 0.9, memory: 0.35 }));
 }
+
+/// One state that nothing drives, read at each row with white noise whose deviation is `size` in stretches of fifty rows at
+/// `loud`, 1 elsewhere; the parameter is an offset of the value.
+fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
+    let mut random = diagnosis::statistics::random::Random::new(4);
+    let rows = 2000;
+    let measured = |row: usize| {
+        let sd = if loud(row / 50) { size } else { 1.0 };
+        Measured { channel: 0, time: row as f64, residual: sd * random.normal(), slope: 0.0, weight: 1.0 }
+    };
+    Linearised {
+        states: 1,
+        parameters: 1,
+        time: (0..rows).map(|row| row as f64).collect(),
+        transition: vec![0.0; rows - 1],
+        drive: vec![0.0; rows - 1],
+        defect: vec![0.0; rows - 1],
+        first: (0..=rows).collect(),
+        measured: (0..rows).map(measured).collect(),
+        observe: vec![0.0; rows],
+        direct: vec![1.0; rows],
+        start: (vec![0.0], vec![1.0]),
+    }
+}
+
+#[test]
+fn law_the_sandwich_is_the_inverse_gram_matrix_where_the_noise_is_as_said_and_more_where_not() {
+    let noise = Noise { channels: vec![1.0], process: vec![0.0], jitter: 0.0, disturbance: None };
+    let variance = |run: Linearised| {
+        diagnosis::infer::robust::sandwich(&[run], &noise, &[0]).expect("the value tells")[(0, 0)]
+    };
+    let exact = 1.0 / 2000.0;
+    let same = variance(white(|_| false, 1.0)) / exact;
+    // a variance of 20 scores is known to a third; three of these
+    assert!(same > 0.3 && same < 2.0, "{same}");
+    // a tenth of the rows with a hundredfold variance: ten times as much in all
+    let more = variance(white(|stretch| stretch % 10 == 3, 10.0)) / exact;
+    assert!(more > 4.0 && more < 25.0, "{more}");
+}

@@ -79,9 +79,13 @@ def share(rows, key="right"):
     return {"value": round(float(np.mean(values)), 3) if values else None, "count": len(values)}
 
 
+# Twice what a search could see at best: an effect that shows less may be passed over.
+SHOWN = 12.0
+
+
 def measures(rows):
-    """What the issue asks for."""
-    listed = [row for row in rows if row["wanted"] in ("named", "ambiguous")]
+    """What the issue asks for. Effects that hardly show count for nothing but time."""
+    listed = [row for row in rows if row["wanted"] in ("named", "ambiguous") and row.get("shown", SHOWN) >= SHOWN]
     off = [row["value_off"] for row in listed if row.get("value_off") is not None]
     replayed = [row["replayed"] for row in listed if row.get("replayed") is not None]
     return {

@@ -48,18 +48,19 @@ def simulate(machine, p, times, commands, start, disturb=None):
         return np.where(top > 0, np.clip(wanted, -np.where(top > 0, top, 1), np.where(top > 0, top, 1)), wanted)
 
     def mean(one, at, size):
-        """The mean over a substep, in which a held input may jump once: a delay is no whole number of substeps."""
+        """Mean and slope over a substep, in which a held input may jump once: a delay is no whole number of substeps. A line with
+        the jump's own mean and first moment is as good as the jump to the third order."""
         if one.hold == "linear":
-            return raw(one, at + size / 2)
+            return raw(one, at + size / 2), 0.0
         delay = p[f"{one.name}:delay"]
         before, after = raw(one, at), raw(one, at + size)
         jump = times[np.clip(np.searchsorted(times, at + size - delay + 1e-9, side="right") - 1, 0, len(times) - 1)] + delay
         share = np.clip((jump - at) / size, 0.0, 1.0)
-        return share * before + (1 - share) * after
+        return share * before + (1 - share) * after, 6 * share * (1 - share) * (after - before)
 
     def advance(one, at, size):
-        """The input halfway through a substep, and the memory of rate limit and lag at its end."""
-        wanted, name = mean(one, at, size), one.name
+        """The input at begin, middle and end of a substep, and the memory of rate limit and lag at its end."""
+        (wanted, slope), name = mean(one, at, size), one.name
         rate, lag = p[f"{name}:rate_limit"], p[f"{name}:lag"]
         if name not in limited:
             limited[name], lagged[name] = raw(one, at), raw(one, at)
@@ -70,7 +71,8 @@ def simulate(machine, p, times, commands, start, disturb=None):
         half = np.where(lag > 0, np.exp(-0.5 * size / np.where(lag > 0, lag, 1)), 0.0)
         acting = middle + (lagged[name] - middle) * half
         limited[name], lagged[name] = now, middle + (lagged[name] - middle) * share
-        return p[f"{name}:gain"] * acting + p[f"{name}:bias"]
+        tilt = np.where((rate > 0) | (lag > 0), 0.0, 0.5 * slope)
+        return [p[f"{name}:gain"] * (acting + side * tilt) + p[f"{name}:bias"] for side in (-1.0, 0.0, 1.0)]
 
     now, before = dict(p), None
     for row in range(len(times)):
@@ -80,17 +82,18 @@ def simulate(machine, p, times, commands, start, disturb=None):
             at = times[row] + part * size
             if disturb:
                 now |= {name: np.broadcast_to(value, count) for name, value in disturb(at + size / 2).items()}
-            u = {one.name: advance(one, at, max(size, 1e-12)) for one in machine.inputs}
+            fed = {one.name: advance(one, at, max(size, 1e-12)) for one in machine.inputs}
+            u0, u, u1 = ({name: values[place] for name, values in fed.items()} for place in range(3))
             fine_t.append(at)
             # a sample is taken just before what is commanded at its time acts
             fine_y.append(machine.outputs(x, before or u, now))
             before = u
             if not gap:
                 break
-            k1 = machine.rhs(x, u, now)
+            k1 = machine.rhs(x, u0, now)
             k2 = machine.rhs(x + 0.5 * size * k1, u, now)
             k3 = machine.rhs(x + 0.5 * size * k2, u, now)
-            k4 = machine.rhs(x + size * k3, u, now)
+            k4 = machine.rhs(x + size * k3, u1, now)
             x = x + size / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     fine_t, fine_y = np.array(fine_t), np.array(fine_y)
     return {one.name: sensed(one.name, p, times, fine_t, fine_y[:, place]) for place, one in enumerate(machine.outputs_of)}

@@ -5,12 +5,14 @@
 //! are exact.
 
 use super::grid::Grid;
+use super::lag;
 use super::machine::{Machine, Reference, Role};
 use super::schedule::{Schedule, output_effects};
 use super::through;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
+use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
 use crate::observe::OutputEffect;
 use rayon::prelude::*;
@@ -117,6 +119,13 @@ impl Engine {
     /// A unit failed.
     pub fn run(&self, run: usize, theta: &[f64], path: &Path, chords: &[Chord]) -> Result<Linearised, Error> {
         let grid = &self.grids[run];
+        let wide = self.machine.order() + lag::active(&self.machine, theta).len();
+        if wide > MOST_STATES - 1 {
+            let most = MOST_STATES - 1;
+            return Err(Error::Model(format!(
+                "{wide} states with the sensors' lags; this way follows at most {most}"
+            )));
+        }
         let schedule = Schedule::new(&self.machine, grid, theta);
         let rows = grid.time.len();
         let tasks: Vec<usize> = (0..rows).step_by(TASK).collect();
@@ -187,8 +196,8 @@ impl Engine {
                 };
                 values.iter().enumerate().map(one).collect()
             };
-            let (after, fed) = (shifted(job.after, width), shifted(job.fed, own));
-            worker.interval(machine, &Job { after: &after, fed: &fed, ..job }, &mut out)?;
+            let (at_row, fed) = (shifted(job.at_row, width), shifted(job.fed, own));
+            worker.interval(machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
             parts.inputs.push(difference(&out, &parts.base, step));
         }
         for chord in chords {
@@ -218,7 +227,7 @@ impl Engine {
     ) -> Linearised {
         let (machine, grid, n) = (&self.machine, &self.grids[run], self.machine.order());
         let (rows, p, width) = (grid.time.len(), chords.len(), schedule.width);
-        // what an effect at an input changes: mean over each interval, and just after each row
+        // what an effect at an input changes: mean over each interval, and at each row
         let shifts: Vec<Option<Fed>> =
             chords.iter().map(|chord| self.fed_difference(grid, schedule, theta, chord)).collect();
         let column = |row: usize, place: usize, entry: usize| -> f64 {
@@ -233,7 +242,7 @@ impl Engine {
                         return 0.0;
                     };
                     let at_row = (n..n + machine.channels.len()).contains(&entry) || row + 1 == rows;
-                    let by = if at_row { &shift.after } else { &shift.mean };
+                    let by = if at_row { &shift.at_row } else { &shift.mean };
                     parts[row].inputs[slot][entry] * by[row * width + input]
                 }
             }
@@ -256,6 +265,8 @@ impl Engine {
             }
         }
         let effects = output_effects(machine, theta);
+        let sensed: Vec<Option<Vec<f64>>> =
+            chords.iter().map(|chord| self.sensed(grid, parts, theta, chord)).collect();
         let mut placed = schedule.placed.iter().peekable();
         for row in 0..rows {
             while let Some(at) = placed.next_if(|at| at.row == row) {
@@ -281,7 +292,9 @@ impl Engine {
                             OutputEffect::Gain => value,
                             OutputEffect::Offset => 1.0,
                             OutputEffect::Drift => since,
-                            OutputEffect::Delay | OutputEffect::Lag => -effect.gain * slope,
+                            OutputEffect::Delay | OutputEffect::Lag => {
+                                effect.gain * sensed[place].as_ref().map_or(-slope, |by| by[row])
+                            }
                         },
                         _ => 0.0,
                     };
@@ -290,7 +303,29 @@ impl Engine {
             }
             out.first.push(out.measured.len());
         }
-        out
+        let lags = lag::active(machine, theta);
+        if lags.is_empty() {
+            return out;
+        }
+        let around =
+            lag::Around { engine: self, run, schedule, parts, effects: &effects, chords, column: &column };
+        around.augmented(out, &lags)
+    }
+
+    /// What a chord of a delay or lag at an output changes of its channel, row by row: along the path where it has none yet.
+    fn sensed(&self, grid: &Grid, parts: &[RowParts], theta: &[f64], chord: &Chord) -> Option<Vec<f64>> {
+        let Role::Output(channel, kind) = self.machine.parameters[chord.parameter].role else { return None };
+        if theta[chord.parameter] != 0.0 || chord.per != 1.0 {
+            return None;
+        }
+        let entry = self.machine.order() + channel;
+        let values: Vec<f64> = parts.iter().map(|part| part.base[entry]).collect();
+        let there = match kind {
+            OutputEffect::Lag => lag::lagged(&grid.time, &values, chord.to),
+            OutputEffect::Delay => lag::delayed(&grid.time, &values, chord.to),
+            _ => return None,
+        };
+        Some(difference(&there, &values, chord.per))
     }
 
     /// Prior of the first state against the path.
@@ -306,7 +341,7 @@ impl Engine {
         let there = Schedule::new(&self.machine, grid, &theta);
         Some(Fed {
             mean: difference(&there.mean, &schedule.mean, chord.per),
-            after: difference(&there.after, &schedule.after, chord.per),
+            at_row: difference(&there.at_row, &schedule.at_row, chord.per),
         })
     }
 }
@@ -314,7 +349,7 @@ impl Engine {
 /// What an effect changes at an input.
 struct Fed {
     mean: Vec<f64>,
-    after: Vec<f64>,
+    at_row: Vec<f64>,
 }
 
 fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {

@@ -130,6 +130,8 @@ pub struct Machine {
     pub any_step: bool,
     /// Rows over which outputs show a state that can't be read back; 0: every state is read.
     pub horizon: usize,
+    /// Which inputs the outputs of a row see.
+    pub reading: observe::Reading,
 }
 
 impl Machine {
@@ -187,6 +189,7 @@ impl Machine {
             inputs,
             channels,
             horizon: 0,
+            reading: problem.reading,
         };
         machine.parameters = problem
             .candidates

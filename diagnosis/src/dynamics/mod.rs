@@ -10,16 +10,25 @@
 //! - `linearise.rs`: differences, many rows at once on all threads
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `lag.rs`: a sensor's lag, one more state
+//! - `at_once.rs`: outputs that follow an input without a state between them
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
 
+mod at_once;
 pub mod build;
 pub mod first_path;
 pub mod grid;
+mod lag;
 pub mod linearise;
 pub mod machine;
 pub mod schedule;
 mod through;
 pub mod worker;
+
+/// What a sensor with a delay and a lag makes of values at times.
+pub fn sensed(time: &[f64], values: &[f64], delay: f64, lag: f64) -> Vec<f64> {
+    lag::lagged(time, &lag::delayed(time, values, delay), lag)
+}
 
 pub use linearise::Engine;
 pub use machine::Machine;

@@ -1,9 +1,10 @@
 //! What is fed and read within each interval of a run, after the effects at ports.
 
 use super::grid::Grid;
+use super::lag;
 use super::machine::{Machine, Role};
 use super::worker::Job;
-use crate::observe::{Hold, InputEffect, OutputEffect};
+use crate::observe::{Hold, InputEffect, OutputEffect, Reading};
 use crate::ports::{input, output};
 
 /// A value and where in the run the model gives it.
@@ -39,14 +40,16 @@ pub struct Schedule {
     pub pieces: Vec<Piece>,
     /// Inputs of each piece.
     pub fed: Vec<f64>,
-    /// Inputs just after each row.
-    pub after: Vec<f64>,
+    /// Inputs with which the outputs of each row are read: just before it, or just after.
+    pub at_row: Vec<f64>,
     /// Mean inputs over each interval.
     pub mean: Vec<f64>,
     /// All values, by row.
     pub placed: Vec<Placed>,
     /// Channels of the reads within each interval, in order.
     pub reads: Vec<Vec<usize>>,
+    /// For each row and channel that lags: times since the row, s, and places among its reads.
+    pub inner: Vec<Vec<Vec<(f64, usize)>>>,
 }
 
 /// The effects at the inputs for these parameters.
@@ -99,7 +102,7 @@ impl Schedule {
             .zip(&effects)
             .map(|(course, effects)| input::arriving(course, effects))
             .collect();
-        let (placed, mut moments) = placed(machine, grid, theta);
+        let (placed, mut moments, inner) = placed(machine, grid, theta);
         // beyond the end the last inputs hold: there a state is read through what would follow
         let mut time = grid.time.clone();
         let usual = grid.span() / (time.len() - 1).max(1) as f64;
@@ -109,14 +112,18 @@ impl Schedule {
         }
         let rows = time.len();
         let width = lines.len();
-        let mut schedule = Self { width, first: vec![0], placed, ..Self::default() };
+        let mut schedule = Self { width, first: vec![0], placed, inner, ..Self::default() };
         schedule.reads =
             moments.iter().map(|row| row.iter().map(|(_, channel)| *channel).collect()).collect();
         let mut near = vec![0; width];
         let linear = grid.inputs.iter().any(|course| course.hold == Hold::Linear);
         for (row, moments) in moments.iter().enumerate() {
             let from = time[row];
-            schedule.after.extend(lines.iter().zip(&mut near).map(|(lines, near)| lines.after(from, near)));
+            let at_row = lines.iter().zip(&mut near).map(|(lines, near)| match machine.reading {
+                Reading::Before => lines.before(from, near),
+                Reading::After => lines.after(from, near),
+            });
+            schedule.at_row.extend(at_row);
             if row + 1 < rows {
                 let to = time[row + 1];
                 let means = lines.iter().zip(&mut near).map(|(lines, near)| lines.mean(from, to, near));
@@ -187,7 +194,7 @@ impl Schedule {
             time,
             states,
             parameters: &[],
-            after: &self.after[row * width..(last + 1) * width],
+            at_row: &self.at_row[row * width..(last + 1) * width],
             first: &self.first[row..=last],
             pieces: &self.pieces[begin..end],
             fed: &self.fed[begin * width..end * width],
@@ -203,7 +210,10 @@ const MOST_PARTS: f64 = 1000.0;
 /// For each row the times and channels that are read within its interval.
 type Moments = Vec<Vec<(f64, usize)>>;
 
-fn placed(machine: &Machine, grid: &Grid, theta: &[f64]) -> (Vec<Placed>, Moments) {
+/// For each row and channel that lags: times since the row and places among the row's reads.
+type Inner = Vec<Vec<Vec<(f64, usize)>>>;
+
+fn placed(machine: &Machine, grid: &Grid, theta: &[f64]) -> (Vec<Placed>, Moments, Inner) {
     let delays: Vec<f64> = output_effects(machine, theta).iter().map(|effects| effects.delay).collect();
     let mut moments: Moments = vec![Vec::new(); grid.time.len()];
     let mut all = Vec::with_capacity(grid.samples.len());
@@ -225,5 +235,44 @@ fn placed(machine: &Machine, grid: &Grid, theta: &[f64]) -> (Vec<Placed>, Moment
         }
         all.push(Placed { sample, row, read, early });
     }
-    (all, moments)
+    let lags = lag::active(machine, theta);
+    let mut inner = Vec::new();
+    if machine.any_step && !lags.is_empty() {
+        let intervals = grid.time.len().saturating_sub(1);
+        let bent = moments.iter_mut().take(intervals).enumerate();
+        inner.extend(bent.map(|(row, moments)| bend(grid, row, &lags, moments, &mut all)));
+    }
+    (all, moments, inner)
+}
+
+/// Adds reads within a row's interval for the channels that lag, among those that are there; where they then are.
+fn bend(
+    grid: &Grid,
+    row: usize,
+    lags: &[lag::Lag],
+    moments: &mut Vec<(f64, usize)>,
+    placed: &mut [Placed],
+) -> Vec<Vec<(f64, usize)>> {
+    let (from, span) = (grid.time[row], grid.time[row + 1] - grid.time[row]);
+    let at = |part: usize| from + span * (part + 1) as f64 / (lag::INNER + 1) as f64;
+    let own = (0..moments.len()).map(|place| (moments[place].0, moments[place].1, Some(place), 0));
+    let new = lags.iter().enumerate().flat_map(|(slot, lag)| {
+        (0..lag::INNER)
+            .map(move |part| (part, slot, lag.channel))
+            .map(|(part, slot, channel)| (at(part), channel, None, slot))
+    });
+    let mut merged: Vec<(f64, usize, Option<usize>, usize)> = own.chain(new).collect();
+    merged.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut inner = vec![Vec::new(); lags.len()];
+    let mut to = vec![0; moments.len()];
+    for (place, (time, _, old, slot)) in merged.iter().enumerate() {
+        match old {
+            Some(old) => to[*old] = place,
+            None => inner[*slot].push((time - from, place)),
+        }
+    }
+    let own = placed.partition_point(|one| one.row < row)..placed.partition_point(|one| one.row <= row);
+    placed[own].iter_mut().for_each(|one| one.read = one.read.map(|old| to[old]));
+    *moments = merged.into_iter().map(|(time, channel, ..)| (time, channel)).collect();
+    inner
 }

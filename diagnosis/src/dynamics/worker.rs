@@ -23,8 +23,8 @@ pub struct Job<'a> {
     pub states: &'a [f64],
     /// Parameters of the units: reference and value, those off their nominal values.
     pub parameters: &'a [(Reference, f64)],
-    /// Inputs just after each row, the first and the last included.
-    pub after: &'a [f64],
+    /// Inputs at each row, the first and the last included.
+    pub at_row: &'a [f64],
     /// Where the pieces of each interval begin, and where the last ends.
     pub first: &'a [usize],
     /// Stretches.
@@ -92,7 +92,7 @@ impl Worker {
                 }
             }
             if job.probe {
-                self.feed(machine, &job.after[(interval + 1) * width..(interval + 2) * width])?;
+                self.feed(machine, &job.at_row[(interval + 1) * width..(interval + 2) * width])?;
                 self.outputs(machine, out)?;
             }
         }
@@ -153,7 +153,7 @@ impl Worker {
             instance.setup_experiment(job.time, None).map_err(failed)?;
             instance.enter_initialization().map_err(failed)?;
         }
-        self.feed(machine, &job.after[..machine.inputs.len()])?;
+        self.feed(machine, &job.at_row[..machine.inputs.len()])?;
         // a chain of links settles after as many passes as units; a loop is the first pass's affair
         for _ in 1..machine.units.len() {
             self.carry(machine, None)?;

@@ -1,21 +1,32 @@
 //! The nominal scenario with what was found switched on: parameters in their units, effects at ports in `signal_effects.fmu`
-//! between the others. A unit alone gets its inputs from the log of the first run.
+//! between the others. What the logs fed, and no unit or source of the scenario does, comes from a table of the first run.
+//!
+//! Masters step units in the order of the file and hand on the newest values. So a unit before an input stands before the
+//! unit that it feeds, one behind an output after it. Between its steps a value is held: a delay or lag at an input gets
+//! a finer interval, of which the delay is as nearly as can be a multiple.
 
 use super::study::Studied;
-use crate::dynamics::machine::Role;
+use super::table::{self, Feed};
+use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
+use orchestrator::scenario::UnitEntry;
+use orchestrator::time::Rational;
 use orchestrator::{Scenario, Simulation, UnitPath};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The unit that stands between ports.
 const SIGNAL_EFFECTS: &str = "signal_effects.fmu";
-/// The file with the inputs of the first run, beside the scenario.
-const INPUTS: &str = "inputs.csv";
+/// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
+const FINE: f64 = 20.0;
+/// So many times as fine at most, for the delay to be a multiple of the step.
+const FINEST: i64 = 3;
 
 /// Effects of one port: name of the parameter in the signal unit, and value.
 type AtPort = BTreeMap<&'static str, f64>;
+/// Those of all ports, by place.
+type AtPorts = BTreeMap<usize, AtPort>;
 
 fn at_input(effect: InputEffect) -> &'static str {
     match effect {
@@ -50,9 +61,60 @@ pub fn amended(
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     let machine = &studied.built.engine.machine;
     let mut scenario = problem.model.scenario.clone();
-    let mut inputs: BTreeMap<usize, AtPort> = BTreeMap::new();
-    let mut outputs: BTreeMap<usize, AtPort> = BTreeMap::new();
-    for (parameter, value) in machine.parameters.iter().zip(&studied.fit.at.theta) {
+    let (inputs, outputs) = switched_on(&mut scenario, machine, &studied.fit.at.theta)?;
+    let fed = |input: &str| {
+        scenario.connections.iter().any(|link| link.to == input)
+            || scenario.sources.iter().any(|source| source.to == input)
+    };
+    let logged: Vec<usize> =
+        (0..machine.inputs.len()).filter(|place| !fed(&machine.inputs[*place].name)).collect();
+    if !logged.is_empty() {
+        as_logged(&mut scenario, problem, studied)?;
+    }
+    if scenario.units.len() == 1 {
+        scenario.units[0].interval = fine(problem, scenario.units[0].interval, &inputs);
+    }
+    rewire(&mut scenario, machine, &inputs);
+    let feeds: Vec<Feed> = logged
+        .iter()
+        .map(|place| {
+            let through = inputs.contains_key(place);
+            let to =
+                if through { format!("{}.u", before(*place)) } else { machine.inputs[*place].name.clone() };
+            Feed { place: *place, to, line: through && machine.inputs[*place].hold == Hold::Linear }
+        })
+        .collect();
+    let linear = |place: usize| machine.inputs[place].hold == Hold::Linear;
+    let mut added: Vec<(usize, bool, UnitEntry)> = Vec::new();
+    for (place, effects) in &inputs {
+        let unit = machine.inputs[*place].variable.unit;
+        let entry = entry(&before(*place), scenario.units[unit].interval, effects, linear(*place))?;
+        added.push((unit, true, entry));
+        connect(&mut scenario, &format!("{}.y", before(*place)), &machine.inputs[*place].name)?;
+    }
+    for (place, effects) in &outputs {
+        let unit = machine.channels[*place].variable.unit;
+        added.push((unit, false, entry(&behind(*place), scenario.units[unit].interval, effects, true)?));
+        connect(&mut scenario, &machine.channels[*place].name, &format!("{}.u", behind(*place)))?;
+    }
+    scenario.units = ordered(std::mem::take(&mut scenario.units), added);
+    let step = scenario.units.first().map_or(0.0, |unit| unit.interval.to_f64());
+    let mut text = Simulation::new(&scenario, units).map_err(failed)?.resolved();
+    let mut sources = String::new();
+    let attachments = table::written(studied, &feeds, step, &mut sources);
+    text += &sources;
+    Ok((text, attachments))
+}
+
+/// Sets the units' parameters; effects at ports, by the place of the port.
+fn switched_on(
+    scenario: &mut Scenario,
+    machine: &Machine,
+    theta: &[f64],
+) -> Result<(AtPorts, AtPorts), Error> {
+    let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
+    let (mut inputs, mut outputs) = (AtPorts::new(), AtPorts::new());
+    for (parameter, value) in machine.parameters.iter().zip(theta) {
         if *value == parameter.neutral {
             continue;
         }
@@ -73,48 +135,36 @@ pub fn amended(
             }
         }
     }
-    let alone = scenario.connections.is_empty() && scenario.sources.is_empty() && scenario.units.len() == 1;
-    let mut attachments = Vec::new();
-    let mut text = if alone {
-        let path = &studied.fit.at.paths[0];
-        for (state, value) in problem.states.iter().zip(path) {
-            scenario.set(&state.name, &format!("{value:?}")).map_err(failed)?;
-        }
-        attachments.extend(logged(studied));
-        let grid = &studied.built.engine.grids[0];
-        scenario.set_stop(&format!("{:.6}", grid.span().max(1e-6))).map_err(failed)?;
-        let mut text = Simulation::new(&scenario, units).map_err(failed)?.resolved();
-        for (place, input) in machine.inputs.iter().enumerate() {
-            let to =
-                inputs.get(&place).map_or_else(|| input.name.clone(), |_| format!("{}.u", before(place)));
-            let kind = if input.hold == Hold::Linear { "linear" } else { "hold" };
-            let name = &input.name;
-            let _ = write!(
-                text,
-                "\n[[sources]]\nto = \"{to}\"\nkind = \"csv\"\nfile = \"{INPUTS}\"\ncolumn = \"{name}\"\ninterpolation = \"{kind}\"\n"
-            );
-        }
-        text
-    } else {
-        let mut rewired = rewired(scenario, machine, &inputs);
-        rewired.origin.clone_from(&problem.model.scenario.origin);
-        Simulation::new(&problem.model.scenario, units).map_err(failed)?;
-        rewired_text(&rewired, units, &inputs)?
+    Ok((inputs, outputs))
+}
+
+/// Start states and length of the first run.
+fn as_logged(scenario: &mut Scenario, problem: &Problem, studied: &Studied) -> Result<(), Error> {
+    let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
+    for (state, value) in problem.states.iter().zip(&studied.fit.at.paths[0]) {
+        scenario.set(&state.name, &format!("{value:?}")).map_err(failed)?;
+    }
+    let span = studied.built.engine.grids[0].span();
+    scenario.set_stop(&format!("{:.6}", span.max(1e-6))).map_err(failed)
+}
+
+/// The interval at which a delay or lag at an input is followed.
+fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts) -> Rational {
+    let takes_time =
+        |effects: &&AtPort| ["delay", "lag", "rate_limit"].iter().any(|name| effects.contains_key(name));
+    if inputs.values().filter(takes_time).count() == 0 {
+        return interval;
+    }
+    let own = interval.to_f64();
+    let least = (own * FINE / problem.row()).ceil().max(1.0) as i64;
+    let delays: Vec<f64> = inputs.values().filter_map(|effects| effects.get("delay").copied()).collect();
+    let off = |parts: i64| {
+        let step = own / parts as f64;
+        delays.iter().map(|delay| (delay / step - (delay / step).round()).abs() * step).sum::<f64>()
     };
-    let interval = problem.model.scenario.units.iter().map(|unit| unit.interval.to_string()).next();
-    let interval = interval.unwrap_or_else(|| "1".into());
-    for (place, effects) in &inputs {
-        let to = &machine.inputs[*place].name;
-        let linear = machine.inputs[*place].hold == Hold::Linear;
-        unit(&mut text, &before(*place), &interval, effects, linear);
-        let _ = write!(text, "\n[[connections]]\nfrom = \"{}.y\"\nto = \"{to}\"\n", before(*place));
-    }
-    for (place, effects) in &outputs {
-        let from = &machine.channels[*place].name;
-        unit(&mut text, &behind(*place), &interval, effects, true);
-        let _ = write!(text, "\n[[connections]]\nfrom = \"{from}\"\nto = \"{}.u\"\n", behind(*place));
-    }
-    Ok((text, attachments))
+    let parts = (least..=FINEST * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least);
+    Rational::new(i128::from(interval.numerator()), i128::from(interval.denominator()) * i128::from(parts))
+        .unwrap_or(interval)
 }
 
 fn before(place: usize) -> String {
@@ -125,89 +175,68 @@ fn behind(place: usize) -> String {
     format!("output_effects_{}", place + 1)
 }
 
-fn unit(text: &mut String, name: &str, interval: &str, effects: &AtPort, linear: bool) {
-    let _ = write!(
-        text,
-        "\n[[units]]\nname = \"{name}\"\nfmu = \"{SIGNAL_EFFECTS}\"\ninterval = \"{interval}\"\n[units.set]\nlinear = {linear}\n"
+/// A unit of ours, written as in a scenario: its reader knows what an entry has beside this.
+fn entry(name: &str, interval: Rational, effects: &AtPort, linear: bool) -> Result<UnitEntry, Error> {
+    let mut text = format!(
+        "format = 1\n[experiment]\nstop = 1\n[[units]]\nname = \"{name}\"\nfmu = \"{SIGNAL_EFFECTS}\"\n\
+         interval = \"{interval}\"\n[units.set]\nlinear = {linear}\n"
     );
-    for (effect, value) in effects {
-        let _ = writeln!(text, "{effect} = {value:?}");
+    effects.iter().for_each(|(name, value)| {
+        let _ = writeln!(text, "{name} = {value:?}");
+    });
+    parsed(&text)?.units.pop().ok_or_else(|| Error::Model(format!("amended scenario: no unit {name}")))
+}
+
+fn parsed(text: &str) -> Result<Scenario, Error> {
+    Scenario::parse(text, "amended.toml").map_err(|error| Error::Model(format!("amended scenario: {error}")))
+}
+
+/// The units with those added, each before or after the unit that it belongs to.
+fn ordered(units: Vec<UnitEntry>, added: Vec<(usize, bool, UnitEntry)>) -> Vec<UnitEntry> {
+    let mut all = Vec::with_capacity(units.len() + added.len());
+    let of = |unit: usize, first: bool| {
+        added
+            .iter()
+            .filter(move |(own, before, _)| *own == unit && *before == first)
+            .map(|(.., entry)| entry.clone())
+    };
+    for (place, unit) in units.into_iter().enumerate() {
+        all.extend(of(place, true));
+        all.push(unit);
+        all.extend(of(place, false));
     }
+    all
 }
 
 /// What fed an input with effects now feeds the unit before it.
-fn rewired(
-    mut scenario: Scenario,
-    machine: &crate::dynamics::Machine,
-    inputs: &BTreeMap<usize, AtPort>,
-) -> Scenario {
+fn rewire(scenario: &mut Scenario, machine: &Machine, inputs: &AtPorts) {
     for place in inputs.keys() {
         let to = format!("{}.u", before(*place));
         let name = &machine.inputs[*place].name;
-        scenario
-            .connections
-            .iter_mut()
-            .filter(|link| link.to == *name)
-            .for_each(|link| link.to.clone_from(&to));
-        scenario
-            .sources
-            .iter_mut()
-            .filter(|source| source.to == *name)
-            .for_each(|source| source.to.clone_from(&to));
+        let links = scenario.connections.iter_mut().map(|link| &mut link.to);
+        let fed = links.chain(scenario.sources.iter_mut().map(|source| &mut source.to));
+        fed.filter(|known| *known == name).for_each(|known| known.clone_from(&to));
     }
-    scenario
 }
 
-/// Text of a scenario whose rewired ports lead to units that are still to come.
-fn rewired_text(
-    scenario: &Scenario,
-    units: &UnitPath,
-    inputs: &BTreeMap<usize, AtPort>,
-) -> Result<String, Error> {
-    let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
-    if inputs.is_empty() {
-        return Ok(Simulation::new(scenario, units).map_err(failed)?.resolved());
-    }
-    let mut bare = scenario.clone();
-    let is_new = |to: &str| inputs.keys().any(|place| to == format!("{}.u", before(*place)));
-    let (links, sources): (Vec<_>, Vec<_>) = (
-        bare.connections.iter().filter(|link| is_new(&link.to)).cloned().collect(),
-        bare.sources.iter().filter(|source| is_new(&source.to)).cloned().collect(),
+/// A connection without delay.
+fn connect(scenario: &mut Scenario, from: &str, to: &str) -> Result<(), Error> {
+    // a scenario has a unit, whatever is wanted of it
+    let text = format!(
+        "format = 1\n[experiment]\nstop = 1\n[[units]]\nname = \"a\"\nfmu = \"{SIGNAL_EFFECTS}\"\ninterval = 1\n\
+         [[connections]]\nfrom = \"{from}\"\nto = \"{to}\"\n"
     );
-    bare.connections.retain(|link| !is_new(&link.to));
-    bare.sources.retain(|source| !is_new(&source.to));
-    let mut text = Simulation::new(&bare, units).map_err(failed)?.resolved();
-    for link in links {
-        let _ = write!(text, "\n[[connections]]\nfrom = \"{}\"\nto = \"{}\"\n", link.from, link.to);
-    }
-    if let Some(source) = sources.first() {
-        return Err(Error::Model(format!(
-            "amended scenario: {} is fed by a source and has effects at its port",
-            source.to
-        )));
-    }
-    Ok(text)
+    scenario.connections.extend(parsed(&text)?.connections);
+    Ok(())
 }
 
-/// The inputs of the first run as a table, time from its begin.
-fn logged(studied: &Studied) -> Option<(String, String)> {
-    let engine = &studied.built.engine;
-    let grid = &engine.grids[0];
-    if grid.inputs.is_empty() {
-        return None;
+/// Whether the unit between ports is there, which an amended scenario may want: told before the work.
+///
+/// # Errors
+/// It isn't.
+pub fn within_reach(problem: &Problem, units: &UnitPath) -> Result<(), Error> {
+    if problem.ports.inputs.is_empty() && problem.ports.outputs.is_empty() {
+        return Ok(());
     }
-    let mut times: Vec<f64> = grid.inputs.iter().flat_map(|course| course.time.iter().copied()).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    let mut text = String::from("time");
-    engine.machine.inputs.iter().for_each(|input| text += &format!(",{}", input.name));
-    for time in times {
-        let _ = write!(text, "\n{:?}", time - grid.time[0]);
-        for course in &grid.inputs {
-            let place = course.time.partition_point(|t| *t <= time).saturating_sub(1);
-            let _ = write!(text, ",{:?}", course.values[place]);
-        }
-    }
-    text.push('\n');
-    Some((INPUTS.into(), text))
+    crate::model::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ())
 }

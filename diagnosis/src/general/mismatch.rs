@@ -152,8 +152,9 @@ fn window(
     let run = &fitted.runs[0];
     // what is left after the path's last small move, which the smoother gives
     let moved = crate::infer::smooth(run, noise);
-    let settled =
-        moved.state.iter().zip(engine.scales.iter().cycle()).all(|(by, scale)| by.abs() < 0.1 * scale);
+    let wide = run.states;
+    let settled = (moved.state.chunks(wide))
+        .all(|row| row.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < 0.1 * scale));
     if !settled {
         return None;
     }
@@ -161,7 +162,8 @@ fn window(
     for row in 0..run.rows() {
         for value in run.values(row).filter(|value| run.measured[*value].weight > 0.0) {
             let measured = &run.measured[value];
-            let by: f64 = (0..n).map(|i| run.observe[value * n + i] * moved.state[row * n + i]).sum();
+            let by: f64 =
+                (0..wide).map(|i| run.observe[value * wide + i] * moved.state[row * wide + i]).sum();
             let sum = &mut sums[measured.channel];
             sum.square += (measured.residual - by) * (measured.residual - by);
             sum.count += 1.0;

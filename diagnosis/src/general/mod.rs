@@ -1,15 +1,18 @@
 //! Who diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's.
 //!
 //! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
+//! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `told.rs`: effects, classes, what the data would show
-//! - `amended.rs`: the scenario with what was found
+//! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 
 mod amended;
 mod mismatch;
+mod reading;
 mod rest;
 mod study;
+mod table;
 mod told;
 
 use crate::diagnosis::Diagnosis;

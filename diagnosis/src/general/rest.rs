@@ -3,7 +3,7 @@
 use super::study::Studied;
 use crate::diagnosis::Unknown;
 use crate::dynamics::Engine;
-use crate::infer::likelihood::maximise;
+use crate::infer::likelihood::{maximise, maximise_within};
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
@@ -14,6 +14,8 @@ use rayon::prelude::*;
 
 /// Correlation times with which an unlisted input is begun, in rows.
 const MEMORIES: [f64; 2] = [5.0, 60.0];
+/// Rounds after which the equation and the memory of an unlisted input are chosen.
+const LOOK: usize = 8;
 /// A course follows a variable when that takes away at least this share of its square.
 const FOLLOWS: f64 = 0.25;
 /// Each further term must take away at least this share.
@@ -52,11 +54,13 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
         .map(|(equation, memory)| {
             let size = fit.at.noise.process[*equation].max(sizes.process[*equation].0) / memory.sqrt();
             let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
-            maximise(&fit.runs, &columns, &Noise { disturbance, ..fit.at.noise.clone() }, sizes)
+            let begun = Noise { disturbance, ..fit.at.noise.clone() };
+            maximise_within(&fit.runs, &columns, &begun, sizes, LOOK)
         })
         .collect::<Vec<_>>()
         .into_iter()
-        .min_by(|a, b| a.1.total_cmp(&b.1));
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(noise, ..)| maximise(&fit.runs, &columns, &noise, sizes));
     let white = fit.deviance;
     let (noise, with) = best.map_or((None, white), |(noise, with)| (Some(noise), with));
     let evidence = without - with.min(white);
@@ -67,6 +71,17 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
 pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let noise = studied.rest.unlisted.as_ref()?;
     let unlisted = noise.disturbance?;
+    if !problem.ports.unknown_inputs {
+        return Some(Unknown {
+            signal: "the whole model".into(),
+            shape: "nobody asked where: [ports] unknown_inputs = false".into(),
+            nearest: format!(
+                "process noise gains {:.0} of deviance, which no candidate takes away",
+                studied.rest.evidence
+            ),
+            ..Unknown::default()
+        });
+    }
     let engine = &studied.built.engine;
     let courses: Vec<Vec<f64>> =
         studied.fit.runs.par_iter().map(|run| smooth(run, noise).disturbance).collect();
@@ -119,7 +134,7 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         .map(|grid| crate::dynamics::schedule::Schedule::new(&engine.machine, grid, &studied.fit.at.theta))
         .collect();
     for (place, input) in engine.machine.inputs.iter().enumerate() {
-        let values = schedules.iter().flat_map(|s| s.after.chunks(s.width).map(move |row| row[place]));
+        let values = schedules.iter().flat_map(|s| s.at_row.chunks(s.width).map(move |row| row[place]));
         plain.push((input.name.clone(), values.collect()));
     }
     let time: Vec<f64> =

@@ -1,7 +1,8 @@
 //! From a problem to a diagnosis.
 
 use super::rest::{self, Rest};
-use super::{amended, mismatch, told};
+use super::{amended, mismatch, reading, told};
+use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Built, Span, build};
@@ -15,6 +16,7 @@ use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
 use crate::watch::{Listener, Watch};
 use orchestrator::{UnitPath, nearest};
+use std::time::Instant;
 
 /// Of a single run the last share is left out.
 const LAST: f64 = 0.3;
@@ -47,15 +49,19 @@ pub fn diagnosed(
     options: &Options,
     listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
-    let watch = &mut Watch::new(listener, None);
+    amended::within_reach(problem, units)?;
+    let until = options.budget.end(Instant::now(), problem.runs.len());
+    let watch = &mut Watch::new(listener, until);
+    watch.stage("looking at the logs");
+    let problem = &reading::read(problem, &parted(problem).0)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");
-    let trained = studied(problem, &kept, options, None, false)?;
+    let trained = studied(problem, &kept, options, None, false, watch)?;
     watch.stage("measuring the gap on the rows left out");
     let gaps = mismatch::gaps(problem, &left, &trained)?;
     watch.stage("searching in all rows");
     let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
-    let all = studied(problem, &whole, options, Some(&trained), true)?;
+    let all = studied(problem, &whole, options, Some(&trained), true, watch)?;
     let effects = told::effects(problem, &all);
     let unknown = rest::unknown(problem, &all);
     let verdict = if unknown.is_some() {
@@ -67,6 +73,12 @@ pub fn diagnosed(
     } else {
         Verdict::Named
     };
+    let proposal =
+        open(&all).filter(|_| !watch.is_over("the search for a next experiment")).and_then(|question| {
+            watch.stage("simulating experiments");
+            crate::design::next(problem, &question, units)
+        });
+    let (next_experiment, experiment) = proposal.map_or((None, None), |(next, text)| (Some(next), text));
     watch.stage("writing the amended scenario");
     let (amended, attachments) = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
@@ -82,16 +94,16 @@ pub fn diagnosed(
         gap: gaps[0].clone(),
         unknown,
         correction: None,
-        next_experiment: None,
+        next_experiment,
         minimum_detectable: told::detectable(&all)?,
         gaps,
         cross_validation: Vec::new(),
-        ended_early: Vec::new(),
+        ended_early: watch.ended().to_vec(),
         notices,
         story,
         amended,
         attachments,
-        experiment: None,
+        experiment,
         traces: Vec::new(),
         channels: Vec::new(),
     })
@@ -99,6 +111,24 @@ pub fn diagnosed(
 
 /// Runs, each between two times.
 type Rows<'a> = Vec<(&'a Run, Span)>;
+
+/// The first class that is open.
+fn open(studied: &Studied) -> Option<Question<'_>> {
+    let policy = Policy::default();
+    let near = |list: &[crate::search::class::Alternative]| -> Vec<_> {
+        list.iter().filter(|one| one.loss < policy.class).copied().collect()
+    };
+    let mut classes = studied.effects.iter().zip(&studied.classes).map(|(own, list)| (*own, near(list)));
+    let (own, class) = classes.find(|(_, class)| class.len() > 1)?;
+    Some(Question {
+        engine: &studied.built.engine,
+        theta: &studied.fit.at.theta,
+        noise: &studied.fit.at.noise,
+        own,
+        effects: &studied.effects,
+        class,
+    })
+}
 
 /// Rows that are searched and rows that are left out: the last run, or the last part of a single one.
 fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
@@ -123,7 +153,7 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 }
 
 /// The nominal model fitted: path and noises only.
-fn nominal(built: &mut Built) -> Result<Fit, Error> {
+pub(super) fn nominal(built: &mut Built) -> Result<Fit, Error> {
     let theta = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&theta, &built.noise)?;
     built.engine.calibrate(&theta, &paths, &built.noise)?;
@@ -148,6 +178,7 @@ pub fn studied(
     options: &Options,
     before: Option<&Studied>,
     classes: bool,
+    watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
     let mut built = build(problem, runs)?;
     checked(&built.engine.machine, options)?;
@@ -177,10 +208,10 @@ pub fn studied(
     if !options.fit.is_empty() {
         return given(built, &sizes, options, &nominal.at);
     }
-    let (mut effects, mut here) = search.walk(effects, begun)?;
+    let (mut effects, mut here) = search.walk(effects, begun, watch)?;
     here = search.fresh(here)?;
     let mut rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
-    if let Some(unlisted) = rest.unlisted {
+    if let Some(unlisted) = rest.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
         // what has no name remembers: beside it only names count that explain more than it does
         search.story.push(format!(
             "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
@@ -193,11 +224,12 @@ pub fn studied(
         let again = search.visit(&effects, &start)?;
         (effects, here) = search.pruned(effects, again)?;
         let fresh = search.fresh(here)?;
-        (effects, here) = search.walk(effects, fresh)?;
+        (effects, here) = search.walk(effects, fresh, watch)?;
         here = search.fresh(here)?;
+        (effects, here) = search.agreed(effects, here)?;
         rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
     }
-    let classes = if classes { search.alternatives(&effects, &here)? } else { Vec::new() };
+    let classes = if classes { search.alternatives(&effects, &here, watch)? } else { Vec::new() };
     let story = search.story;
     Ok(Studied { built, effects, fit: here, rest, story, classes })
 }

@@ -42,7 +42,7 @@ pub fn effects(problem: &Problem, studied: &Studied) -> Vec<Effect> {
         let best = class.first().map_or(*own, |one| one.parameter);
         let value = class.first().map_or(studied.fit.at.theta[*own], |one| one.value);
         let parameter = &parameters[best];
-        let sd = if best == *own { studied.fit.deviation(best) } else { f64::INFINITY };
+        let sd = if best == *own { studied.fit.robust_deviation(best) } else { f64::INFINITY };
         let (least, most) = parameter.range;
         let interval = if sd.is_finite() {
             [(value - WITHIN * sd).max(least), (value + WITHIN * sd).min(most)]

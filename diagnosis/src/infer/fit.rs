@@ -4,7 +4,7 @@
 //! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance is
 //! taken back and damped (Bell, SIAM J. Optim. 4 (1994) 626: the iterated Kalman smoother is a Gauss-Newton method).
 
-use super::likelihood::{Sizes, informed, maximise, reduced};
+use super::likelihood::{Sizes, informed, maximise_within, reduced};
 use super::linearised::Linearised;
 use super::noise::Noise;
 use super::smooth::smooth;
@@ -42,12 +42,14 @@ pub struct Options {
     pub settled: f64,
     /// How often a round that raises the deviance is damped before the fit ends where it is.
     pub damped: usize,
+    /// Rounds of the noises' own search in each round: they move on with the path, and must have settled in the end.
+    pub noises: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
         // 0.05 of deviance is a fortieth of a standard deviation squared of one parameter; verdicts ask for hundreds of times it
-        Self { rounds: 8, enough: 0.05, settled: 1e-3, damped: 4 }
+        Self { rounds: 8, enough: 0.05, settled: 1e-3, damped: 4, noises: 10 }
     }
 }
 
@@ -80,6 +82,15 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Standard deviation of a free parameter by how far stretches of the log disagree, if that is more.
+    pub fn robust_deviation(&self, parameter: usize) -> f64 {
+        let own = self.deviation(parameter);
+        let columns: Vec<usize> = (0..self.free.len()).collect();
+        let Some(place) = self.free.iter().position(|known| *known == parameter) else { return own };
+        let robust = super::robust::sandwich(&self.runs, &self.at.noise, &columns);
+        robust.map_or(own, |covariance| covariance[(place, place)].max(0.0).sqrt().max(own))
+    }
+
     /// Standard deviation of a free parameter.
     pub fn deviation(&self, parameter: usize) -> f64 {
         let place = self.free.iter().position(|known| *known == parameter);
@@ -134,10 +145,14 @@ fn follow(paths: &mut [Path], runs: &[Linearised], noise: &Noise, shift: &[f64],
     let shift: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
     let moves: Vec<Vec<f64>> = runs.par_iter().map(|run| smooth(&run.shifted(&shift), noise).state).collect();
     let mut largest = 0.0;
-    for (path, moves) in paths.iter_mut().zip(&moves) {
-        for (place, (state, by)) in path.iter_mut().zip(moves).enumerate() {
-            *state += by;
-            largest = f64::max(largest, by.abs() / scales[place % scales.len().max(1)]);
+    let own = scales.len().max(1);
+    for ((path, moves), run) in paths.iter_mut().zip(&moves).zip(runs) {
+        // states beyond the path's own are sensors' lags, which follow it
+        for (path, moves) in path.chunks_mut(own).zip(moves.chunks(run.states.max(1))) {
+            for ((state, by), scale) in path.iter_mut().zip(moves).zip(scales) {
+                *state += by;
+                largest = f64::max(largest, by.abs() / scale);
+            }
         }
     }
     largest
@@ -162,8 +177,9 @@ pub fn fit(
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
     loop {
         rounds += 1;
+        let mut quiet = true;
         if let Some(sizes) = sizes {
-            at.noise = maximise(&runs, &all, &at.noise, sizes).0;
+            (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
         }
         let here = reduced(&runs, &at.noise, &all);
         let value = here.square + here.log_det;
@@ -194,7 +210,7 @@ pub fn fit(
         } else {
             follow(&mut to.paths, &about, &to.noise, &shift, model.scales())
         };
-        if last || gain < options.enough && moved < options.settled {
+        if last || quiet && gain < options.enough && moved < options.settled {
             return Ok(ended(at_best(best), about, free, rounds));
         }
         match model.linearise(&to.theta, &to.paths, free) {

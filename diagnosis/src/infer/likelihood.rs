@@ -14,6 +14,8 @@ use rayon::prelude::*;
 /// Step of a difference in a logarithm. The deviance is smooth and exact to 1e-9, so this is far from rounding and short
 /// against 1, over which it bends.
 const STEP: f64 = 0.01;
+/// Shares of the process noise with which its search is begun, too.
+const LESS: [f64; 3] = [0.1, 1e-2, 1e-4];
 /// Longest move of a logarithm at once: a factor of 4.5.
 const LONGEST: f64 = 1.5;
 /// A search ends when a round gains less deviance than this; an effect must gain hundreds of times that.
@@ -144,6 +146,18 @@ pub fn informed(reduced: &Reduced) -> Vec<usize> {
 
 /// The most likely sizes from these on, and the deviance there. Columns are those of the parameters that are free.
 pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &Sizes) -> (Noise, f64) {
+    let (noise, deviance, _) = maximise_within(runs, columns, start, sizes, ROUNDS);
+    (noise, deviance)
+}
+
+/// The same in at most so many rounds, and whether it came to its end.
+pub fn maximise_within(
+    runs: &[Linearised],
+    columns: &[usize],
+    start: &Noise,
+    sizes: &Sizes,
+    rounds: usize,
+) -> (Noise, f64, bool) {
     let slots = sizes.slots(runs, start);
     let clamped =
         |at: DVector<f64>| DVector::from_fn(at.len(), |i, _| at[i].clamp(slots[i].range.0, slots[i].range.1));
@@ -151,12 +165,22 @@ pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &S
     let mut at = clamped(DVector::from_iterator(slots.len(), first));
     let deviance = |at: &DVector<f64>| profile(&reduced(runs, &written(start, &slots, at), columns));
     let mut value = deviance(&at);
+    // what an effect explains may have been the process noise's: beyond a ridge there is a valley with less of it
+    for less in smaller(&at, &slots) {
+        let less = clamped(less);
+        let there = deviance(&less);
+        if there < value {
+            (at, value) = (less, there);
+        }
+    }
     let mut gradient = differences(&deviance, &at, value, &slots);
     let mut inverse = DMatrix::identity(slots.len(), slots.len()) / gradient.amax().max(1.0);
-    for _ in 0..ROUNDS {
+    let mut ended = false;
+    for _ in 0..rounds {
         let direction = held(-&inverse * &gradient, &at, &gradient, &slots);
         let longest = direction.amax();
         if longest < 1e-6 {
+            ended = true;
             break;
         }
         let mut length = (LONGEST / longest).min(1.0);
@@ -168,16 +192,34 @@ pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &S
             length *= if good { 1.0 } else { 0.35 };
             good.then_some((to, there))
         });
-        let Some((to, there)) = accepted else { break };
+        let Some((to, there)) = accepted else {
+            ended = true;
+            break;
+        };
         let gained = value - there;
         let next = differences(&deviance, &to, there, &slots);
         updated(&mut inverse, &(&to - &at), &(&next - &gradient));
         (at, value, gradient) = (to, there, next);
         if gained < ENOUGH {
+            ended = true;
             break;
         }
     }
-    (written(start, &slots, &at), value)
+    (written(start, &slots, &at), value, ended)
+}
+
+/// The same with less process noise, of all equations or of one.
+fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
+    let equations: Vec<usize> =
+        (0..slots.len()).filter(|slot| matches!(slots[*slot].which, Which::Process(_))).collect();
+    let by = |which: &[usize], share: f64| {
+        let mut to = at.clone();
+        which.iter().for_each(|slot| to[*slot] += libm::log(share));
+        to
+    };
+    let all = LESS.iter().map(|share| by(&equations, *share));
+    let each = equations.iter().map(|slot| by(&[*slot], LESS[1]));
+    if equations.is_empty() { Vec::new() } else { all.chain(each).collect() }
 }
 
 /// Central where there is room: the gradient decides when the search ends.

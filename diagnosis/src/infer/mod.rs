@@ -8,13 +8,15 @@
 //! About a path x̂ both are linear in the deviations δx, δθ ([`Linearised`]). [`sweep`](fn@sweep) runs the Kalman filter
 //! over a run; its innovations carry a sensitivity column for each θ, so that what is left after the states are
 //! eliminated is a sum of squares, a score and a Gram matrix ([`crate::statistics::linear::Reduced`]). [`mod@smooth`] gives
-//! the most likely path and process noise, [`likelihood`] the sizes of the noises.
+//! the most likely path and process noise, [`likelihood`] the sizes of the noises, [`robust`] intervals that hold where their
+//! form is wrong.
 //! Kristensen, Madsen, Jørgensen, Automatica 40 (2004) 225; Bar-Shalom, Li, Kirubarajan, *Estimation*, Wiley 2001.
 
 pub mod fit;
 pub mod likelihood;
 pub mod linearised;
 pub mod noise;
+pub mod robust;
 pub mod smooth;
 pub mod sweep;
 

@@ -5,7 +5,7 @@
 pub struct Noise {
     /// Standard deviation of each channel, in its own unit.
     pub channels: Vec<f64>,
-    /// Size of the process noise of each state equation, unit of the state per √s.
+    /// Size of the process noise of each state equation, unit of the state per √s; states beyond them have none.
     pub process: Vec<f64>,
     /// Standard deviation of the timestamps, s.
     pub jitter: f64,

@@ -87,7 +87,8 @@ fn processed<const N: usize>(
     let (n, dt) = (run.states, run.interval(row));
     let a = &run.transition[row * n * n..(row + 1) * n * n];
     for (equation, into) in into.iter_mut().enumerate() {
-        let q = noise.process[equation];
+        // a sensor's lag has none
+        let q = noise.process.get(equation).copied().unwrap_or(0.0);
         let along: f64 = (0..n)
             .map(|i| 0.5 * dt * (a[i * n + equation] + if i == equation { 1.0 } else { 0.0 }) * adjoint[i])
             .sum();

@@ -30,6 +30,8 @@ pub struct Kept {
     pub mean: Vec<f64>,
     /// P of each row after its values.
     pub covariance: Vec<f64>,
+    /// Sum of the scores up to each row, a number a column.
+    pub score: Vec<f64>,
 }
 
 /// Runs the filter over a run, with the columns of the chosen parameters.
@@ -42,6 +44,13 @@ pub fn sweep_kept(run: &Linearised, noise: &Noise) -> (Reduced, Kept) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, &[], Some(&mut kept));
     (reduced, kept)
+}
+
+/// The same with columns, and the sum of their scores up to each row.
+pub fn sweep_scores(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Vec<f64>) {
+    let mut kept = Kept::default();
+    let reduced = dispatch(run, noise, columns, Some(&mut kept));
+    (reduced, kept.score)
 }
 
 /// States with the unlisted input.
@@ -86,8 +95,7 @@ impl<const N: usize> Interval<N> {
             0.5 * dt * (a[i * n + equation] + if i == equation { 1.0 } else { 0.0 })
         };
         let mut covariance = [[0.0; N]; N];
-        for equation in 0..n {
-            let q = noise.process[equation];
+        for (equation, q) in noise.process.iter().copied().enumerate().take(n) {
             if q > 0.0 {
                 let variance = q * q / dt;
                 for i in 0..n {
@@ -189,6 +197,7 @@ fn filter<const N: usize>(
         if let Some(kept) = kept.as_deref_mut() {
             kept.mean.extend_from_slice(&mean);
             covariance.iter().for_each(|row| kept.covariance.extend_from_slice(row));
+            kept.score.extend_from_slice(&score);
         }
         if row + 1 < run.rows() {
             let step = Interval::<N>::new(run, noise, row);

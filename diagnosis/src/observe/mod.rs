@@ -39,8 +39,19 @@ pub struct Problem {
     pub ports: Ports,
     /// The logs.
     pub runs: Vec<Run>,
+    /// Whether a row's outputs were read before or after its held inputs began to act.
+    pub reading: Reading,
     /// What a user should know of how the data set was read.
     pub notices: Vec<Notice>,
+}
+
+/// When a row's outputs were read: it matters where an output follows an input at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reading {
+    /// With the inputs that acted up to the row: read, compute, write, as a sampled controller and most masters do.
+    Before,
+    /// With the row's own inputs.
+    After,
 }
 
 /// The nominal model: a scenario whose values hold `[set]`, and its units, opened.
@@ -251,6 +262,17 @@ pub struct Series {
     pub time: Vec<f64>,
     /// Values in the variable's own unit, all finite.
     pub values: Vec<f64>,
+}
+
+impl Problem {
+    /// Usual distance of the logs' rows, s.
+    pub fn row(&self) -> f64 {
+        let mut gaps: Vec<f64> = (self.runs.iter().flat_map(|run| &run.series))
+            .flat_map(|series| series.time.windows(2).map(|pair| pair[1] - pair[0]))
+            .collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
+    }
 }
 
 impl Run {

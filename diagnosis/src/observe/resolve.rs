@@ -3,8 +3,8 @@
 use super::log::Log;
 use super::raw::{self, File};
 use super::{
-    Affine, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Role, Run, Series, State,
-    VariableId,
+    Affine, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading, Role, Run, Series,
+    State, VariableId,
 };
 use super::{candidates, measure, nominal};
 use crate::error::{Error, Notice};
@@ -25,7 +25,18 @@ pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Pr
     let states = states(&model, &channels, file)?;
     let candidates = candidates::resolve(&model, &states, file, &mut notices)?;
     let ports = ports(&file.raw.ports, file)?;
-    Ok(Problem { path: folder.to_owned(), model, channels, states, candidates, ports, runs, notices })
+    let reading = Reading::After;
+    Ok(Problem {
+        path: folder.to_owned(),
+        model,
+        channels,
+        states,
+        candidates,
+        ports,
+        runs,
+        reading,
+        notices,
+    })
 }
 
 /// A variable by the name at a place of the file.

@@ -73,6 +73,22 @@ pub enum Budget {
     All(f64),
 }
 
+impl Budget {
+    /// When time is up for so many runs; nothing where it never is.
+    pub(crate) fn end(self, began: Instant, runs: usize) -> Option<Instant> {
+        Duration::try_from_secs_f64(self.seconds(runs)).ok().and_then(|time| began.checked_add(time))
+    }
+
+    /// How long searches in so many runs may take, s.
+    pub(crate) fn seconds(self, runs: usize) -> f64 {
+        match self {
+            Self::Unlimited => f64::INFINITY,
+            Self::EachRun(seconds) => seconds * runs as f64,
+            Self::All(seconds) => seconds,
+        }
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self { without: Vec::new(), frames: 2400, earlier: None, budget: Budget::Unlimited, fit: Vec::new() }
@@ -126,12 +142,7 @@ pub fn diagnose(
     let (watch, began) = (&mut Watch::new(listener, None), Instant::now());
     watch.stage("the logs are read");
     let mut data = DataSet::load(path)?;
-    let budget = match options.budget {
-        Budget::Unlimited => f64::INFINITY,
-        Budget::EachRun(seconds) => seconds * data.runs.len() as f64,
-        Budget::All(seconds) => seconds,
-    };
-    if let Some(until) = Duration::try_from_secs_f64(budget).ok().and_then(|time| began.checked_add(time)) {
+    if let Some(until) = options.budget.end(began, data.runs.len()) {
         watch.end_at(until);
     }
     let model = Model::load(&data, units)?;
@@ -222,6 +233,7 @@ pub fn diagnose(
     diagnosis.ended_early = watch.ended().to_vec();
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
+        let budget = options.budget.seconds(data.runs.len());
         diagnosis.story.push(format!("Time was up after {budget:.0} s: {ended} ended with what was there."));
     }
     Ok(diagnosis)

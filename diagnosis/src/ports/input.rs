@@ -46,6 +46,8 @@ pub struct Lines(pub Vec<Line>);
 
 /// An exponential is cut into so many lines over one time constant: off its mean by (1/8)²/12 of its height, 0.1 %.
 const CUTS: f64 = 8.0;
+/// Times that differ by less than this share are the same: a delay of whole rows, rounded.
+const SAME_TIME: f64 = 1e-12;
 /// After so many time constants a lag has settled to 1e-7.
 const SETTLED: f64 = 16.0;
 
@@ -211,6 +213,16 @@ impl Lines {
     pub fn after(&self, time: f64, near: &mut usize) -> f64 {
         *near = self.place(time, *near);
         self.value(*near, time)
+    }
+
+    /// The value just before a time; before the first line its first value.
+    pub fn before(&self, time: f64, near: &mut usize) -> f64 {
+        *near = self.place(time, *near);
+        let line = self.0[*near];
+        match near.checked_sub(1) {
+            Some(last) if time - line.from <= SAME_TIME * time.abs() => self.0[last].last,
+            _ => self.value(*near, time),
+        }
     }
 
     /// The mean from one time to another.

@@ -4,6 +4,7 @@ use super::screen::{Screened, linearised, ranked};
 use super::walk::Search;
 use crate::error::Error;
 use crate::infer::Fit;
+use crate::watch::Watch;
 
 /// One that could stand in an effect's place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +22,22 @@ impl Search<'_> {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn alternatives(&mut self, effects: &[usize], here: &Fit) -> Result<Vec<Vec<Alternative>>, Error> {
-        (0..effects.len()).map(|place| self.alternatives_to(effects, here, place)).collect()
+    pub fn alternatives(
+        &mut self,
+        effects: &[usize],
+        here: &Fit,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<Vec<Alternative>>, Error> {
+        let mut all = Vec::new();
+        for (place, own) in effects.iter().enumerate() {
+            // without time an effect stands for itself
+            all.push(if watch.is_over("what else could stand in an effect's place") {
+                vec![Alternative { parameter: *own, loss: 0.0, value: here.at.theta[*own] }]
+            } else {
+                self.alternatives_to(effects, here, place)?
+            });
+        }
+        Ok(all)
     }
 
     fn alternatives_to(

@@ -2,7 +2,7 @@
 
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::dynamics::machine::Role;
-use crate::observe::{InputEffect, Scale};
+use crate::observe::{InputEffect, OutputEffect, Scale};
 
 /// Shares of the largest magnitude at which a limit is tried.
 const LIMITS: [f64; 4] = [0.4, 0.6, 0.8, 0.92];
@@ -26,7 +26,11 @@ pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
         }
         _ => {
             let local = engine.local(theta, parameter);
-            let late = matches!(described.role, Role::Input(_, InputEffect::Delay | InputEffect::Lag));
+            let late = matches!(
+                described.role,
+                Role::Input(_, InputEffect::Delay | InputEffect::Lag)
+                    | Role::Output(_, OutputEffect::Delay | OutputEffect::Lag)
+            );
             let rows = if late && here == 0.0 { &LATE[..] } else { &[] };
             let chords = rows.iter().map(|rows| rows * interval(engine)).filter(fits).map(whole);
             std::iter::once(local).chain(chords).collect()

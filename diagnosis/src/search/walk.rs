@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options, fit};
 use crate::observe::Scale;
+use crate::watch::Watch;
 use std::collections::BTreeMap;
 
 /// The models that were fitted, by their effects.
@@ -101,6 +102,34 @@ impl Search<'_> {
         Ok((effects, here))
     }
 
+    /// Withdraws effects of which the stretches of the log say different things: what an unlisted input's form gets wrong.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn agreed(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+        let sure = Policy::default().gain;
+        loop {
+            here = self.fresh(here)?;
+            let clear = |effect: usize| {
+                let off = here.at.theta[effect] - self.engine.machine.parameters[effect].neutral;
+                (off / here.robust_deviation(effect)).powi(2)
+            };
+            let fitted = effects.iter().copied().filter(|effect| self.is_fitted(*effect));
+            let weakest = fitted.map(|effect| (clear(effect), effect)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, gone)) = weakest.filter(|(clear, _)| *clear < sure) else {
+                return Ok((effects, here));
+            };
+            self.story.push(format!(
+                "stretches of the log disagree about {}: it stands for a part of the unlisted input",
+                self.name(gone)
+            ));
+            effects.retain(|effect| *effect != gone);
+            let mut start = here.at.clone();
+            start.theta[gone] = self.engine.machine.parameters[gone].neutral;
+            here = self.visit(&effects, &start)?;
+        }
+    }
+
     /// What fitted models cost in memory: their linearised runs, which are made anew where they are wanted.
     fn trim(&mut self) {
         self.visited.values_mut().for_each(|fit| fit.runs.clear());
@@ -142,10 +171,18 @@ impl Search<'_> {
     ///
     /// # Errors
     /// A unit failed at a place where it had worked.
-    pub fn walk(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
-        while effects.len() < self.policy.most {
+    pub fn walk(
+        &mut self,
+        mut effects: Vec<usize>,
+        mut here: Fit,
+        watch: &mut Watch<'_>,
+    ) -> Result<(Vec<usize>, Fit), Error> {
+        while effects.len() < self.policy.most && !watch.is_over("the search for further effects") {
             let screen = linearised(self.engine, &here, &self.others(&effects))?;
             let ranked = ranked(self.engine, &here, &screen, self.sizes, &self.policy);
+            if let Some(first) = ranked.first() {
+                watch.trying(self.name(first.chord.parameter), effects.len(), self.policy.most);
+            }
             let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
             let Some((with, fit)) = self.best(&effects, &here, &tried) else { break };

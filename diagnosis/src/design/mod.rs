@@ -1,0 +1,282 @@
+//! The next experiment: inputs within their declared range that would tell the members of an open class apart.
+//!
+//! - `waves.rs`: holds, steps, sines, chirps
+//! - here: each is screened by the Fisher information of the model: of one member's effect, what no other member, no effect
+//!   found and no start state imitates. The best are then simulated with each member as the truth and fitted with the others.
+
+mod waves;
+
+use crate::diagnosis::{NextExperiment, Separation};
+use crate::dynamics::Engine;
+use crate::dynamics::grid::{Course, Grid, Sample};
+use crate::dynamics::linearise::Chord;
+use crate::dynamics::schedule::{Schedule, output_effects};
+use crate::dynamics::worker::Job;
+use crate::error::Error;
+use crate::infer::Noise;
+use crate::infer::fit::{At, Options, fit};
+use crate::infer::likelihood::reduced;
+use crate::observe::{Hold, Problem, Scale};
+use crate::search::class::Alternative;
+use crate::statistics::linear::{inverse, submatrix};
+use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
+use orchestrator::{Place, Simulation, UnitPath};
+use rayon::prelude::*;
+use std::sync::Mutex;
+use waves::{Wave, brief, waves};
+
+/// Most rows of a simulated run.
+const ROWS: usize = 400;
+/// Most members of a class that are told apart.
+const MEMBERS: usize = 4;
+/// Experiments that are simulated with every member as the truth.
+const FINALISTS: usize = 2;
+/// Expected loss of deviance above which two members count as told apart: the class's own threshold.
+const TOLD: f64 = 9.0;
+
+/// What was found: the engine that found it, all parameters, noises, and the open class.
+pub struct Question<'a> {
+    /// Engine.
+    pub engine: &'a Engine,
+    /// Parameters as fitted.
+    pub theta: &'a [f64],
+    /// Noises as fitted.
+    pub noise: &'a Noise,
+    /// The effect whose class is open.
+    pub own: usize,
+    /// All effects.
+    pub effects: &'a [usize],
+    /// The class with values, the best guess first.
+    pub class: Vec<Alternative>,
+}
+
+/// The best experiment, and the scenario that runs it with the nominal model, where that is one unit alone.
+pub type Proposal = (NextExperiment, Option<String>);
+/// File that the scenario is written to.
+const FILE: &str = "next_experiment.toml";
+
+impl Question<'_> {
+    fn name(&self, member: &Alternative) -> String {
+        self.engine.machine.parameters[member.parameter].name.clone()
+    }
+
+    /// All parameters with one member in the effect's place.
+    fn with(&self, member: Option<&Alternative>) -> Vec<f64> {
+        let mut theta = self.theta.to_vec();
+        for place in self.class.iter().map(|one| one.parameter).chain([self.own]) {
+            if place == self.own || !self.effects.contains(&place) {
+                theta[place] = self.engine.machine.parameters[place].neutral;
+            }
+        }
+        if let Some(member) = member {
+            theta[member.parameter] = member.value;
+        }
+        theta
+    }
+
+    fn noise(&self) -> Noise {
+        Noise { disturbance: None, ..self.noise.clone() }
+    }
+}
+
+/// Looks for an experiment that tells a class apart; nothing where no input can be driven.
+pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Option<Proposal> {
+    let mut question = Question { class: question.class.clone(), ..*question };
+    question.class.truncate(MEMBERS);
+    let engine = question.engine;
+    let all = &engine.grids[0].time;
+    let time: Vec<f64> = all[..all.len().min(ROWS)].to_vec();
+    let waves = waves(problem, engine, &time);
+    let screened: Vec<Option<f64>> =
+        waves.par_iter().map(|wave| screen(&question, wave, &time).ok()).collect();
+    let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
+    // stable: of equal ones the simplest comes first
+    order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
+    let tried: Vec<(usize, Losses)> = order
+        .par_iter()
+        .take(FINALISTS)
+        .filter_map(|place| Some((*place, losses(&question, &waves[*place], &time).ok()?)))
+        .collect();
+    let (best, losses) =
+        tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
+    let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
+    let pairs = (0..separates.len()).flat_map(|a| (a + 1..separates.len()).map(move |b| (a, b)));
+    let open = pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < TOLD);
+    let leaves_open: Vec<Vec<String>> =
+        open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
+    let separation = order.iter().map(|place| {
+        let simulated = tried.iter().find(|(known, _)| known == place).map(|(_, losses)| worst(losses));
+        let pair =
+            simulated.map_or_else(Vec::new, |(a, b, _)| vec![separates[a].clone(), separates[b].clone()]);
+        Separation {
+            experiment: waves[*place].what.clone(),
+            loss: simulated.map(|(.., loss)| loss).or(screened[*place]),
+            pair,
+            certainty: None,
+            problem: None,
+        }
+    });
+    let loss = worst(losses).2;
+    let what = format!(
+        "{}; start it at rest. One name for another would lose {} of deviance there{}",
+        waves[*best].what,
+        brief(loss),
+        if loss < TOLD {
+            ", too little to tell them: record so many runs of it that this comes to 20"
+        } else {
+            ""
+        }
+    );
+    let scenario = scenario(problem, engine, &waves[*best], &time, units);
+    let next = NextExperiment {
+        what,
+        separates: separates.clone(),
+        scenario: scenario.as_ref().map(|_| FILE.to_owned()),
+        leaves_open,
+        separation: separation.collect(),
+    };
+    Some((next, scenario))
+}
+
+/// The nominal model under the experiment.
+fn scenario(
+    problem: &Problem,
+    engine: &Engine,
+    wave: &Wave,
+    time: &[f64],
+    units: &UnitPath,
+) -> Option<String> {
+    let mut scenario = problem.model.scenario.clone();
+    if !(scenario.connections.is_empty() && scenario.sources.is_empty() && scenario.units.len() == 1) {
+        return None;
+    }
+    scenario.set_stop(&format!("{:.6}", time[time.len() - 1] - time[0])).ok()?;
+    // a source is read at the end of a step and held over it
+    let late = 0.5 * scenario.units[0].interval.to_f64();
+    for (input, values) in engine.machine.inputs.iter().zip(&wave.values) {
+        let points = time.iter().map(|t| t - time[0] + late).zip(values.iter().copied()).collect();
+        let shape = if input.hold == Hold::Linear { Shape::Linear } else { Shape::Hold };
+        scenario.sources.push(SourceEntry {
+            to: input.name.clone(),
+            signal: SignalEntry::Table { shape, points },
+            place: Place::Override(input.name.clone()),
+        });
+    }
+    Some(Simulation::new(&scenario, units).ok()?.resolved())
+}
+
+/// Deviance lost by taking one member (the second place) where another (the first) is true.
+type Losses = Vec<Vec<f64>>;
+
+fn worst(losses: &Losses) -> (usize, usize, f64) {
+    let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
+    pairs
+        .map(|(a, b)| (a, b, losses[a][b].min(losses[b][a])))
+        .min_by(|a, b| a.2.total_cmp(&b.2))
+        .unwrap_or((0, 0, 0.0))
+}
+
+/// The engine with one run of this experiment, as it would be logged without noise.
+fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) -> Result<Engine, Error> {
+    let engine = question.engine;
+    let machine = &engine.machine;
+    let inputs = machine.inputs.iter().zip(&wave.values).map(|(input, values)| Course {
+        time: time.to_vec(),
+        values: values.clone(),
+        hold: input.hold,
+    });
+    let mut grid =
+        Grid { name: "next".into(), time: time.to_vec(), samples: Vec::new(), inputs: inputs.collect() };
+    let states: Vec<f64> = machine.states.iter().map(|state| state.nominal).collect();
+    let schedule = Schedule::new(machine, &grid, theta);
+    let set = engine.set(theta);
+    let channels = machine.channels.len();
+    let mut out = Vec::new();
+    engine.with_worker(|worker| {
+        let whole = schedule.job(time[0], 0, time.len() - 1, &states);
+        worker.interval(machine, &Job { parameters: &set, probe: true, reads: &[], ..whole }, &mut out)
+    })?;
+    let first = machine.order();
+    let effects = output_effects(machine, theta);
+    for (channel, effect) in effects.iter().enumerate() {
+        let values: Vec<f64> = (0..time.len()).map(|row| out[first + row * channels + channel]).collect();
+        let sensed = crate::dynamics::sensed(time, &values, effect.delay, effect.lag);
+        let samples = time.iter().zip(sensed).map(|(t, value)| Sample {
+            channel,
+            time: *t,
+            value: effect.shown(value, t - time[0]),
+        });
+        grid.samples.extend(samples);
+    }
+    grid.samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
+    Ok(Engine {
+        machine: machine.clone(),
+        outliers: vec![vec![false; grid.samples.len()]],
+        starts: vec![(states, engine.starts[0].1.clone())],
+        grids: vec![grid],
+        scales: engine.scales.clone(),
+        input_scales: engine.input_scales.clone(),
+        steps: engine.steps.clone(),
+        pool: Mutex::new(Vec::new()),
+        resets: engine.resets,
+        sensors: engine.sensors.clone(),
+    })
+}
+
+/// By the Fisher information: the least that any member leaves of another.
+fn screen(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<f64, Error> {
+    let theta = question.with(None);
+    let engine = simulated(question, wave, time, &theta)?;
+    let noise = question.noise();
+    let paths = engine.first_paths(&theta, &noise)?;
+    let member = |member: &Alternative| Chord { parameter: member.parameter, to: member.value, per: 1.0 };
+    let others: Vec<usize> =
+        question.effects.iter().copied().filter(|effect| *effect != question.own).collect();
+    let mut chords: Vec<Chord> = question.class.iter().map(member).collect();
+    chords.extend(others.iter().map(|effect| engine.local(&theta, *effect)));
+    let runs = engine.chords(&theta, &paths, &chords)?;
+    let all: Vec<usize> = (0..chords.len()).collect();
+    let gram = reduced(&runs, &noise, &all).gram;
+    let members = question.class.len();
+    let mut least = f64::INFINITY;
+    for a in 0..members {
+        for b in (0..members).filter(|b| *b != a) {
+            let beside: Vec<usize> =
+                std::iter::once(b).chain(members..chords.len()).filter(|i| gram[(*i, *i)] > 0.0).collect();
+            let explained = inverse(&submatrix(&gram, &beside)).map_or(0.0, |inverse| {
+                let row: Vec<f64> = beside.iter().map(|i| gram[(a, *i)]).collect();
+                (0..row.len())
+                    .flat_map(|i| (0..row.len()).map(move |j| (i, j)))
+                    .map(|(i, j)| row[i] * inverse[(i, j)] * row[j])
+                    .sum()
+            });
+            least = least.min(gram[(a, a)] - explained);
+        }
+    }
+    Ok(least)
+}
+
+/// Each member as the truth, each other one fitted to it.
+fn losses(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Losses, Error> {
+    let noise = question.noise();
+    let row = |truth: &Alternative| {
+        let engine = simulated(question, wave, time, &question.with(Some(truth)))?;
+        let fitted = |member: &Alternative| {
+            let theta = question.with(Some(member));
+            let paths = engine.first_paths(&theta, &noise)?;
+            let beside = question.effects.iter().copied().filter(|effect| *effect != question.own);
+            let free: Vec<usize> = std::iter::once(member.parameter)
+                .chain(beside)
+                .filter(|place| {
+                    !matches!(engine.machine.parameters[*place].scale, Scale::Switch | Scale::Count)
+                })
+                .collect();
+            let at = At { theta, paths, noise: noise.clone() };
+            Ok::<f64, Error>(fit(&engine, &at, &free, None, &Options::default())?.deviance)
+        };
+        let all = question.class.iter().map(fitted).collect::<Result<Vec<f64>, Error>>()?;
+        let own = question.class.iter().position(|member| member == truth).map_or(0.0, |place| all[place]);
+        Ok(all.iter().map(|deviance| (deviance - own).max(0.0)).collect())
+    };
+    question.class.iter().map(row).collect()
+}

@@ -1,0 +1,285 @@
+//! A sensor's first-order lag T dℓ/dt = y - ℓ: one more state of the linearised run for each channel that has one.
+//!
+//! Between the times at which y is read it runs along lines, over which the lag is exact. The path holds no ℓ: it is followed
+//! along the path from where it had settled at the run's begin, since all that depends on ℓ is linear in it.
+
+use super::linearise::{Engine, RowParts};
+use super::machine::{Machine, Role};
+use super::schedule::{Placed, Schedule};
+use crate::infer::{Linearised, Measured};
+use crate::observe::{OutputEffect, Reading};
+use crate::ports::output;
+
+/// Reads of a lagged channel within an interval: y may bend there.
+pub(super) const INNER: usize = 3;
+
+/// ℓ after a line from y₀ to y₁: a ℓ + b₀ y₀ + b₁ y₁.
+pub(super) fn weights(span: f64, time: f64) -> (f64, f64, f64) {
+    if time <= 0.0 {
+        return (0.0, 0.0, 1.0);
+    }
+    let x = span / time;
+    let a = libm::exp(-x);
+    let mean = if x > 1e-8 { -libm::expm1(-x) / x } else { 1.0 - 0.5 * x };
+    (a, mean - a, 1.0 - mean)
+}
+
+/// What a lag makes of values at times, settled at the first.
+pub(super) fn lagged(time: &[f64], values: &[f64], lag: f64) -> Vec<f64> {
+    let mut shown: Vec<f64> = Vec::with_capacity(values.len());
+    for (row, value) in values.iter().enumerate() {
+        shown.push(match row.checked_sub(1) {
+            None => *value,
+            Some(last) => {
+                let (a, b0, b1) = weights(time[row] - time[last], lag);
+                a * shown[last] + b0 * values[last] + b1 * value
+            }
+        });
+    }
+    shown
+}
+
+/// What a delay makes of values at times; before the first the first.
+pub(super) fn delayed(time: &[f64], values: &[f64], delay: f64) -> Vec<f64> {
+    let at = |when: f64| {
+        let next = time.partition_point(|t| *t <= when).clamp(1, time.len().max(2) - 1);
+        let share = (when - time[next - 1]) / (time[next] - time[next - 1]);
+        values[next - 1] + share.clamp(0.0, 1.0) * (values[next] - values[next - 1])
+    };
+    if time.len() < 2 { values.to_vec() } else { time.iter().map(|t| at(t - delay)).collect() }
+}
+
+/// One channel with a lag.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lag {
+    /// The channel.
+    pub channel: usize,
+    /// The parameter.
+    pub parameter: usize,
+    /// s.
+    pub time: f64,
+}
+
+/// The channels that lag for these parameters.
+pub(super) fn active(machine: &Machine, theta: &[f64]) -> Vec<Lag> {
+    let of = |(parameter, value): (usize, &f64)| match machine.parameters[parameter].role {
+        Role::Output(channel, OutputEffect::Lag) if *value > 0.0 => {
+            Some(Lag { channel, parameter, time: *value })
+        }
+        _ => None,
+    };
+    theta.iter().enumerate().filter_map(of).collect()
+}
+
+/// A run without its lags, and what it was made of.
+pub(super) struct Around<'a> {
+    pub engine: &'a Engine,
+    pub run: usize,
+    pub schedule: &'a Schedule,
+    pub parts: &'a [RowParts],
+    pub effects: &'a [output::Effects],
+    pub chords: &'a [super::linearise::Chord],
+    /// ∂(entry of a row)/∂θ.
+    pub column: &'a dyn Fn(usize, usize, usize) -> f64,
+}
+
+/// How y runs within an interval: shares of its length and what is read there, each a sum of entries of this row, and the
+/// next row's own value.
+struct Course {
+    times: Vec<f64>,
+    reads: Vec<Vec<(usize, f64)>>,
+}
+
+impl Around<'_> {
+    fn course(&self, row: usize, slot: usize, lag: &Lag) -> Course {
+        let machine = &self.engine.machine;
+        let (n, channels) = (machine.order(), machine.channels.len());
+        let time = &self.engine.grids[self.run].time;
+        let span = time[row + 1] - time[row];
+        let inner = self.schedule.inner.get(row).and_then(|lags| lags.get(slot));
+        let inner: &[(f64, usize)] = inner.map_or(&[], Vec::as_slice);
+        let at_row = vec![(n + lag.channel, 1.0)];
+        let entry = |read: usize| n + channels + read;
+        // where an output jumps with an input at the row, the line from the first reads goes back to it
+        let first = match (machine.reading, inner) {
+            (Reading::Before, [(t1, one), (t2, two), ..]) => {
+                let back = t1 / (t2 - t1);
+                vec![(entry(*one), 1.0 + back), (entry(*two), -back)]
+            }
+            _ => at_row,
+        };
+        let mut course = Course { times: vec![0.0], reads: vec![first] };
+        for (at, read) in inner {
+            course.times.push(*at);
+            course.reads.push(vec![(entry(*read), 1.0)]);
+        }
+        course.times.push(span);
+        course
+    }
+
+    /// ℓ at the interval's end: share of ℓ at its begin, and of what is read.
+    fn weighed(course: &Course, time: f64) -> (f64, Vec<f64>) {
+        let (mut keeps, mut shares) = (1.0, vec![0.0; course.times.len()]);
+        for part in 1..course.times.len() {
+            let (a, b0, b1) = weights(course.times[part] - course.times[part - 1], time);
+            keeps *= a;
+            shares.iter_mut().for_each(|share| *share *= a);
+            shares[part - 1] += b0;
+            shares[part] += b1;
+        }
+        (keeps, shares)
+    }
+
+    /// The run with a state more for each lag.
+    pub fn augmented(&self, plain: Linearised, lags: &[Lag]) -> Linearised {
+        let n = plain.states;
+        let (wide, p, rows) = (n + lags.len(), plain.parameters, plain.rows());
+        let mut out = Linearised {
+            states: wide,
+            transition: Vec::with_capacity((rows - 1) * wide * wide),
+            drive: Vec::with_capacity((rows - 1) * wide * p),
+            defect: Vec::with_capacity((rows - 1) * wide),
+            observe: Vec::with_capacity(plain.measured.len() * wide),
+            ..plain.clone()
+        };
+        let values: Vec<Vec<f64>> = (lags.iter())
+            .map(|lag| self.parts.iter().map(|part| part.base[n + lag.channel]).collect())
+            .collect();
+        let mut shown: Vec<Vec<f64>> = values.iter().map(|values| vec![values[0]]).collect();
+        for row in 0..rows - 1 {
+            let a = &plain.transition[row * n * n..(row + 1) * n * n];
+            let defect = &plain.defect[row * n..(row + 1) * n];
+            for i in 0..n {
+                out.transition.extend_from_slice(&a[i * n..(i + 1) * n]);
+                out.transition.extend(lags.iter().map(|_| 0.0));
+            }
+            let mut drives = vec![vec![0.0; lags.len()]; p];
+            let mut defects = Vec::new();
+            for (slot, lag) in lags.iter().enumerate() {
+                let course = self.course(row, slot, lag);
+                let (keeps, shares) = Self::weighed(&course, lag.time);
+                let last = shares[shares.len() - 1];
+                let here = &self.parts[row];
+                let next: Vec<f64> =
+                    self.parts[row + 1].states.iter().map(|column| column[n + lag.channel]).collect();
+                let read = |of: &dyn Fn(usize) -> f64, shares: &[f64]| -> f64 {
+                    let each = course.reads.iter().zip(shares);
+                    each.map(|(sum, share)| {
+                        share * sum.iter().map(|(entry, by)| by * of(*entry)).sum::<f64>()
+                    })
+                    .sum()
+                };
+                for (j, column) in here.states.iter().enumerate() {
+                    let through: f64 = (0..n).map(|i| next[i] * a[i * n + j]).sum();
+                    out.transition.push(read(&|entry| column[entry], &shares) + last * through);
+                }
+                out.transition.extend((0..lags.len()).map(|other| if other == slot { keeps } else { 0.0 }));
+                let own = shown[slot][row];
+                for (place, chord) in self.chords.iter().enumerate() {
+                    let through: f64 = plain.column(row, place).iter().zip(&next).map(|(d, h)| d * h).sum();
+                    let at_end = (self.column)(row + 1, place, n + lag.channel);
+                    drives[place][slot] =
+                        read(&|entry| (self.column)(row, place, entry), &shares) + last * (at_end + through);
+                    if chord.parameter == lag.parameter {
+                        let (keeps_there, there) = Self::weighed(&course, chord.to);
+                        let by: Vec<f64> = there.iter().zip(&shares).map(|(to, from)| to - from).collect();
+                        let end = by[by.len() - 1] * values[slot][row + 1];
+                        let moved = (keeps_there - keeps) * own + read(&|entry| here.base[entry], &by) + end;
+                        drives[place][slot] += moved / chord.per;
+                    }
+                }
+                defects.push(last * defect.iter().zip(&next).map(|(d, h)| d * h).sum::<f64>());
+                let to =
+                    keeps * own + read(&|entry| here.base[entry], &shares) + last * values[slot][row + 1];
+                shown[slot].push(to);
+            }
+            for (place, drive) in drives.iter().enumerate() {
+                out.drive.extend_from_slice(plain.column(row, place));
+                out.drive.extend_from_slice(drive);
+            }
+            out.defect.extend_from_slice(defect);
+            out.defect.extend(defects);
+        }
+        let placed: Vec<&Placed> = self.schedule.placed.iter().collect();
+        for (value, measured) in plain.measured.iter().enumerate() {
+            out.observe.extend_from_slice(&plain.observe[value * n..(value + 1) * n]);
+            out.observe.extend(lags.iter().map(|_| 0.0));
+            let Some(slot) = lags.iter().position(|lag| lag.channel == measured.channel) else { continue };
+            self.through(placed[value], value, slot, &shown[slot], &mut out);
+        }
+        let start = |(slot, lag): (usize, &Lag)| {
+            let mean = values[slot].iter().sum::<f64>() / rows as f64;
+            let square = values[slot].iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / rows as f64;
+            square.sqrt().max(self.engine.sensors[lag.channel])
+        };
+        out.start.0.extend(lags.iter().map(|_| 0.0));
+        out.start.1.extend(lags.iter().enumerate().map(start));
+        out
+    }
+
+    /// A value that is read off a lag's state, where it is delayed along a line to the next row.
+    fn through(&self, placed: &Placed, value: usize, slot: usize, shown: &[f64], out: &mut Linearised) {
+        let grid = &self.engine.grids[self.run];
+        let (wide, p, n) = (out.states, out.parameters, self.engine.machine.order());
+        let sample = grid.samples[placed.sample];
+        let effect = self.effects[sample.channel];
+        let row = placed.row;
+        let last = shown.len() - 1;
+        let into = sample.time - effect.delay - grid.time[row];
+        let share =
+            if row < last { (into / (grid.time[row + 1] - grid.time[row])).clamp(0.0, 1.0) } else { 0.0 };
+        let next = (row + 1).min(last);
+        let level = shown[row] + share * (shown[next] - shown[row]);
+        let around = (row.saturating_sub(1), next);
+        let slope =
+            (shown[around.1] - shown[around.0]) / (grid.time[around.1] - grid.time[around.0]).max(1e-300);
+        let since = sample.time - grid.time[0];
+        out.measured[value] = Measured {
+            residual: sample.value - effect.shown(level, since),
+            slope: effect.gain * slope,
+            ..out.measured[value]
+        };
+        let own = n + slot;
+        for j in 0..wide {
+            let here = if j == own { 1.0 - share } else { 0.0 };
+            let there = if share > 0.0 { share * out.transition[(row * wide + own) * wide + j] } else { 0.0 };
+            out.observe[value * wide + j] = effect.gain * (here + there);
+        }
+        for (place, chord) in self.chords.iter().enumerate() {
+            let drive = if share > 0.0 { share * out.drive[(row * p + place) * wide + own] } else { 0.0 };
+            let at_port = match self.engine.machine.parameters[chord.parameter].role {
+                Role::Output(channel, kind) if channel == sample.channel => match kind {
+                    OutputEffect::Gain => level,
+                    OutputEffect::Offset => 1.0,
+                    OutputEffect::Drift => since,
+                    OutputEffect::Delay => -effect.gain * slope,
+                    OutputEffect::Lag => 0.0,
+                },
+                _ => 0.0,
+            };
+            out.direct[value * p + place] = effect.gain * drive + at_port;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_a_lag_of_a_ramp_is_the_closed_form() {
+        let time: Vec<f64> = (0..50).map(|row| 0.1 * f64::from(row)).collect();
+        let shown = lagged(&time, &time, 0.7);
+        for (t, shown) in time.iter().zip(shown) {
+            // y = t - T + T exp(-t/T); fifty products of doubles
+            assert!((shown - (t - 0.7 + 0.7 * libm::exp(-t / 0.7))).abs() < 1e-13, "{t}");
+        }
+        assert_eq!(lagged(&time, &time, 0.0), time);
+    }
+
+    #[test]
+    fn value_a_delay_reads_between_rows() {
+        let time = [0.0, 1.0, 2.0, 4.0];
+        assert_eq!(delayed(&time, &[0.0, 10.0, 20.0, 0.0], 0.5), [0.0, 5.0, 15.0, 5.0]);
+    }
+}

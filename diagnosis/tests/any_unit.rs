@@ -61,11 +61,6 @@ const HIDDEN: &str =
 
 /// What encoders see of the unit with `hidden`, under a torque of steps and a push that nobody logs.
 fn log(hidden: &[(&str, f64)], seed: u64, push: impl Fn(f64) -> f64) -> String {
-    lagged(hidden, seed, push, 0.0)
-}
-
-/// The same with a lag of so many s at the encoder of q1.
-fn lagged(hidden: &[(&str, f64)], seed: u64, push: impl Fn(f64) -> f64, lag: f64) -> String {
     let fmu =
         Fmu::open(common::root().join("target/fmus/acrobot_plant.fmu")).expect("cargo xtask pack made it");
     let reference = |name: &str| fmu.description().variable(name).expect("a variable of the plant").reference;
@@ -87,7 +82,6 @@ fn lagged(hidden: &[(&str, f64)], seed: u64, push: impl Fn(f64) -> f64, lag: f64
     unit.exit_initialization().expect("legal");
     let mut text = "time,tau,q1,q2\n".to_owned();
     let mut torque = 0.0;
-    let (mut before, mut shown) = (f64::NAN, f64::NAN);
     for row in 0..ROWS {
         let time = row as f64 * INTERVAL;
         if row % 15 == 0 {
@@ -95,23 +89,11 @@ fn lagged(hidden: &[(&str, f64)], seed: u64, push: impl Fn(f64) -> f64, lag: f64
         }
         let mut angles = [0.0; 2];
         unit.get_real(&[reference("q1"), reference("q2")], &mut angles).expect("outputs");
-        if row == 0 {
-            (before, shown) = (angles[0], angles[0]);
-        }
-        let seen = if lag > 0.0 { [shown, angles[1]] } else { angles };
-        let [q1, q2] = seen.map(|angle| angle + NOISE * random.normal());
+        let [q1, q2] = angles.map(|angle| angle + NOISE * random.normal());
         writeln!(text, "{time},{torque},{q1},{q2}").expect("a text takes everything");
         unit.set_real(&[reference("tau"), reference("tau_1")], &[torque, push(time)]).expect("inputs");
         for part in 0..4 {
             let _ = unit.do_step(time + part as f64 * 0.25 * INTERVAL, 0.25 * INTERVAL, true);
-            if lag > 0.0 {
-                // T dy/dt = q - y for a line q
-                unit.get_real(&[reference("q1")], &mut angles[..1]).expect("an output");
-                let slope = (angles[0] - before) / (0.25 * INTERVAL);
-                let keeps = libm::exp(-0.25 * INTERVAL / lag);
-                shown = angles[0] - slope * lag + (shown - before + slope * lag) * keeps;
-                before = angles[0];
-            }
         }
     }
     text
@@ -147,24 +129,6 @@ fn recovers_friction_whether_rates_are_shown_or_not() {
         assert!(effect.ci95[0] < 0.01 && 0.01 < effect.ci95[1], "{name}: {effect:?}");
         assert!(found.gap.closed.is_some_and(|closed| closed > 0.95), "{name}: {:?}", found.gap);
     }
-}
-
-#[test]
-fn recovers_a_sensors_lag_as_such() {
-    let folder = Folder::new("lag");
-    folder.put(
-        "dataset.toml",
-        &format!("{HEAD}{SHOWN}").replace("[\"gain\", \"offset\"]", "[\"gain\", \"delay\", \"lag\"]"),
-    );
-    folder.put("a.csv", &lagged(&[], 5, quiet, 0.05));
-    folder.put("b.csv", &lagged(&[], 6, quiet, 0.05));
-    let found = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {})
-        .unwrap_or_else(|error| panic!("{error}"));
-    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name.as_str()).collect();
-    assert_eq!((found.verdict, names), (Verdict::Named, vec!["acrobot_plant.q1:lag"]), "{:?}", found.story);
-    // 99.99 % of a normal distribution lie within twice its interval of 95 %
-    let effect = &found.effects[0];
-    assert!((effect.value - 0.05).abs() < effect.ci95[1] - effect.ci95[0], "{effect:?}");
 }
 
 #[test]

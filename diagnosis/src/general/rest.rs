@@ -3,7 +3,7 @@
 use super::study::Studied;
 use crate::diagnosis::Unknown;
 use crate::dynamics::Engine;
-use crate::infer::likelihood::{maximise, maximise_within};
+use crate::infer::likelihood::maximise;
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
@@ -14,8 +14,6 @@ use rayon::prelude::*;
 
 /// Correlation times with which an unlisted input is begun, in rows.
 const MEMORIES: [f64; 2] = [5.0, 60.0];
-/// Rounds after which the equation and the memory of an unlisted input are chosen.
-const LOOK: usize = 8;
 /// A course follows a variable when that takes away at least this share of its square.
 const FOLLOWS: f64 = 0.25;
 /// Each further term must take away at least this share.
@@ -54,13 +52,11 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
         .map(|(equation, memory)| {
             let size = fit.at.noise.process[*equation].max(sizes.process[*equation].0) / memory.sqrt();
             let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
-            let begun = Noise { disturbance, ..fit.at.noise.clone() };
-            maximise_within(&fit.runs, &columns, &begun, sizes, LOOK)
+            maximise(&fit.runs, &columns, &Noise { disturbance, ..fit.at.noise.clone() }, sizes)
         })
         .collect::<Vec<_>>()
         .into_iter()
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(noise, ..)| maximise(&fit.runs, &columns, &noise, sizes));
+        .min_by(|a, b| a.1.total_cmp(&b.1));
     let white = fit.deviance;
     let (noise, with) = best.map_or((None, white), |(noise, with)| (Some(noise), with));
     let evidence = without - with.min(white);

@@ -14,6 +14,8 @@ use rayon::prelude::*;
 
 /// Correlation times with which an unlisted input is begun, in rows.
 const MEMORIES: [f64; 2] = [5.0, 60.0];
+/// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
+const ABOVE: f64 = 1e4;
 /// A course follows a variable when that takes away at least this share of its square.
 const FOLLOWS: f64 = 0.25;
 /// Each further term must take away at least this share.
@@ -50,12 +52,14 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
     let best = tried
         .par_iter()
         .map(|(equation, memory)| {
-            let size = fit.at.noise.process[*equation].max(sizes.process[*equation].0) / memory.sqrt();
+            let size =
+                fit.at.noise.process[*equation].max(ABOVE * sizes.process[*equation].0) / memory.sqrt();
             let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
             maximise(&fit.runs, &columns, &Noise { disturbance, ..fit.at.noise.clone() }, sizes)
         })
         .collect::<Vec<_>>()
         .into_iter()
+        .chain(fit.at.noise.disturbance.map(|_| maximise(&fit.runs, &columns, &fit.at.noise, sizes)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let white = fit.deviance;
     let (noise, with) = best.map_or((None, white), |(noise, with)| (Some(noise), with));

@@ -124,11 +124,13 @@ fn of_u(name: &str) -> bool {
 #[test]
 fn every_habit_of_a_lab_is_told_with_the_line_that_mends_it() {
     let good = recorded("habits", &[]);
-    let cases: [(&str, Habit, Keep, &str); 9] = [
+    let cases: [(&str, Habit, Keep, &str); 11] = [
         ("milliseconds", |name, x| if name == "time" { 1e3 * x } else { x }, all, "time = \"ms\""),
         ("millinewtons", |name, x| if name == "tau" { 1e3 * x } else { x }, all, "torque = \"mN·m\""),
         ("torque-sign", |name, x| if name == "tau" { -x } else { x }, all, "torque_sign = -1"),
         ("encoder-signs", |name, x| if is_angle(name) { -x } else { x }, all, "angles_sign = -1"),
+        ("sign-of-q1", |name, x| if name == "q1" { -x } else { x }, all, "q1_sign = -1"),
+        ("sign-of-q2", |name, x| if name == "q2" { -x } else { x }, all, "q2_sign = -1"),
         ("swapped", as_it_is, all, "links = \"swapped\""),
         ("relative", as_it_is, all, "q2 = \"relative\""),
         ("degrees", |name, x| if is_angle(name) { x.to_degrees() } else { x }, all, "angles = \"deg\""),

@@ -16,6 +16,8 @@ pub struct Stated {
     pub torque: f64,
     /// Radians in a unit of the encoders' angles, with their sign.
     pub angle: f64,
+    /// Signs of `q1` and `q2`, and of their rates, beside that.
+    pub signs: [f64; 2],
     /// The same of angles that the vision read.
     pub vision: f64,
     /// Angles are counted from hanging down.
@@ -49,6 +51,7 @@ impl Default for Stated {
             time: 1.0,
             torque: 1.0,
             angle: 1.0,
+            signs: [1.0; 2],
             vision: 1.0,
             hanging: false,
             relative: false,
@@ -82,6 +85,8 @@ const KEYS: &[Key] = &[
     ("torque_sign", &[("1", |_| {}), ("-1", |s| s.torque = -s.torque)]),
     ("angles", &[("rad", |_| {}), ("deg", |s| s.angle *= PI / 180.0)]),
     ("angles_sign", &[("1", |_| {}), ("-1", |s| s.angle = -s.angle)]),
+    ("q1_sign", &[("1", |_| {}), ("-1", |s| s.signs[0] = -1.0)]),
+    ("q2_sign", &[("1", |_| {}), ("-1", |s| s.signs[1] = -1.0)]),
     ("vision_angles", &[("rad", |_| {}), ("deg", |s| s.vision = PI / 180.0)]),
     ("zero", &[("upright", |_| {}), ("hanging", |s| s.hanging = true)]),
     ("q2", &[("absolute", |_| {}), ("relative", |s| s.relative = true)]),
@@ -136,7 +141,9 @@ impl Stated {
         }
         if let Some(log) = plant {
             scale(log, "tau_applied", self.torque);
-            ["q1", "q2", "dq1", "dq2"].iter().for_each(|name| scale(log, name, self.angle));
+            for (name, sign) in ["q1", "q2", "dq1", "dq2"].into_iter().zip(self.signs.into_iter().cycle()) {
+                scale(log, name, sign * self.angle);
+            }
             self.turn(log);
         }
         if let Some(log) = camera {
@@ -223,6 +230,15 @@ mod tests {
         assert!((cell(&run.plant, "dq2") - 3.0 * PI / 180.0).abs() < 1e-12);
         assert_eq!((cell(&run.camera, "u1"), cell(&run.camera, "v1")), (0.0, -179.0));
         assert_eq!(run.plant.map(|log| log.time), Some(vec![1.0]));
+    }
+
+    #[test]
+    fn value_one_encoder_that_counts_the_other_way_is_turned_with_its_rate() {
+        let mut run = run();
+        read("q2_sign = -1\nq2 = \"relative\"").expect("both are known").apply(&mut run, (512.0, 512.0));
+        let plant = run.plant.expect("it was logged");
+        let turned = ["q1", "q2", "dq1", "dq2"].map(|name| plant.column(name).map_or(f64::NAN, |all| all[0]));
+        assert_eq!(turned, [180.0, 190.0, 1.0, -1.0]);
     }
 
     #[test]

@@ -35,10 +35,17 @@ pub(super) fn degrees(facts: &Facts<'_>) -> Option<Finding> {
 type Way = (&'static str, &'static str, fn(f64, f64) -> (f64, f64));
 
 /// Offsets are no matter: a mount may be turned by any angle.
-const WAYS: [Way; 5] = [
+const WAYS: [Way; 8] = [
     ("angles_sign = -1", "angles are counted against the picture", |q1, q2| (-q1, -q2)),
     ("q2 = \"relative\"", "q2 is link 2 against link 1", |q1, q2| (q1, q1 + q2)),
     ("links = \"swapped\"", "q1 and q2 are exchanged", |q1, q2| (q2, q1)),
+    ("q1_sign = -1", "q1 is counted against the picture", |q1, q2| (-q1, q2)),
+    ("q2_sign = -1", "q2 is counted against the picture", |q1, q2| (q1, -q2)),
+    (
+        "q2_sign = -1\nq2 = \"relative\"",
+        "q2 is link 2 against link 1, counted against the picture",
+        |q1, q2| (q1, q1 - q2),
+    ),
     (
         "angles_sign = -1\nq2 = \"relative\"",
         "angles are counted against the picture, and q2 against link 1",

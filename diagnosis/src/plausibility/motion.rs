@@ -39,6 +39,14 @@ fn same(q1: f64, q2: f64) -> (f64, f64) {
 const WAYS: &[Way] = &[
     way("torque = \"mN·m\"", "the torque is in mN·m", same, 1e-3),
     way("torque_sign = -1", "the torque has the other sign, or both angles have", same, -1.0),
+    way("q1_sign = -1", "q1 has the other sign, or q2 and the torque have", |a, b| (-a, b), 1.0),
+    way("q2_sign = -1", "q2 has the other sign, or q1 and the torque have", |a, b| (a, -b), 1.0),
+    way(
+        "q2_sign = -1\nq2 = \"relative\"",
+        "q2 is the angle at the joint and has the other sign",
+        |a, b| (a, a - b),
+        1.0,
+    ),
     way("zero = \"hanging\"", "both angles are counted from hanging down", |a, b| (a + PI, b + PI), 1.0),
     way("q2 = \"relative\"", "q2 is the angle at the joint, link 2 against link 1", |a, b| (a, a + b), 1.0),
     way(

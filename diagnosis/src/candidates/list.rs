@@ -24,6 +24,8 @@ const fn bent(entry: Entry) -> Entry {
     Entry { bends: true, ..entry }
 }
 
+/// All torques of the actuator go with it.
+pub const GAIN: &str = "plant.k_tau";
 /// Not a variable of a unit: how late the plant's log is stamped, s.
 pub const CLOCK: &str = "plant log's clock";
 /// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
@@ -56,7 +58,7 @@ pub const LIST: &[Entry] = &[
     real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
     real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
     load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"),
-    share("plant.k_tau", THOUSANDTH, PART, "torque gain"),
+    share(GAIN, THOUSANDTH, PART, "torque gain"),
     real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },
     share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link"),

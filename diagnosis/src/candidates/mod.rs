@@ -5,7 +5,7 @@
 
 mod list;
 
-pub use list::{CLOCK, LIST, ZEROS};
+pub use list::{CLOCK, GAIN, LIST, ZEROS};
 
 use crate::model::Model;
 

@@ -5,6 +5,7 @@ use crate::dataset::Run;
 use crate::selection::steadiness;
 
 const DELAY: &str = "camera.T_delay";
+const EXPOSURE: &str = "camera.E_t";
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
 pub(super) const MISSES: f64 = 3.0;
 /// Standard errors of the clock that a delay or an exposure must be larger than.
@@ -35,7 +36,7 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
 fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)> {
     let late = |other: &&Alternative| other.candidate == delay && other.loss < CLASS;
     let (effect, by) = part.classes.iter().find_map(|(effect, class)| {
-        let own = [DELAY, "camera.E_t"].contains(&list[*effect].name);
+        let own = [DELAY, EXPOSURE].contains(&list[*effect].name);
         let by = class.iter().find(late).map(|other| other.x - list[delay].off);
         own.then_some((*effect, by?))
     })?;
@@ -77,6 +78,13 @@ pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
     let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+        // the pictures' clock is free, so that of an exposure its blur alone is known
+        let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
+        let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
+        let doubt = place(EXPOSURE).and_then(|index| Some((index, beside(index)?.sqrt())));
+        return doubt.into_iter().collect();
+    }
     let unsure = place(CLOCK).and_then(|clock| {
         let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
         known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= BLURRED * alone)
@@ -86,7 +94,7 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     let error = error.max(shift.abs());
     let twice = 2.0 * model.frame_rate();
     let of = |name, each: f64| place(name).map(|index| (index, each * error));
-    [of(DELAY, 1.0), of("camera.E_t", twice)].into_iter().flatten().collect()
+    [of(DELAY, 1.0), of(EXPOSURE, twice)].into_iter().flatten().collect()
 }
 
 /// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
@@ -246,7 +254,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
 fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> bool {
     let shorter = |other: &Alternative| {
         let candidate = &list[other.candidate];
-        candidate.name == "camera.E_t" && other.loss < CLASS && other.x < candidate.off
+        candidate.name == EXPOSURE && other.loss < CLASS && other.x < candidate.off
     };
     let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
     let mut found = false;

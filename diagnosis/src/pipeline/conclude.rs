@@ -67,7 +67,7 @@ pub(super) fn conclude(
             withdrawn.extend(&part.study.active);
         } else {
             let imitates = left.is_some().then_some(imitates);
-            for (effect, swap) in part_effects(part, list, &free, &doubts, imitates) {
+            for (effect, swap) in part_effects(data, part, list, &free, &doubts, imitates) {
                 effects.push(effect);
                 swaps.extend(swap);
             }
@@ -102,6 +102,7 @@ pub(super) fn conclude(
     counted(data, model, list, &mut effects, &mut smallest);
     let gone = correction.as_ref().map_or(&[][..], |correction| correction.supersedes.as_slice());
     effects.retain(|effect| !gone.contains(&effect.name));
+    story.extend(super::scale::unscaled(data, list, &mut effects));
     let amended = |index: usize| {
         if gone.iter().any(|name| name == list[index].name) { list[index].off } else { point[index] }
     };
@@ -192,6 +193,7 @@ fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &St
 type Swap = (usize, usize, f64);
 
 fn part_effects(
+    data: &DataSet,
     part: &Part,
     list: &[Candidate],
     free: &[usize],
@@ -230,7 +232,8 @@ fn part_effects(
             let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
             let error = error(*index).map(|error| known * error);
             let mut members = members(name, *index, &alternatives, list);
-            let kept = worth(*index).map_or(1.0, |worth| worth.share);
+            let kept = worth(*index).map_or(1.0, |worth| worth.share)
+                * interval::confirmed(&part.study, data, list, *index);
             members.iter_mut().for_each(|member| member.probability *= kept);
             let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
             let effect = Effect {

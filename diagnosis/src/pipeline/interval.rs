@@ -1,7 +1,7 @@
 //! Intervals of values, and what a name is worth beside a rest that has none.
 
 use super::*;
-use crate::candidates::Motion;
+use crate::candidates::{Cuts, Motion};
 use crate::selection::discrepancy;
 use crate::statistics::linear::{inverse, submatrix};
 use nalgebra::DMatrix;
@@ -89,6 +89,38 @@ pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], imitates:
         .collect()
 }
 
+/// Share of what the data say of a value beyond which one run says it all.
+const ALONE: f64 = 0.99;
+
+/// Share of its certainty that a name keeps of which a single run tells, so that no run left out could contradict it: as after n
+/// agreeing cases in all (rule of succession, (n + 1)/(n + 2)), n the blocks in which it shows, or the commands that a ceiling has cut. A
+/// push from outside may look like two of these.
+pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index: usize) -> f64 {
+    let (last, folds) = (&study.last, &study.folds);
+    let Some(place) = last.places(&[index]).first().copied().filter(|_| folds.runs.len() > 1) else {
+        return 1.0;
+    };
+    let told = || last.reduced.iter().map(|block| block.gram[(place, place)]);
+    let all: f64 = told().sum();
+    let mut runs = vec![0.0; folds.count];
+    told().zip(&folds.of).for_each(|(own, fold)| runs[*fold] += own);
+    if all <= 0.0 || runs.iter().all(|own| *own < ALONE * all) {
+        return 1.0;
+    }
+    let blocks = all * all / told().map(|own| own * own).sum::<f64>();
+    let cases = match list[index].motion {
+        Motion::Ceiling { cuts: Cuts::Torque } => blocks.max(cut(data, list[index].value(last.point[index]))),
+        _ => blocks,
+    };
+    (cases + 1.0) / (cases + 2.0)
+}
+
+/// Commands beyond a level.
+fn cut(data: &DataSet, level: f64) -> f64 {
+    let logs = data.runs.iter().filter_map(|run| run.controller.as_ref()?.column("tau"));
+    logs.flatten().filter(|tau| tau.abs() > level).count() as f64
+}
+
 /// Squares that noise alone doesn't leave.
 fn unexplained(study: &Study) -> f64 {
     let last = &study.last;
@@ -100,7 +132,6 @@ fn unexplained(study: &Study) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::candidates::Cuts;
 
     fn ceiling() -> Candidate {
         let motion = Motion::Ceiling { cuts: Cuts::Torque };

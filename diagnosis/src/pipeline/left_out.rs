@@ -6,7 +6,7 @@
 //! half in turn. With one run, halves of it are left out.
 
 use super::correct::correct;
-use super::plant::pose_of;
+use super::plant::{logged_poses, pose_of};
 use super::*;
 use crate::correction::{self, Correction};
 use crate::dataset::Span;
@@ -21,6 +21,10 @@ use crate::residual::weak::Weak;
 use crate::selection::Evaluation;
 use crate::watch::Known;
 
+/// The nominal model's torques are read off windows that it stays in. Where more than so many times the noise shows there, and so many
+/// times what it lacks at the logged states themselves, it has run away, and what its tangent asks for is no torque.
+const FAR_ABOVE: f64 = 10.0;
+const RAN_AWAY: f64 = 1.5;
 /// Most parts that runs are left out in: each costs a search, and with three a diagnosis took 1.6 to 1.9 times as long as without.
 const PARTS: usize = 2;
 /// What ends early where time is up.
@@ -179,7 +183,9 @@ impl Judge<'_> {
         correction: Option<&Correction>,
         first: &First<'_>,
     ) -> Result<Vec<Sums>, Error> {
-        let mut motions = None;
+        // as the search compared them: where no torque was logged beside the angles, pictures stand at the poses of the logs alone
+        let led_by_logs = first.parts.iter().all(|part| !part.torque);
+        let mut motions = if led_by_logs { logged_poses(self.data) } else { None };
         let mut all = Vec::new();
         for (place, (part, of)) in first.parts.iter().zip(first.compared).enumerate() {
             if !part.torque && !first.finds(place) {
@@ -222,11 +228,26 @@ impl Judge<'_> {
             return Ok((self.torques(&mut weak, point, correction, noise)?, None));
         }
         rows.begin(&self.off())?;
-        let sums = self.torques(&mut rows, point, correction, noise)?;
+        let sums = self.at_the_log(self.torques(&mut rows, point, correction, noise)?)?;
         rows.begin(point)?;
         rows.linearise(point, &[], false)?;
         let sigma = noise[..2].iter().fold(0.0, |a: f64, b| a.max(*b));
         Ok((sums, pose_of(self.data, &rows, point, sigma)?))
+    }
+
+    /// The same sums, with what the nominal model lacks at the logged states where it has run away from the log.
+    fn at_the_log(&self, sums: Sums) -> Result<Sums, Error> {
+        let mean = |(square, count): (f64, f64)| square / f64::max(count, 1.0);
+        if mean(sums.before) < FAR_ABOVE * FAR_ABOVE * mean(sums.floor) {
+            return Ok(sums);
+        }
+        let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())? else { return Ok(sums) };
+        let seen = Evaluation::at(&mut weak, &self.off(), &[], false)?;
+        let seen = torques(&seen.blocks, &[], &[], &vec![0; seen.blocks.len()]);
+        let square: f64 = seen.iter().flat_map(|torque| torque.torque).map(|x| x * x).sum();
+        let shown = square / (2.0 * seen.len() as f64).max(1.0);
+        let ran_away = shown > 0.0 && mean(sums.before) > RAN_AWAY * RAN_AWAY * shown;
+        Ok(if ran_away { Sums { before: (shown * sums.before.1, sums.before.1), ..sums } } else { sums })
     }
 
     fn torques<C: Forced>(
@@ -273,11 +294,14 @@ impl Judge<'_> {
             (_, Some(image)) => Box::new(image),
             _ => return Ok(Sums::default()),
         };
-        let mut judged = |point: &[f64]| {
-            cut.afresh();
-            Evaluation::at(cut.as_mut(), point, &[], false)
+        let judged = |cut: &mut dyn Cut, point: &[f64]| {
+            let first = Evaluation::at(cut, point, &[], false)?;
+            // the look itself has put frames elsewhere
+            if cut.free_pose() { Evaluation::at(cut, point, &[], false) } else { Ok(first) }
         };
-        let (nominal, last) = (judged(&self.off())?, judged(point)?);
+        let nominal = judged(cut.as_mut(), &self.off())?;
+        cut.afresh();
+        let last = judged(cut.as_mut(), point)?;
         let folds = vec![0; last.blocks.len().max(nominal.blocks.len())];
         Ok(of.sums(&nominal, &last, &Shifted { places: &[], shifts: &[], folds: &folds }, noise))
     }

@@ -11,6 +11,7 @@ mod interval;
 mod left_out;
 mod looks;
 mod plant;
+mod scale;
 mod sensor;
 
 use crate::candidates::{CLOCK, Candidate, LIST, Side, ZEROS, candidates};

@@ -35,8 +35,7 @@ pub(super) fn plant_part(
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
     let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
         notices.extend(data.runs.iter().filter_map(not_compared));
-        let mut motions = vec![Logged::default(); data.runs.len()];
-        return Ok(as_logged(data, &mut motions).map(|sigma| (motions, sigma)));
+        return Ok(logged_poses(data));
     };
     watch.stage("plant: windows of the logs");
     let (compared, all) = rows.windows();
@@ -100,6 +99,12 @@ pub(super) fn plant_part(
     }
     rows.linearise(point, &[], false)?;
     pose_of(data, &rows, point, sigma)
+}
+
+/// The motions as they were logged, and how well they are known, rad; `None` where there are none.
+pub(super) fn logged_poses(data: &DataSet) -> Option<(Vec<Logged>, f64)> {
+    let mut motions = vec![Logged::default(); data.runs.len()];
+    as_logged(data, &mut motions).map(|sigma| (motions, sigma))
 }
 
 /// The motions for the pictures, and how well they are known, rad; `None` where there are no pictures. `sigma` is that of the angles. Call

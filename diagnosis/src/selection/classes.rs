@@ -206,13 +206,14 @@ fn blurs(candidate: &Candidate) -> bool {
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
 /// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
-/// times only, and a plant leaves pictures alone.
+/// times only, and a plant leaves pictures alone. A ceiling's column is that of another level.
 fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
         candidate.side == Side::Camera && candidate.name != "camera.T_delay"
     };
-    let smooth = |index: usize| !candidates[index].is_discrete();
+    let ceiling = |index: usize| matches!(candidates[index].motion, Motion::Ceiling { .. });
+    let smooth = |index: usize| !candidates[index].is_discrete() && !ceiling(index);
     cut.lattice()
         && !cut.reads_angles()
         && (pictured(effect) || pictured(index) || !cut.free_pose())

@@ -81,17 +81,18 @@ impl Trials<'_> {
             watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
             self.fit(cut, hit, &mut trials);
         }
-        let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
-        self.handicap(&mut trials, cut.clock_doubt(), most);
-        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         let large = LARGE * self.last.total.square;
         let linear = cut.lattice() && small && shortlist.iter().all(|hit| hit.gain < large);
         if linear {
-            trials.sort_by(|a, b| self.gain(b.0).total_cmp(&self.gain(a.0)));
+            trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
         }
+        let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
+        self.handicap(&mut trials, cut.clock_doubt(), most);
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
-            // a part of a whole step is none, however well columns would have it
-            let by_columns = linear && !self.candidates[candidate].is_discrete();
+            // a part of a whole step is none, however well columns would have it, and no column is a ceiling's beyond its own level
+            let own = &self.candidates[candidate];
+            let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Ceiling { .. });
             let held_out = self.held_out(&trial, candidate, by_columns);
             let before = self.last.under(&trial);
             let share = 1.0 - trial.total.square / before.total.square;
@@ -184,7 +185,9 @@ impl Trials<'_> {
             trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
         for (fault, fall, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
             let late = stamped_late(&self.candidates[*fault], trial.point[*fault], doubt);
-            let by = match doubt.is_infinite() {
+            // clocks that have nothing to do with each other were set by the motion, and what that leaves is theirs
+            let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Stamps;
+            let by = match known_to_be_off {
                 true => -HANDICAP.max(DOUBTED * most),
                 false if late => -HANDICAP,
                 false => HANDICAP,

@@ -90,9 +90,10 @@ impl<M: Model> Instance<M> {
     }
 
     /// Logs why `function` was refused.
-    pub fn report(&self, function: &str, error: &Error) {
+    pub fn report(&self, function: &str, status: Status, error: &Error) {
         let message = || format!("{function}: {error}");
-        self.log.send(ERROR, logger::STATUS_ERROR.name, &message);
+        let category = if status == ERROR { logger::STATUS_ERROR } else { logger::STATUS_DISCARD };
+        self.log.send(status, category.name, &message);
     }
 
     /// Whether the calling sequence allows `call` now.

@@ -220,17 +220,11 @@ fn alone_input_derivatives_serve_one_step() {
         assert_eq!(fmi2::fmi2GetRealOutputDerivatives(toy.c, &vr::X, 1, &1, &mut rate), 0);
         assert_eq!(fmi2::fmi2GetReal(toy.c, &vr::DX, 1, &mut speed), 0);
         assert_eq!(rate, speed);
-        for (reference, order, words) in [
-            (vr::X, 0, "order 0 of x"),
-            (vr::X, 2, "order 2 of x"),
-            (vr::X, i32::MAX, "of x is not provided"),
-            (vr::DX, 1, "order 1 of dx"),
-            (vr::V, 1, "not an output"),
-            (99, 1, "99"),
-        ] {
-            assert_eq!(fmi2::fmi2GetRealOutputDerivatives(toy.c, &reference, 1, &order, &mut rate), 3);
-            let told = toy.error();
-            assert!(told.contains(words), "{told}");
+        // What isn't provided is discarded, what is no output is an error.
+        for (reference, order, status) in
+            [(vr::X, 0, 2), (vr::X, 2, 2), (vr::X, i32::MAX, 2), (vr::DX, 1, 2), (vr::V, 1, 3), (99, 1, 3)]
+        {
+            assert_eq!(fmi2::fmi2GetRealOutputDerivatives(toy.c, &reference, 1, &order, &mut rate), status);
         }
         assert_eq!(
             fmi2::fmi2GetRealOutputDerivatives(toy.c, ptr::null(), 0, ptr::null(), ptr::null_mut()),

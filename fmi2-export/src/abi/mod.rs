@@ -21,7 +21,7 @@ use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use types::{Component, ERROR, OK, Status};
+use types::{Component, DISCARD, ERROR, OK, Status};
 
 /// What an `fmi2Component` points to.
 pub struct Handle<M: Model> {
@@ -68,9 +68,14 @@ unsafe fn call<M: Model>(
             Some(Error::Panic(panic_message(payload)))
         }
     };
-    let status = if error.is_some() { ERROR } else { OK };
+    let status = match &error {
+        None => OK,
+        // Nothing is wrong with the unit: a master that asks on speculation may go on.
+        Some(Error::NoOutputDerivative { .. }) => DISCARD,
+        Some(_) => ERROR,
+    };
     if let Some(error) = error {
-        instance.report(function, &error);
+        instance.report(function, status, &error);
     }
     handle.busy.store(false, Ordering::Release);
     status

@@ -1,8 +1,8 @@
 //! Many runs of one scenario: a study says which values, and which numbers of each run are kept; the answer is a Parquet
 //! data set with a row for each case, whose parts can be made on any number of machines.
 //!
-//! Read [`sweep`] first: it looks which parts are there ([`parts`]), hands the cases of the others to threads
-//! ([`pool`]), each with units of its own that are used again ([`worker`]), and writes their rows in order ([`data`]).
+//! Read [`sweep`] first: it looks which parts are there (`parts`), hands the cases of the others to threads
+//! (`pool`), each with units of its own that are used again (`worker`), and writes their rows in order (`data`).
 //!
 //! ```no_run
 //! use sweep::{Limits, Options, Plan, Silent, Study};

@@ -127,7 +127,7 @@ pub unsafe fn slice<'a, T>(
 /// An array that the master wants filled.
 ///
 /// # Safety
-/// As for [`slice`], and nobody else uses the elements during `'a`.
+/// As for [`slice()`], and nobody else uses the elements during `'a`.
 pub unsafe fn slice_out<'a, T>(
     pointer: *mut T,
     length: usize,

@@ -6,6 +6,9 @@ use fmi2_export::abi::types::Text;
 use std::ffi::CStr;
 use std::ptr;
 
+/// Discards what no variable gives.
+pub(super) const GET_RATES: &str = "fmi2GetRealOutputDerivatives";
+
 impl Sequence<'_> {
     /// Up to three references, mostly of the type, and whether a null pointer should stand for an array.
     fn references(&mut self, kind: char) -> (Vec<u32>, bool) {
@@ -106,15 +109,15 @@ impl Sequence<'_> {
         let mut values: Vec<f64> = references.iter().map(|_| self.number(0.0)).collect();
         let (vr, n, order) = (references.as_ptr(), references.len(), orders.as_ptr());
         // SAFETY: arrays of the length given, or null ones, which must be refused.
-        let status = unsafe {
+        let (function, status) = unsafe {
             let out = if null { ptr::null_mut() } else { values.as_mut_ptr() };
             if self.random.per_cent(80) {
-                (self.api.set_rates)(self.c, vr, n, order, out)
+                ("fmi2SetRealInputDerivatives", (self.api.set_rates)(self.c, vr, n, order, out))
             } else {
-                (self.api.get_rates)(self.c, vr, n, order, out)
+                (GET_RATES, (self.api.get_rates)(self.c, vr, n, order, out))
             }
         };
-        self.note("fmi2…Derivatives", status).map(drop)
+        self.note(function, status).map(drop)
     }
 
     pub(super) fn derivative(&mut self) -> Result<(), String> {

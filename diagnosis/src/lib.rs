@@ -36,6 +36,7 @@ mod bench;
 mod counting;
 mod design;
 mod diagnosis;
+mod differ;
 mod dynamics;
 mod earlier;
 mod error;

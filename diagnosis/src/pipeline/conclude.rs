@@ -6,6 +6,7 @@ use super::*;
 use crate::candidates::{Motion, Side};
 use crate::counting::losses;
 use crate::diagnosis::{Effect, Gap, Member, Trace, Unknown, Verdict, Where};
+use crate::differ::differing;
 use crate::imitation::{anything, imitation};
 use crate::provenance::Provenance;
 use crate::rest::{drifting, torque_shape, unknown};
@@ -53,6 +54,13 @@ pub(super) fn conclude(
         }
         // what clocks that drift leave looks like much else
         let left = if left.is_some() { drift.clone().or(left) } else { drifting(&part.study, list) };
+        let differ = (part.torque && left.is_some() && drift.is_none())
+            .then(|| differing(&part.study.last, &part.study.active, list, &runs))
+            .flatten();
+        let left = left.map(|left| match differ {
+            Some(shape) => Unknown { shape, ..left },
+            None => left,
+        });
         if !part.coarse.is_empty() {
             story.push(story::of_coarse(&part.coarse, list));
         }

@@ -1,10 +1,10 @@
 //! What a diagnosis says: docs/diagnosis-json.md, field by field.
 
-use crate::candidates::Candidate;
-use crate::correction::Correction;
 use crate::error::Notice;
 use crate::overlay::Channel;
 use crate::provenance::Provenance;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::correction::Correction;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

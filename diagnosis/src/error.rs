@@ -29,7 +29,7 @@ pub enum Error {
         /// The data set.
         path: PathBuf,
         /// What was found, and the line that is missing.
-        finding: Box<crate::plausibility::Finding>,
+        finding: Box<crate::rigs::acrobot::plausibility::Finding>,
     },
     /// An option that can't be.
     #[error("{option} {given}: {problem}")]

@@ -18,80 +18,54 @@
 //! ```
 //!
 //! [`diagnose`] is where to begin; [`import`] makes a data set of logs, [`record()`] one of finished runs. A [`Diagnosis`] is what
-//! `diagnosis.json` holds. The way of a diagnosis, a room each:
-//! 1. `dataset` reads a folder and puts aside what can't be used; `plausibility` stops at logs that count otherwise than the model.
-//! 2. `model` loads the nominal scenario; `bench` holds its units, reached through FMI only.
-//! 3. `residual` cuts the loop at every interface and compares, with the columns of all `candidates`.
-//! 4. `selection` names, one effect at a time, with the `statistics` that keep it honest.
-//! 5. `rest` says whether what remains is noise, `imitation` whether names only stand for something else, `gap` how far it closed, `amend` writes the better model.
-//! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
-//! 7. `observe` reads the general form of a data set, for any unit; `general` is where a data set's format decides who diagnoses it.
-//! 8. `dynamics` and `ports` make any unit a function of one interval, `infer` links its states, `search` finds what it lacks.
-//! 9. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
+//! `diagnosis.json` holds. The general rooms know no machine by name, in the order in which data flow:
+//! 1. `observe` reads a data set: channels, states, candidates, ports, runs; `import` writes one from logs.
+//! 2. `dynamics` and `ports` make any unit a function of one interval with sensitivities.
+//! 3. `infer` links its states from row to row, with the `nuisance`s of the log; `statistics` is what it counts with.
+//! 4. `search` finds what the model lacks, `design` the experiment that would tell what stays open.
+//! 5. `general` goes this way from end to end; it is also where a data set's format decides who diagnoses it.
+//! 6. `report_page`, `report_graphs` and `write` tell it.
+//!
+//! `rigs` holds what only one machine has. So far that is our own: [`rigs::acrobot`].
 
 #![forbid(unsafe_code)]
 
-mod amend;
-mod bench;
-mod counting;
 mod design;
 mod diagnosis;
-mod differ;
 mod dynamics;
-mod earlier;
 mod error;
-mod experiment;
-mod floor;
-mod gap;
 mod general;
-mod imitation;
 mod import;
 mod nuisance;
+mod opened;
+mod options;
 mod overlay;
-mod pipeline;
-mod places;
-mod plausibility;
 mod ports;
 mod provenance;
-mod replay;
 mod report_graphs;
 mod report_page;
-mod rest;
-mod story;
 mod watch;
 mod write;
 
 // No part of the face: what the tests of this crate look into.
 #[doc(hidden)]
-pub mod candidates;
-#[doc(hidden)]
-pub mod correction;
-#[doc(hidden)]
-pub mod dataset;
-#[doc(hidden)]
 pub mod infer;
-#[doc(hidden)]
-pub mod model;
 #[doc(hidden)]
 pub mod observe;
 #[doc(hidden)]
-pub mod record;
-#[doc(hidden)]
-pub mod residual;
+pub mod rigs;
 #[doc(hidden)]
 pub mod search;
-#[doc(hidden)]
-pub mod selection;
 #[doc(hidden)]
 pub mod statistics;
 
 pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
-pub use earlier::Earlier;
 pub use error::{Error, Notice};
 pub use general::diagnose;
 pub use import::{Imported, import};
+pub use options::{Budget, Options};
 pub use overlay::Channel;
-pub use pipeline::{Budget, Options};
 pub use provenance::{Provenance, Used};
-pub use record::{Recording, record};
+pub use rigs::acrobot::earlier::Earlier;
+pub use rigs::acrobot::record::{Recording, record};
 pub use watch::{Doing, Known, Listener, Watch};

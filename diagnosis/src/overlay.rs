@@ -1,9 +1,9 @@
 //! Measured, nominal and amended laid over each other for the report: each channel of one run, and what is left of it over
 //! time, over its own past and over the states.
 
-use crate::dataset::{DataSet, Run};
-use crate::residual::{Block, Signal};
-use crate::selection::Study;
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::residual::{Block, Signal};
+use crate::rigs::acrobot::selection::Study;
 
 /// A measured channel of a run, with what both models give in its place.
 #[derive(Debug, Clone, PartialEq)]

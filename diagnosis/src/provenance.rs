@@ -1,6 +1,6 @@
 //! Where a diagnosis comes from: what was compared with what, and how to make it again. No wall clock: equal input gives equal bytes.
 
-use crate::dataset::DataSet;
+use crate::rigs::acrobot::dataset::DataSet;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

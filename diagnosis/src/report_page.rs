@@ -1,10 +1,10 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::correction::Correction;
 use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Verdict};
 use crate::error::Error;
 use crate::report_graphs;
-use crate::story::brief;
+use crate::rigs::acrobot::correction::Correction;
+use crate::rigs::acrobot::story::brief;
 use report::{Cell, Figure, Page, Standing, Table};
 
 /// The page.

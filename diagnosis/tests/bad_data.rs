@@ -5,7 +5,7 @@ mod common;
 
 use common::{Folder, manifest, notice, plant, torque};
 use diagnosis::Error;
-use diagnosis::dataset::DataSet;
+use diagnosis::rigs::acrobot::dataset::DataSet;
 use std::fmt::Write as _;
 
 fn load(plant: &str, name: &str) -> Result<DataSet, Error> {

@@ -4,9 +4,9 @@
 mod common;
 
 use common::{Folder, units};
-use diagnosis::correction::{Closing, Correction, wiring};
-use diagnosis::dataset::DataSet;
-use diagnosis::model::Model;
+use diagnosis::rigs::acrobot::correction::{Closing, Correction, wiring};
+use diagnosis::rigs::acrobot::dataset::DataSet;
+use diagnosis::rigs::acrobot::model::Model;
 use diagnosis::statistics::random::Random;
 use diagnosis::{Verdict, diagnose};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};

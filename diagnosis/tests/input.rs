@@ -52,7 +52,7 @@ fn every_run_that_is_not_there_is_refused_with_its_line() {
     );
     // notes of other kinds are the lab's own
     let head = manifest(1) + "excitation = \"steps\"\n";
-    assert!(diagnosis::dataset::DataSet::load(small("noted-run", &head).path()).is_ok());
+    assert!(diagnosis::rigs::acrobot::dataset::DataSet::load(small("noted-run", &head).path()).is_ok());
 }
 
 /// Which rows stay, by name of their file and time.
@@ -151,7 +151,8 @@ fn every_habit_of_a_lab_is_told_with_the_line_that_mends_it() {
         let said = refused(&folder, &options());
         assert!(said.contains(line), "{name}: {said}");
         folder.put("dataset.toml", &manifest(2).replace("[noise]", &format!("[log]\n{line}\n[noise]")));
-        let mended = diagnosis::dataset::DataSet::load(folder.path()).expect("the line mends it");
+        let mended =
+            diagnosis::rigs::acrobot::dataset::DataSet::load(folder.path()).expect("the line mends it");
         assert_eq!(mended.runs.len(), 2, "{name}");
     }
     // the torque's rows are missing while all else goes on

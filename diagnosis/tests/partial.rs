@@ -5,7 +5,7 @@ mod common;
 
 use common::{Folder, found, names};
 use diagnosis::Verdict;
-use diagnosis::dataset::DataSet;
+use diagnosis::rigs::acrobot::dataset::DataSet;
 
 const RUNS: [&str; 2] = ["run-01", "run-02"];
 

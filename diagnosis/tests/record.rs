@@ -4,7 +4,7 @@
 mod common;
 
 use common::Folder;
-use diagnosis::record::{Recording, record};
+use diagnosis::rigs::acrobot::record::{Recording, record};
 use std::path::Path;
 
 /// Encoders that read every row as it is, 100 times a second.

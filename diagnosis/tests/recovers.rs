@@ -5,7 +5,7 @@
 mod common;
 
 use common::Folder;
-use diagnosis::record::{Recording, record};
+use diagnosis::rigs::acrobot::record::{Recording, record};
 use diagnosis::statistics::random::Random;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};

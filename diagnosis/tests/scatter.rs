@@ -3,10 +3,10 @@
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
 
-use diagnosis::candidates::{Candidate, candidates};
-use diagnosis::dataset::DataSet;
-use diagnosis::model::Model;
-use diagnosis::residual::plant::PlantCut;
+use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
+use diagnosis::rigs::acrobot::dataset::DataSet;
+use diagnosis::rigs::acrobot::model::Model;
+use diagnosis::rigs::acrobot::residual::plant::PlantCut;
 use std::sync::Arc;
 
 /// What the stamps seem to scatter by at the nominal model, s, and whether they still do with the hidden value on.

@@ -4,11 +4,11 @@
 mod common;
 
 use diagnosis::Watch;
-use diagnosis::candidates::{Candidate, candidates};
-use diagnosis::dataset::DataSet;
-use diagnosis::model::Model;
-use diagnosis::residual::plant::PlantCut;
-use diagnosis::selection::study;
+use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
+use diagnosis::rigs::acrobot::dataset::DataSet;
+use diagnosis::rigs::acrobot::model::Model;
+use diagnosis::rigs::acrobot::residual::plant::PlantCut;
+use diagnosis::rigs::acrobot::selection::study;
 use std::sync::Arc;
 
 #[test]

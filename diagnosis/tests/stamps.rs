@@ -6,7 +6,7 @@ mod common;
 
 use common::{Folder, manifest, notice, plant};
 use diagnosis::Error;
-use diagnosis::dataset::DataSet;
+use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::statistics::random::Random;
 use diagnosis::{Diagnosis, diagnose};
 use std::fmt::Write as _;

@@ -238,5 +238,5 @@ pub fn within_reach(problem: &Problem, units: &UnitPath) -> Result<(), Error> {
     if problem.ports.inputs.is_empty() && problem.ports.outputs.is_empty() {
         return Ok(());
     }
-    crate::model::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ())
+    crate::opened::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ())
 }

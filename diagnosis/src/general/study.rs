@@ -11,7 +11,7 @@ use crate::infer::fit::{At, Fit, Options as FitOptions, fit};
 use crate::infer::likelihood::maximise;
 use crate::infer::{Noise, Sizes};
 use crate::observe::{Problem, Run};
-use crate::pipeline::Options;
+use crate::options::Options;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
 use crate::watch::{Listener, Watch};

@@ -48,7 +48,7 @@ struct Match {
 /// # Errors
 /// A log or the unit can't be read, no column is an output of the unit, or the folder can't be written.
 pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Result<Imported, Error> {
-    let unit = units.open(fmu).map_err(crate::model::model)?;
+    let unit = units.open(fmu).map_err(crate::opened::model)?;
     let mut sheets = Vec::new();
     for log in logs {
         sheets.push(Sheet::read(log)?);

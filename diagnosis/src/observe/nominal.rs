@@ -3,7 +3,7 @@
 use super::raw::File;
 use super::{Nominal, Series, VariableId};
 use crate::error::Error;
-use crate::model::{open, text};
+use crate::opened::{open, text};
 use orchestrator::scenario::{Given, UnitEntry};
 use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value, nearest};
 use std::collections::BTreeMap;
@@ -40,7 +40,7 @@ pub(super) fn load(folder: &Path, file: &File, units: &UnitPath) -> Result<Nomin
                 problem: format!("[set] {name}: {what}: {expected}"),
             }
         }
-        other => crate::model::model(other),
+        other => crate::opened::model(other),
     })?;
     Ok(Nominal { scenario, fmus, set })
 }

@@ -1,0 +1,231 @@
+//! A rest that no listed effect takes away, as labelled torques of the residual unit: the last step of a diagnosis
+//! whose verdict is `unknown`.
+//!
+//! The rest of the plant's cut is a torque. What simple functions of angle and rate would give along the measured
+//! motion is asked of the residual unit, pushed through the plant unit in the same windows, and fitted by least squares
+//! with the windows' nuisances projected out. Terms are taken in one by one, each only if runs that were left out
+//! support it. `amended.toml` gets the residual unit with what was found. It is a correction, no explanation: the verdict
+//! stays `unknown`.
+//! Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425; Kaheman, Kaiser, Strom, Kutz and Brunton, arXiv:1909.08574
+//! (a sparse library for the discrepancy of a model).
+
+mod dictionary;
+mod fit;
+pub mod wiring;
+
+use crate::diagnosis::{Gap, Trace, Unknown};
+use crate::error::Error;
+use crate::rigs::acrobot::residual::forced::Forced;
+use crate::rigs::acrobot::residual::torque::{Torque, torques};
+use crate::rigs::acrobot::selection::Evaluation;
+use nalgebra::DVector;
+use orchestrator::UnitPath;
+use serde::Serialize;
+
+/// Least share of the gap that a correction must close on runs left out to be offered.
+const OFFERED: f64 = 0.1;
+
+/// A term with its coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Term {
+    /// Parameter of the residual unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Unit of the value.
+    #[serde(rename = "unit")]
+    pub measure: String,
+    /// In words.
+    pub phrase: String,
+}
+
+/// How far it closes the gap that the effects leave, on runs left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Closing {
+    /// Root mean square of the lacking torque without it, N·m.
+    pub before: f64,
+    /// With it.
+    pub after: f64,
+    /// What noise alone gives.
+    pub floor: f64,
+    /// 1 - (after² - floor²)/(before² - floor²).
+    pub closed: f64,
+    /// What was left out, each in turn.
+    pub held_out_runs: Vec<String>,
+}
+
+/// A labelled correction: no explanation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correction {
+    /// What it is, in words.
+    pub label: String,
+    /// Name of the unit in `amended.toml`.
+    pub unit: String,
+    /// Its terms, the most important first.
+    pub terms: Vec<Term>,
+    /// What it closes.
+    pub gap: Closing,
+    /// Effects that were named before and that it makes needless: the amended model goes without them.
+    pub supersedes: Vec<String>,
+    /// All parameters of the unit that differ from their start values.
+    #[serde(skip)]
+    pub parameters: Vec<(String, f64)>,
+    /// What is left of torques of a usual size on runs left out, as gaps of effects are measured, N·m.
+    #[serde(skip)]
+    pub usual: f64,
+    /// What is left on both links on runs left out: run, from, to (s), N·m.
+    #[serde(skip)]
+    pub left: Vec<(usize, f64, f64, [f64; 2])>,
+}
+
+impl Term {
+    /// Its value in a few digits.
+    pub fn short(&self) -> String {
+        crate::rigs::acrobot::story::brief(self.value)
+    }
+}
+
+impl Correction {
+    /// The gap of the amended model: effects and correction together.
+    pub fn closes(&self, gap: &Gap) -> Gap {
+        let square = |x: f64| x * x;
+        let over = square(gap.before) - square(gap.floor);
+        let closed = gap.closed.map(|_| (1.0 - (square(self.usual) - square(gap.floor)) / over).min(1.0));
+        Gap { after: self.usual, closed, ..gap.clone() }
+    }
+
+    /// The rest in words: where effects were withdrawn, what they had left says little of it.
+    pub fn told(&self, unknown: Unknown) -> Unknown {
+        let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
+        let joint = first.name.ends_with("_joint");
+        let follows = |stems: &[&str]| {
+            self.terms.iter().any(|term| stems.iter().any(|stem| term.name.contains(&format!(".{stem}_"))))
+        };
+        let mut depends_on = Vec::new();
+        for (stems, names) in [
+            (&["spring", "even", "stiff"][..], ["q1", "q2"]),
+            (&["damp", "drag", "stick", "stribeck"][..], ["dq1", "dq2"]),
+        ] {
+            if follows(stems) {
+                depends_on.extend(names[..if joint { 2 } else { 1 }].iter().map(|name| (*name).to_owned()));
+            }
+        }
+        let phrases: Vec<&str> = self.terms.iter().map(|term| term.phrase.as_str()).collect();
+        let shape = format!("{} ({:.0} % of it)", phrases.join("; "), 100.0 * self.gap.closed);
+        let signal = if joint { "plant torque at the joint" } else { "plant torque on link 1" };
+        Unknown { signal: signal.into(), depends_on, shape, ..unknown }
+    }
+
+    /// The same picture of the rest, with the amended model.
+    pub fn drawn(&self, trace: Trace) -> Trace {
+        let (mut base, mut run, mut begin, mut end) = (0.0, usize::MAX, 0.0, 0.0);
+        let points = self.left.iter().map(|(of, from, to, torque)| {
+            if *of != run {
+                base += end - begin;
+                (run, begin) = (*of, *from);
+            }
+            end = to + 1.0;
+            (base - begin + 0.5 * (from + to), torque[trace.link])
+        });
+        Trace { after: points.collect(), ..trace }
+    }
+}
+
+/// What [`offer`] found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Offer {
+    /// The best correction that runs left out support, if any does.
+    pub correction: Option<Correction>,
+    /// What is left on runs left out, with it if there is one, N·m.
+    pub left: f64,
+}
+
+/// What is left of the torques with a correction as it is: none of its values is fitted. `there` is the model without it.
+///
+/// # Errors
+/// A unit failed or isn't there.
+pub fn left(
+    cut: &mut dyn Forced,
+    point: &[f64],
+    there: &Evaluation,
+    correction: &Correction,
+    units: &UnitPath,
+) -> Result<Vec<Torque>, Error> {
+    let given =
+        |name: &str| correction.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
+    let entries = dictionary::entries();
+    let taken = |entry: &&dictionary::Entry| {
+        let slow = entry.slow.as_ref().is_none_or(|(name, slow)| given(name) == Some(*slow));
+        given(&entry.coefficient).is_some() && slow
+    };
+    let chosen: Vec<dictionary::Entry> = entries.iter().filter(taken).cloned().collect();
+    let values = chosen.iter().filter_map(|entry| given(&entry.coefficient));
+    let values = DVector::from_iterator(chosen.len(), values);
+    let terms = |name: &str| entries.iter().any(|entry| entry.coefficient == name);
+    let covered: Vec<(String, f64)> =
+        correction.parameters.iter().filter(|(name, _)| !terms(name)).cloned().collect();
+    let states = cut.states(point)?;
+    let columns = cut.pushed(point, &dictionary::along(&chosen, &covered, &states, units)?)?;
+    let mut blocks = there.blocks.clone();
+    for (cell, columns) in blocks.iter_mut().flat_map(|block| &mut block.cells).zip(columns) {
+        cell.columns = columns;
+    }
+    let places: Vec<usize> = (0..chosen.len()).collect();
+    Ok(torques(&blocks, &places, &[values], &vec![0; blocks.len()]))
+}
+
+/// Looks for the best correction that runs left out support.
+///
+/// # Errors
+/// A unit failed or isn't there.
+pub fn offer(
+    cut: &mut dyn Forced,
+    point: &[f64],
+    runs: &[String],
+    units: &UnitPath,
+    name: &str,
+) -> Result<Offer, Error> {
+    let mut blocks = cut.linearise(point, &[], false)?;
+    let states = cut.states(point)?;
+    let entries = dictionary::entries();
+    let covered = dictionary::covered(&states);
+    let torques = dictionary::along(&entries, &covered, &states, units)?;
+    let columns = cut.pushed(point, &torques)?;
+    for (cell, columns) in blocks.iter_mut().flat_map(|block| &mut block.cells).zip(columns) {
+        cell.columns = columns;
+    }
+    let fitted = fit::fit(blocks, cut.signals(), &entries);
+    let (before, after, floor) = fitted.gap;
+    let closed = 1.0 - (after * after - floor * floor) / (before * before - floor * floor);
+    if fitted.terms.is_empty() || before <= floor || closed < OFFERED {
+        return Ok(Offer { correction: None, left: before });
+    }
+    let mut parameters = covered;
+    let mut terms = Vec::new();
+    for (entry, value, error) in fitted.terms {
+        let entry = &entries[entry];
+        parameters.extend(entry.slow.clone());
+        parameters.push((entry.coefficient.clone(), value));
+        terms.push(Term {
+            name: format!("{name}.{}", entry.coefficient),
+            value,
+            ci95: [value - 1.96 * error, value + 1.96 * error],
+            measure: entry.measure.clone(),
+            phrase: entry.phrase.clone(),
+        });
+    }
+    let held_out_runs = fitted.folds.names(runs);
+    let correction = Some(Correction {
+        label: "a labelled correction, not an explanation".into(),
+        unit: name.into(),
+        terms,
+        gap: Closing { before, after, floor, closed: closed.min(1.0), held_out_runs },
+        supersedes: Vec::new(),
+        parameters,
+        usual: fitted.usual,
+        left: fitted.left,
+    });
+    Ok(Offer { correction, left: after })
+}

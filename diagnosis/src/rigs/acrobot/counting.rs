@@ -1,0 +1,41 @@
+//! Lost frames: a camera's rows come in whole intervals, so that a gap tells how many are missing.
+
+use crate::rigs::acrobot::dataset::{DataSet, Table};
+
+/// What the time stamps say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Losses {
+    /// Frames that should be there.
+    pub expected: f64,
+    /// Frames that are missing between others.
+    pub lost: f64,
+}
+
+/// Counts over all runs.
+pub fn losses(data: &DataSet, interval: f64) -> Option<Losses> {
+    let mut sum = Losses { expected: 0.0, lost: 0.0 };
+    for camera in data.runs.iter().filter_map(|run| run.camera.as_ref()) {
+        let (expected, lost) = of(camera, interval);
+        sum.expected += expected;
+        sum.lost += lost;
+    }
+    (sum.expected > 0.0).then_some(sum)
+}
+
+fn of(camera: &Table, interval: f64) -> (f64, f64) {
+    // where rows of the file were put aside, frames are not lost
+    let broken: Vec<(f64, f64)> = camera.broken().collect();
+    let whole = camera.time.windows(2).filter(|pair| !broken.contains(&(pair[0], pair[1])));
+    let lost: f64 = whole.map(|pair| ((pair[1] - pair[0]) / interval).round().max(1.0) - 1.0).sum();
+    (camera.len() as f64 + lost, lost)
+}
+
+impl Losses {
+    /// Share of frames lost and its 95 % interval (Wilson, J. Am. Stat. Assoc. 22 (1927) 209).
+    pub fn share(&self) -> (f64, [f64; 2]) {
+        let (n, p, z) = (self.expected, self.lost / self.expected, 1.96_f64);
+        let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+        let half = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+        (p, [(middle - half).max(0.0), middle + half])
+    }
+}

@@ -1,0 +1,155 @@
+//! What angles of a log show by themselves: whether they are degrees, and where they were wrapped.
+
+use super::{Manifest, Table};
+use crate::rigs::acrobot::dataset::manifest::number;
+use mechanics::Theta;
+use std::f64::consts::{PI, TAU};
+
+/// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
+const LARGEST_ANGLE: f64 = 12.0 * PI;
+/// Degrees are 57 times radians; halfway on a logarithmic scale.
+const DEGREE_RATIO: f64 = 7.6;
+/// Time between rows over the time of falling: 30 Hz gives 0.2, milliseconds taken for seconds 6 and more at 1 kHz.
+const FALLEN: f64 = 1.5;
+/// Motion below this (rad) can't tell degrees from radians.
+const LEAST_MOTION: f64 = 0.02;
+
+/// The rate (rad/s) that gravity gives each link of the nominal model, √(θ₉/θ₁) and √(θ₁₀/θ₅). A free arm of 9 cm that
+/// tumbles moves up to 4 times as fast (seen on a real one); in degrees a swing of 10° is 10 times as fast.
+pub fn falling(manifest: &Manifest) -> [f64; 2] {
+    let of = |name: &str, usual: f64| {
+        let given = manifest.set.get(&format!("plant.{name}")).and_then(number);
+        given.filter(|value| *value > 0.0).unwrap_or(usual)
+    };
+    let usual = Theta::TABLE_2;
+    [
+        (of("theta_9", usual.theta_9) / of("theta_1", usual.theta_1)).sqrt(),
+        (of("theta_10", usual.theta_10) / of("theta_5", usual.theta_5)).sqrt(),
+    ]
+}
+
+/// The torque (N·m) by which gravity pulls at most on the nominal model's links.
+pub fn gravity(manifest: &Manifest) -> f64 {
+    let usual = Theta::TABLE_2;
+    let of = |name: &str, usual: f64| {
+        manifest.set.get(&format!("plant.{name}")).and_then(number).map_or(usual, f64::abs)
+    };
+    of("theta_9", usual.theta_9) + of("theta_10", usual.theta_10)
+}
+
+/// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
+pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
+    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > FALLEN)
+}
+
+/// Median time between rows, s.
+pub fn typical_gap(log: &Table) -> Option<f64> {
+    let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps.get(gaps.len() / 2).copied()
+}
+
+/// Makes cells of an angle that jump far from both their neighbours, which agree, not measured: the first such row, by how much
+/// it jumps (rad), and how many there are. No arm turns by a turn and a half and back between three rows.
+pub fn glitches(values: &mut [f64]) -> Option<(usize, (f64, usize))> {
+    let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
+    let jumps: Vec<(usize, f64)> = (rows.windows(3))
+        .map(|near| (near[1], [values[near[0]], values[near[1]], values[near[2]]]))
+        .filter(|(_, [before, _, after])| (after - before).abs() < 1.0)
+        .map(|(row, [before, here, _])| (row, here - before))
+        .filter(|(_, jump)| jump.abs() > 1.5 * TAU)
+        .collect();
+    jumps.iter().for_each(|(row, _)| values[*row] = f64::NAN);
+    jumps.first().map(|(row, jump)| (*row, (*jump, jumps.len())))
+}
+
+/// Makes an angle continuous where it jumps by whole turns; the first such row and how many there are. Only where all of it
+/// lies within a turn: an angle that counts turns was never wrapped.
+pub fn unwrapped(values: &mut [f64]) -> Option<(usize, usize)> {
+    let (low, high) = (values.iter().copied().filter(|value| value.is_finite()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if high - low > TAU * 1.01 || high - low < PI {
+        return None;
+    }
+    let (mut first, mut count, mut turns, mut last) = (0, 0, 0.0, f64::NAN);
+    for (row, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
+        let jump = ((*value - last) / TAU).round();
+        last = *value;
+        if jump.is_finite() && jump != 0.0 {
+            turns -= jump;
+            count += 1;
+            first = if count == 1 { row } else { first };
+        }
+        *value += TAU * turns;
+    }
+    (count > 0).then_some((first, count))
+}
+
+/// Angles in degrees show by their range together with their speed, or by the picture. Range alone doesn't do: a free arm
+/// turns over many times.
+pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> Option<(usize, String)> {
+    for (name, falling) in ["q1", "q2"].into_iter().zip(falling) {
+        if let Some((row, message)) = degrees(plant, name, falling) {
+            return Some((plant.line[row], message));
+        }
+    }
+    let camera = camera?;
+    let pairs = [("q1", "u1", "v1", "u2", "v2"), ("q2", "u2", "v2", "u3", "v3")];
+    for (name, ua, va, ub, vb) in pairs {
+        let seen: Vec<f64> = (0..camera.len())
+            .filter_map(|row| {
+                let cell = |column| Some(camera.column(column)?[row]);
+                let angle = libm::atan2(cell(ub)? - cell(ua)?, cell(vb)? - cell(va)?);
+                angle.is_finite().then_some(angle)
+            })
+            .collect();
+        if let Some(times) = as_far(plant.column(name)?, &seen) {
+            let message =
+                format!("{name} moves {times:.0} times as far as the picture shows (are these degrees?)");
+            return Some((plant.line[0], message));
+        }
+    }
+    None
+}
+
+/// The row of an angle that goes further, and faster, than any arm turns, and what it is then.
+pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)> {
+    let values = log.column(name)?;
+    let row = values.iter().position(|value| value.abs() > LARGEST_ANGLE)?;
+    let speed = speed(&log.time, values);
+    let brief = |x: f64| if x.abs() < 1e6 { format!("{x:.1}") } else { format!("{x:.1e}") };
+    let message = format!(
+        "{name} = {} rad is {} turns, and it moves by up to {} rad/s, where gravity gives about {falling:.0}; angles are in \
+         radians (are these degrees?)",
+        brief(values[row]),
+        brief(values[row].abs() / TAU),
+        brief(speed)
+    );
+    (speed > DEGREE_RATIO * falling).then_some((row, message))
+}
+
+/// How many times as far as another an angle moves, if that is more than any error of either.
+pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
+    let times = spread(angle) / spread(other);
+    (spread(other) > LEAST_MOTION && times > DEGREE_RATIO).then_some(times)
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+    at(0.95) - at(0.05)
+}
+
+/// The speed that is exceeded in a twentieth of the rows, rad/s.
+pub fn speed(time: &[f64], values: &[f64]) -> f64 {
+    let mut rates: Vec<f64> = (1..values.len())
+        .map(|row| ((values[row] - values[row - 1]) / (time[row] - time[row - 1])).abs())
+        .filter(|rate| rate.is_finite())
+        .collect();
+    rates.sort_by(f64::total_cmp);
+    rates.get(rates.len().saturating_sub(1) * 19 / 20).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,281 @@
+//! A measured data set (docs/data-set.md) as the residuals want it: per run three ordered tables.
+//!
+//! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
+//! can't be read, or nothing usable at all, is an error.
+
+mod angles;
+mod check;
+mod even;
+mod manifest;
+mod pictures;
+mod stamps;
+pub mod stated;
+mod table;
+
+pub use angles::{in_degrees, typical_gap};
+pub use manifest::Manifest;
+pub use pictures::angle_in_degrees;
+pub use stamps::directions;
+pub use table::Table;
+
+use crate::error::{Error, Notice};
+use crate::rigs::acrobot::plausibility::{self, Facts, time};
+use stamps::Moved;
+use std::path::{Path, PathBuf};
+
+/// Columns that `camera.csv` may hold: the camera's outputs.
+pub const CAMERA_COLUMNS: &[&str] = &[
+    "u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "frame", "t_mid", "q1_est",
+    "q2_est", "dq1_est", "dq2_est",
+];
+/// Columns that `controller.csv` may hold.
+pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
+/// Columns that `plant.csv` may hold.
+pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
+
+/// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
+/// cubic does.
+pub const TORN: f64 = 0.08;
+
+/// Torques from which on a log has a beginning and an end of its own.
+const MANY_TORQUES: usize = 12;
+/// So many of its usual steps a torque is held after its last row: the next one would have come by then.
+const HELD: f64 = 1.5;
+
+/// One in so many rows without a torque is one that is missing.
+const FEW_BARE: usize = 20;
+
+/// Links that touch may give way by this, or be logged a little off, rad.
+const TOUCHING: f64 = 0.2;
+/// Links this near to their stop may touch it, rad, by encoders and in pictures, which a lens bends.
+const NEAR: f64 = 0.02;
+const SEEN: f64 = 0.05;
+
+/// One run: the logs that were measured. The start state is not given.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Folder inside the data set.
+    pub name: String,
+    /// A row per delivered frame; rows with `valid` = 0 hold no centroids.
+    pub camera: Option<Table>,
+    /// Commanded torque, held from its row to the next.
+    pub controller: Option<Table>,
+    /// Encoders or motion capture.
+    pub plant: Option<Table>,
+}
+
+impl Run {
+    /// What a motor at the joint was told is known, be it nothing but 0; a single 0 is what a free swing without a log is given.
+    pub fn logs_the_torque(&self) -> bool {
+        self.controller.as_ref().is_some_and(|log| log.len() > 1 && log.column("tau").is_some())
+    }
+
+    /// Marks where all logs pause, and where the torque's does, as times of which nothing is known.
+    fn tear(&mut self) {
+        let (pauses, holes) = (time::pauses_of(self), time::torque_holes_of(self));
+        let Self { camera, controller, plant, .. } = self;
+        for log in [camera.as_mut(), plant.as_mut()].into_iter().flatten() {
+            pauses.iter().for_each(|(from, to)| log.tear(*from, *to));
+        }
+        let both = pauses.iter().copied().chain(holes.iter().map(|(_, from, to)| (*from, *to)));
+        controller.iter_mut().for_each(|log| both.clone().for_each(|(from, to)| log.tear(from, to)));
+    }
+
+    /// First and last time of any row, in s.
+    pub fn span(&self) -> (f64, f64) {
+        let tables = [&self.camera, &self.controller, &self.plant];
+        let rows = || tables.iter().filter_map(|table| table.as_ref());
+        let from = rows().filter_map(|table| table.time.first()).fold(f64::INFINITY, |a, b| a.min(*b));
+        let to = rows().filter_map(|table| table.time.last()).fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+        (from, to)
+    }
+}
+
+/// From when to when, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span(pub f64, pub f64);
+
+impl Run {
+    /// A stretch of it, if it has rows there. The torque goes on from the row before.
+    fn within(&self, Span(from, to): Span) -> Option<Self> {
+        let part = |log: &Option<Table>, before: usize| {
+            let log = log.as_ref()?;
+            let first = log.time.partition_point(|time| *time < from).saturating_sub(before);
+            let last = log.time.partition_point(|time| *time < to);
+            (first < last).then(|| log.rows(first..last))
+        };
+        let Self { name, camera, controller, plant } = self;
+        let (camera, plant) = (part(camera, 0), part(plant, 0));
+        let some = camera.is_some() || plant.is_some();
+        some.then(|| Self { name: name.clone(), camera, controller: part(controller, 1), plant })
+    }
+
+    /// From when to when the torque is known, s: from the first row of its log to when one should have followed the last. A few rows are
+    /// held as long as it takes, and no torque was before them.
+    pub fn driven(&self) -> (f64, f64) {
+        let log = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES);
+        let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        };
+        (log.time[0], log.time[log.len() - 1] + HELD * typical)
+    }
+
+    /// The speed of an angle of `plant.csv` that is exceeded in a twentieth of its rows, rad/s.
+    pub fn speed(&self) -> f64 {
+        let Some(log) = &self.plant else { return 0.0 };
+        let speeds = ["q1", "q2"].iter().filter_map(|name| log.column(name));
+        speeds.map(|values| angles::speed(&log.time, values)).fold(0.0, f64::max)
+    }
+
+    /// The first row of `plant.csv` at which the links touch: from there on the arm lies in its stop.
+    pub fn touches(&self, contact: f64) -> Option<usize> {
+        let q2 = self.plant.as_ref()?.column("q2")?;
+        q2.iter().position(|angle| angle.abs() >= contact - NEAR)
+    }
+
+    /// Until when the machine is seen to move, s: up to where the links touch, or it leaves what the encoders log and pictures show.
+    pub fn moves_until(&self, contact: f64) -> f64 {
+        if let Some(plant) = &self.plant {
+            let row = self.touches(contact).unwrap_or(plant.len().saturating_sub(1));
+            return plant.time.get(row).copied().unwrap_or(f64::INFINITY);
+        }
+        let seen = self.camera.as_ref().map(stamps::directions).unwrap_or_default();
+        let touches = |(_, [_, link]): &&(f64, [f64; 2])| link.abs() >= contact - SEEN;
+        seen.iter().find(touches).or(seen.last()).map_or(f64::INFINITY, |(time, _)| *time)
+    }
+
+    /// Times between which the torque isn't known, s: where its rows were ignored, or a few hold no number. Where many don't,
+    /// other columns are logged more often.
+    pub fn undriven(&self) -> Vec<(f64, f64)> {
+        let Some(log) = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES) else {
+            return Vec::new();
+        };
+        let torques: Vec<&[f64]> = ["tau", "tau_1"].iter().filter_map(|name| log.column(name)).collect();
+        let bare = |row: &usize| torques.iter().any(|torque| torque[*row].is_nan());
+        let rows: Vec<usize> = (0..log.len()).filter(bare).collect();
+        let few = rows.len() * FEW_BARE <= log.len();
+        let until = |row: &usize| log.time.get(row + 1).copied().unwrap_or(f64::INFINITY);
+        let spans = rows.iter().filter(|_| few).map(|row| (log.time[*row], until(row)));
+        spans.chain(log.broken()).collect()
+    }
+}
+
+/// A data set, checked.
+#[derive(Debug, Clone)]
+pub struct DataSet {
+    /// The folder.
+    pub path: PathBuf,
+    /// `dataset.toml`.
+    pub manifest: Manifest,
+    /// Usable runs, in the manifest's order.
+    pub runs: Vec<Run>,
+    /// What was put aside.
+    pub notices: Vec<Notice>,
+    /// The clocks of plant logs were found to be off, by more than any actuator lags or each by a time of its own.
+    pub clocks_apart: bool,
+    /// Rows of plant logs may be stamped late by this much, s: as far as their stamps scatter.
+    pub late_by_hand: f64,
+    /// Nothing but the motion tells how late pictures are in some run: a delay of theirs can't be told from their clock.
+    pub pictures_apart: bool,
+}
+
+impl DataSet {
+    /// Reads and checks a folder.
+    ///
+    /// # Errors
+    /// The manifest can't be read, or no run is usable.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let manifest = Manifest::load(&path.join("dataset.toml"))?;
+        let (falling, gravity) = (angles::falling(&manifest), angles::gravity(&manifest));
+        let mut notices = Vec::new();
+        let mut runs = Vec::new();
+        let (mut clocks_apart, mut pictures_apart) = (false, false);
+        let (size, stated) = (manifest.picture(), &manifest.stated);
+        let mut read = Vec::new();
+        for name in &manifest.runs {
+            let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
+            run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
+            run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
+            run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
+            stated.apply(&mut run, size);
+            check::clean(&mut run, gravity, &mut notices);
+            read.push(run);
+        }
+        let (interval, ground) = (manifest.interval(), manifest.ground());
+        let gaps_stated = stated.gaps_known.is_some();
+        let facts = Facts { runs: &read, falling, interval, size, ground, gaps_stated };
+        if let Some(finding) = plausibility::first(&facts) {
+            return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+        }
+        for mut run in read {
+            if stated.gaps_known == Some(false) {
+                run.tear();
+            }
+            let moved = check::run(&mut run, falling, &mut notices);
+            clocks_apart |= moved == Some(Moved::Angles);
+            pictures_apart |= moved == Some(Moved::Pictures);
+            if run.camera.is_some() || run.plant.is_some() {
+                runs.push(run);
+            }
+        }
+        if runs.is_empty() {
+            return Err(Error::NothingUsable { path: path.to_owned(), notices });
+        }
+        let path = path.to_owned();
+        Ok(Self { path, manifest, runs, notices, clocks_apart, late_by_hand: 0.0, pictures_apart })
+    }
+
+    /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
+    pub fn contact(&self, q2_max: f64) -> f64 {
+        let beyond = |run: &Run| {
+            let q2 = run.plant.as_ref().and_then(|log| log.column("q2")).unwrap_or(&[]);
+            let rows = q2.iter().filter(|angle| angle.abs() > q2_max + TOUCHING).count();
+            rows * 20 > q2.len()
+        };
+        if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }
+    }
+
+    /// Some of the runs.
+    pub fn only(&self, kept: &dyn Fn(usize) -> bool) -> Self {
+        let runs = self.runs.iter().enumerate().filter(|(place, _)| kept(*place));
+        Self { runs: runs.map(|(_, run)| run.clone()).collect(), ..self.clone() }
+    }
+
+    /// Stretches of the runs, each as a run of its own.
+    pub fn within(&self, spans: &[Span]) -> Self {
+        let stretches = self.runs.iter().flat_map(|run| spans.iter().filter_map(|span| run.within(*span)));
+        Self { runs: stretches.collect(), ..self.clone() }
+    }
+
+    /// Puts the plant's log of a run right, whose clock is `late`, s.
+    pub fn set_back(&mut self, run: usize, late: f64) {
+        let log = self.runs.get_mut(run).and_then(|run| run.plant.as_mut());
+        log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    }
+
+    /// Puts all pictures aside, and with them the runs that hold nothing else.
+    ///
+    /// # Errors
+    /// Nothing is left.
+    pub fn without_pictures(&mut self, why: &str) -> Result<(), Error> {
+        for run in &mut self.runs {
+            if run.camera.take().is_some() {
+                let file = format!("{}/camera.csv", run.name);
+                self.notices.push(Notice { file, line: 0, message: format!("put aside: {why}") });
+            }
+        }
+        self.runs.retain(|run| run.plant.is_some());
+        self.pictures_apart = false;
+        let notices = self.notices.clone();
+        if self.runs.is_empty() {
+            Err(Error::NothingUsable { path: self.path.clone(), notices })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A known standard deviation from `[noise]`.
+    pub fn known_noise(&self, variable: &str) -> Option<f64> {
+        self.manifest.noise.get(variable).copied()
+    }
+}

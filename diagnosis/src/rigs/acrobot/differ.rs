@@ -1,0 +1,101 @@
+//! Runs that differ: a rest that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
+//! no effect of the machine, so it is told with the rest and not named.
+
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::selection::{Evaluation, steadiness};
+use crate::rigs::acrobot::story::brief;
+
+/// Fall of the deviance that values of their own must bring: by chance, of two or three runs and some thirty candidates, once in 10⁵.
+const APART: f64 = 30.0;
+/// And what share of the squares that noise doesn't leave: a drag, too, looks like a friction that is larger in quicker runs.
+const MOST: f64 = 0.5;
+
+/// In what runs differ, if in anything: the candidate of the plant of which values of their own explain most. `active` are on, and `names`
+/// those of the runs.
+pub fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[String]) -> Option<String> {
+    let plants = |index: &usize| list[*index].side == Side::Plant && !list[*index].is_discrete();
+    let all =
+        (0..list.len()).filter(plants).filter_map(|index| Some((index, steadiness(at, index, active)?)));
+    let (index, runs) = all.max_by(|a, b| a.1.apart.total_cmp(&b.1.apart))?;
+    let left = at.total.square - at.total.freedom;
+    if runs.runs.len() < 2 || runs.apart < APART || runs.apart * runs.over < MOST * left {
+        return None;
+    }
+    let own = &list[index];
+    let each = runs.runs.iter().filter_map(|(run, (by, _))| {
+        let value = own.value((at.point[index] + by).clamp(own.range.0, own.range.1));
+        Some(format!("{} in {}", brief(value), names.get(*run)?))
+    });
+    let each: Vec<String> = each.collect();
+    Some(format!("runs that differ: {} ({}) would be {}", own.name, own.phrase, each.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::candidates::Motion;
+    use crate::rigs::acrobot::residual::{Block, Probe, Signal};
+    use crate::statistics::linear::Cell;
+    use crate::statistics::random::Random;
+    use nalgebra::DMatrix;
+
+    fn inertia() -> Candidate {
+        let motion = Motion::Share { steps: &[0.001], range: (0.25, 4.0) };
+        let (name, side, phrase) = ("plant.theta_10", Side::Plant, "gravity torque of the second link");
+        Candidate {
+            name,
+            side,
+            phrase,
+            motion,
+            off: 2.0,
+            steps: vec![0.002],
+            range: (0.5, 8.0),
+            bends: false,
+        }
+    }
+
+    /// Ten blocks of each of three runs, in which the inertia is larger by so much.
+    fn seen(by: [f64; 3]) -> Evaluation {
+        let mut random = Random::new(3);
+        let blocks = (0..30).map(|place| {
+            let (run, time) = (place / 10, f64::from(place as u32 % 10));
+            let column = DMatrix::from_fn(12, 1, |_, _| random.normal());
+            let residual = column.iter().map(|slope| by[run] * slope + 0.01 * random.normal()).collect();
+            let cell = Cell {
+                residual,
+                sigma: vec![0.01; 12],
+                signal: vec![0; 12],
+                time: vec![time; 12],
+                hard: DMatrix::zeros(12, 0),
+                soft: DMatrix::zeros(12, 0),
+                discrepancy: 0,
+                heft: 1.0,
+                columns: column,
+                floor: Vec::new(),
+                state: vec![0.0; 4],
+                lattice: Vec::new(),
+            };
+            Block { run, from: time, to: time + 0.5, cells: vec![cell], state: [0.0; 4] }
+        });
+        let signal = Signal {
+            name: "plant.q1".into(),
+            unit: "rad",
+            known: Some(0.01),
+            sigma: 0.01,
+            least: 0.0,
+            honest: 0.0,
+        };
+        Evaluation::of(blocks.collect(), &[2.0], &[Probe { candidate: 0, by: 0.002 }], &[signal])
+    }
+
+    #[test]
+    fn value_a_payload_in_one_run_is_told_with_its_run() {
+        let names = ["run-01", "run-02", "run-03"].map(String::from);
+        let told = differing(&seen([0.0, 0.0, 0.3]), &[], &[inertia()], &names).expect("they differ");
+        assert!(told.contains("plant.theta_10") && told.contains("2.30 in run-03"), "{told}");
+        // the same in all is an effect, and noise is nothing
+        for by in [[0.3; 3], [0.0; 3]] {
+            assert_eq!(differing(&seen(by), &[], &[inertia()], &names), None);
+        }
+    }
+}

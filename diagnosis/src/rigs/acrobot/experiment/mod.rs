@@ -1,0 +1,238 @@
+//! What a lab could do to tell the members of an open class apart, found by simulating it with each of them.
+//!
+//! - [`catalogue`]: the experiments, as data.
+//! - [`scenario`] and [`motion`]: one of them as a scenario, for this machine and these logs.
+//! - [`mod@simulate`]: what a lab would log.
+//! - [`cuts`] and [`separation`]: what a diagnosis of that would lose by taking one member for another.
+//! - [`choose`]: which is best, in words.
+
+mod catalogue;
+mod choose;
+mod cuts;
+mod motion;
+mod scenario;
+mod separation;
+mod simulate;
+#[cfg(test)]
+mod tests;
+
+use crate::diagnosis::{NextExperiment, Separation};
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::selection::{Alternative, CLASS, Study};
+use catalogue::{AGAIN, CATALOGUE, Experiment};
+use choose::Tried;
+use orchestrator::{Simulation, UnitPath};
+use scenario::{Logs, Prepared, prepare, refused};
+use separation::{Bench, Losses};
+use std::collections::BTreeMap;
+
+/// How many of the best are simulated with every member as the truth; the rest with the most probable one.
+const FINALISTS: usize = 2;
+/// How many members besides the most probable one are each the truth there.
+const TRUTHS: usize = 3;
+/// Noise of what was not logged before: good encoders in rad, a torque cell in N·m.
+const ENCODER: f64 = 2e-4;
+const TORQUE: f64 = 1e-2;
+/// File that the scenario is written to.
+const FILE: &str = "next_experiment.toml";
+
+/// What one cut of the loop found: the study, its signals, and the classes of its effects.
+pub type Found<'a> = (&'a Study, &'a [Signal], &'a [(usize, Vec<Alternative>)]);
+
+/// A survivor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Member {
+    candidate: usize,
+    /// Its coordinate in the others' place.
+    x: f64,
+    /// How probable it is beside the others.
+    weight: f64,
+}
+
+/// Standard deviations of the signals.
+struct Noise {
+    stated: BTreeMap<String, f64>,
+    seen: BTreeMap<String, f64>,
+    /// The runs that were made had encoders.
+    encoders: bool,
+}
+
+impl Noise {
+    /// Of a signal in an experiment with or without encoders: without, an angle is one read off the picture.
+    fn of(&self, name: &str, encoders: bool) -> f64 {
+        let read = !encoders && name.starts_with("plant.");
+        let stated = self.stated.get(name).filter(|_| !read);
+        let seen = self.seen.get(name).filter(|_| encoders == self.encoders || !name.starts_with("plant."));
+        let guess = match name.rsplit('.').next().unwrap_or_default() {
+            "q1" | "q2" if encoders => ENCODER,
+            "q1" | "q2" => 1e-3,
+            "tau_applied" => TORQUE,
+            area if area.starts_with("area") => 1.0,
+            _ => 0.08,
+        };
+        match (seen, stated) {
+            (Some(seen), Some(stated)) => seen.max(*stated),
+            (Some(one), None) | (None, Some(one)) => *one,
+            (None, None) => guess,
+        }
+    }
+}
+
+/// Who is to be told apart, on which machine.
+pub struct Question<'a> {
+    data: &'a DataSet,
+    model: &'a Model,
+    list: &'a [Candidate],
+    point: &'a [f64],
+    members: Vec<Member>,
+    noise: Noise,
+    softness: f64,
+    units: &'a UnitPath,
+}
+
+impl Question<'_> {
+    fn name(&self, place: usize) -> String {
+        self.members.get(place).map_or_else(String::new, |m| self.list[m.candidate].name.to_owned())
+    }
+
+    fn weights(&self) -> Vec<f64> {
+        self.members.iter().map(|member| member.weight).collect()
+    }
+}
+
+/// The experiment for the first class that is open, and the text of its scenario.
+pub fn next<'a>(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    point: &[f64],
+    found: impl Iterator<Item = Found<'a>> + Clone,
+    units: &UnitPath,
+) -> (Option<NextExperiment>, Option<String>) {
+    let classes = found.clone().flat_map(|(_, _, classes)| classes);
+    let open = classes.map(|(effect, others)| members(*effect, others)).find(|members| members.len() > 1);
+    let Some(members) = open else { return (None, None) };
+    let signals = found.clone().flat_map(|(study, signals, _)| signals.iter().zip(&study.last.sigmas));
+    let noise = Noise {
+        stated: data.manifest.noise.iter().filter(|(_, s)| **s > 0.0).map(|(n, s)| (n.clone(), *s)).collect(),
+        seen: signals.map(|(signal, sigma)| (signal.name.clone(), *sigma)).collect(),
+        encoders: Logs::of(data).encoders,
+    };
+    let softness = found.map(|(study, _, _)| study.last.softness).fold(0.0, f64::max);
+    let question = Question { data, model, list, point, members, noise, softness, units };
+    choice(&question)
+}
+
+/// The class of an effect, the effect itself first.
+fn members(effect: usize, others: &[Alternative]) -> Vec<Member> {
+    let own = others.iter().filter(|other| other.candidate == effect);
+    let rest = others.iter().filter(|other| other.candidate != effect && other.loss < CLASS);
+    let member = |other: &Alternative| Member {
+        candidate: other.candidate,
+        x: other.x,
+        weight: libm::exp(-0.5 * other.loss),
+    };
+    own.chain(rest).map(member).collect()
+}
+
+fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
+    let weights = question.weights();
+    let likely = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
+    let (mut tried, mut failed) = (Vec::new(), Vec::new());
+    for entry in CATALOGUE {
+        match first_look(question, entry, likely) {
+            Ok(one) => tried.extend(one),
+            Err(problem) => failed.push((entry, problem.to_string())),
+        }
+    }
+    // what can't be simulated can't be checked either
+    let same = first_look(question, &AGAIN, likely).ok().flatten();
+    // what honest renderers differ by does not become less with more pictures
+    let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
+    let weigh = |one: &mut Tried| {
+        same.iter().for_each(|same| one.discount(&same.losses, CLASS));
+        if longer {
+            one.lengthen();
+        }
+    };
+    tried.iter_mut().for_each(weigh);
+    choose::sort(&mut tried, &weights);
+    for one in tried.iter_mut().take(FINALISTS) {
+        match closer_look(question, one.entry, likely) {
+            Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
+            Err(problem) => {
+                failed.push((one.entry, problem.to_string()));
+                continue;
+            }
+        }
+        weigh(one);
+    }
+    tried.retain(|one| failed.iter().all(|(entry, _)| entry.name != one.entry.name));
+    choose::sort(&mut tried, &weights);
+    let Some(best) = tried.first() else { return (None, None) };
+    let text = text(question, best).ok();
+    let groups = best.groups();
+    let names = |group: &[usize]| group.iter().map(|place| question.name(*place)).collect::<Vec<_>>();
+    let apart = if groups.len() > 1 { (0..question.members.len()).collect() } else { Vec::new() };
+    let all = tried.iter().chain(&same);
+    let mut separation: Vec<Separation> = all.map(|one| choose::line(one, question)).collect();
+    separation.extend(failed.into_iter().map(|(entry, problem)| Separation {
+        experiment: entry.name.to_owned(),
+        loss: None,
+        pair: Vec::new(),
+        certainty: None,
+        problem: Some(problem),
+    }));
+    let next = NextExperiment {
+        what: choose::words(best),
+        separates: names(&apart),
+        scenario: text.as_ref().map(|_| FILE.to_owned()),
+        leaves_open: groups.iter().filter(|group| group.len() > 1).map(|group| names(group)).collect(),
+        separation,
+    };
+    (Some(next), text)
+}
+
+/// An experiment simulated with one member as the truth.
+fn first_look(
+    question: &Question<'_>,
+    entry: &'static Experiment,
+    truth: usize,
+) -> Result<Option<Tried>, Error> {
+    let Some(prepared) = prepare(question.data, question.model, entry)? else { return Ok(None) };
+    let losses = Bench::new(question, &prepared)?.losses(truth)?;
+    Ok(Some(Tried { entry, losses, times: 1.0 }))
+}
+
+/// The same with each member as the truth in turn, for that member's row.
+fn closer_look(question: &Question<'_>, entry: &'static Experiment, likely: usize) -> Result<Losses, Error> {
+    let prepared = prepare(question.data, question.model, entry)?;
+    let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
+    let bench = Bench::new(question, &prepared)?;
+    let mut losses = bench.losses(likely)?;
+    let mut rivals: Vec<usize> = (0..losses.len()).filter(|truth| *truth != likely).collect();
+    // in a large class, the improbable ones keep the row that the columns of the most probable one give
+    rivals.sort_by(|a, b| question.members[*b].weight.total_cmp(&question.members[*a].weight));
+    for truth in rivals.into_iter().take(TRUTHS) {
+        losses[truth] = bench.losses(truth)?.swap_remove(truth);
+    }
+    Ok(losses)
+}
+
+/// The scenario of the chosen experiment: the nominal model, for what will be measured to be compared with.
+fn text(question: &Question<'_>, chosen: &Tried) -> Result<String, Error> {
+    let prepared = prepare(question.data, question.model, chosen.entry)?;
+    let Prepared { scenario, logs, .. } =
+        prepared.ok_or_else(|| Error::Model("the experiment has no scenario".into()))?;
+    let resolved = Simulation::new(&scenario, question.units).map_err(refused)?.resolved();
+    let mut log = vec!["controller.tau or plant.tau"];
+    log.extend(logs.picture.then_some("the camera's centroids and areas"));
+    log.extend(logs.encoders.then_some("plant.q1, plant.q2"));
+    log.extend(logs.torque.then_some("plant.tau_applied"));
+    let often = logs.rate.map_or_else(String::new, |rate| format!(" ({rate} times a second)"));
+    Ok(format!("# Next experiment: {}\n# Log: {}{often}.\n{resolved}", chosen.order(), log.join("; ")))
+}

@@ -1,0 +1,193 @@
+//! A prepared experiment, run through the orchestrator and turned into the data set that a lab would log, without
+//! noise: noise is counted where the data are compared.
+
+use super::scenario::{Logs, Prepared, record, refused};
+use crate::error::Error;
+use crate::rigs::acrobot::dataset::{DataSet, Manifest, Run, Table};
+use crate::rigs::acrobot::residual::picture::COLUMNS;
+use crate::rigs::acrobot::residual::trajectory::Motion;
+use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
+
+/// Rows of the encoders per second where none were logged before.
+const ENCODER_RATE: f64 = 30.0;
+/// Step of the motion that is handed on, s: the cubic between is good to 1e-8 rad.
+const MOTION_STEP: f64 = 1.0 / 120.0;
+/// Half a microsecond: recorded times are rounded doubles of exact points.
+const ROUNDING: f64 = 5e-7;
+
+/// One simulated run.
+pub struct Trial {
+    /// What a lab would have.
+    pub data: DataSet,
+    /// How the arm really moved.
+    pub motion: Motion,
+}
+
+/// Runs an experiment with some parameters of the units set.
+///
+/// # Errors
+/// A unit refuses a value or fails, or the arm falls.
+pub fn simulate(
+    prepared: &Prepared,
+    values: &[(String, String)],
+    like: &DataSet,
+    units: &UnitPath,
+) -> Result<Trial, Error> {
+    let mut scenario = prepared.scenario.clone();
+    let has = |name: &str| prepared.scenario.units.iter().any(|unit| unit.name == name);
+    let (filmed, controlled) = (has("camera"), has("controller"));
+    for (name, value) in values {
+        if name.split('.').next().is_some_and(has) {
+            scenario.set(name, value).map_err(refused)?;
+        }
+    }
+    let mut names: Vec<String> = ["q1", "q2", "dq1", "dq2", "tau", "tau_1", "tau_applied", "contact"]
+        .map(|name| format!("plant.{name}"))
+        .to_vec();
+    if filmed {
+        scenario.set("camera.sigma", "0.0").map_err(refused)?;
+        names.extend(COLUMNS.iter().chain(&["valid", "frame"]).map(|name| format!("camera.{name}")));
+    }
+    if controlled {
+        names.push("controller.tau".into());
+    }
+    record(&mut scenario, &names.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut simulation = Simulation::new(&scenario, units).map_err(refused)?;
+    let mut memory = MemoryRecorder::new();
+    simulation.run(&mut memory, &mut Quiet).map_err(refused)?;
+    let log = Recorded { memory, controlled };
+    if let Some(row) = log.series("plant.contact")?.iter().position(|contact| *contact > 0.5) {
+        return Err(Error::Model(format!("the arm falls after {:.1} s", log.memory.times()[row])));
+    }
+    if let Some(time) = log.goes_round()?.filter(|_| !controlled) {
+        return Err(Error::Model(format!("a link goes round after {time:.1} s")));
+    }
+    let camera = if filmed && prepared.logs.picture { Some(log.camera()?) } else { None };
+    if camera.as_ref().is_some_and(Table::is_empty) {
+        return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
+    }
+    let often = prepared.logs.rate.unwrap_or_else(|| rate(like));
+    let run = Run {
+        name: "simulated".into(),
+        camera,
+        controller: Some(log.controller()?),
+        plant: if prepared.logs.encoders { Some(log.plant(&prepared.logs, often)?) } else { None },
+    };
+    let manifest =
+        Manifest { runs: vec![run.name.clone()], noise: Default::default(), ..like.manifest.clone() };
+    let data = DataSet {
+        path: like.path.clone(),
+        manifest,
+        runs: vec![run],
+        notices: Vec::new(),
+        clocks_apart: false,
+        late_by_hand: 0.0,
+        pictures_apart: false,
+    };
+    Ok(Trial { data, motion: log.motion()? })
+}
+
+/// Rows of the plant's log per second, as in the runs that were made.
+pub fn rate(like: &DataSet) -> f64 {
+    let log = like.runs.iter().find_map(|run| run.plant.as_ref());
+    let span =
+        |log: &Table| log.time.last().copied().unwrap_or(0.0) - log.time.first().copied().unwrap_or(0.0);
+    match log {
+        Some(log) if span(log) > 0.0 => (log.len() - 1) as f64 / span(log),
+        _ => ENCODER_RATE,
+    }
+}
+
+struct Recorded {
+    memory: MemoryRecorder,
+    controlled: bool,
+}
+
+impl Recorded {
+    fn series(&self, name: &str) -> Result<&[f64], Error> {
+        self.memory.series(name).map_err(refused)
+    }
+
+    /// When a link first is half a turn from where it began: what hangs would go over the top, cables and all.
+    fn goes_round(&self) -> Result<Option<f64>, Error> {
+        let (q1, q2) = (self.series("plant.q1")?, self.series("plant.q2")?);
+        let over =
+            |row: &usize| (q1[*row] - q1[0]).abs().max((q2[*row] - q2[0]).abs()) > std::f64::consts::PI;
+        Ok((0..q1.len()).find(over).map(|row| self.memory.times()[row]))
+    }
+
+    /// A table of some rows.
+    fn table(&self, rows: &[usize], unit: &str, names: &[&str]) -> Result<Table, Error> {
+        let mut columns = Vec::new();
+        for name in names {
+            let series = self.series(&format!("{unit}.{name}"))?;
+            columns.push(((*name).to_owned(), rows.iter().map(|row| series[*row]).collect()));
+        }
+        Ok(Table::new(rows.iter().map(|row| self.memory.times()[*row]).collect(), columns))
+    }
+
+    /// Rows at which one of some series is not what it was; the first row too.
+    fn changes(&self, names: &[&str]) -> Result<Vec<usize>, Error> {
+        let series = names.iter().map(|name| self.series(name)).collect::<Result<Vec<_>, _>>()?;
+        let rows = 0..self.memory.times().len();
+        Ok(rows.filter(|row| *row == 0 || series.iter().any(|s| s[*row] != s[*row - 1])).collect())
+    }
+
+    fn camera(&self) -> Result<Table, Error> {
+        let (frame, valid) = (self.series("camera.frame")?, self.series("camera.valid")?);
+        let mut rows = self.changes(&["camera.frame"])?;
+        rows.retain(|row| frame[*row] > 0.0 && valid[*row] > 0.5);
+        self.table(&rows, "camera", &COLUMNS)
+    }
+
+    fn controller(&self) -> Result<Table, Error> {
+        if self.controlled {
+            return self.table(&self.changes(&["controller.tau"])?, "controller", &["tau"]);
+        }
+        // a row has what its own step was driven with, so that it began to act a step before
+        let rows = self.changes(&["plant.tau", "plant.tau_1"])?;
+        let mut table = self.table(&rows, "plant", &["tau", "tau_1"])?;
+        table.time = rows.iter().map(|row| self.memory.times()[row.saturating_sub(1)]).collect();
+        Ok(table)
+    }
+
+    fn plant(&self, logs: &Logs, rate: f64) -> Result<Table, Error> {
+        let rows = self.every(1.0 / rate);
+        if !logs.torque {
+            return self.table(&rows, "plant", &["q1", "q2"]);
+        }
+        let mut log = self.table(&rows, "plant", &["q1", "q2", "tau_applied"])?;
+        // a row at the very time of a command may hold the torque before or after it, as a lab's clock will have it
+        let commands = self.controller()?.time;
+        let sure = |time: &f64| {
+            let next = commands.partition_point(|command| *command < time - ROUNDING);
+            commands.get(next).is_none_or(|command| *command > time + ROUNDING)
+        };
+        let sure: Vec<bool> = log.time.iter().map(sure).collect();
+        for (torque, sure) in log.column_mut("tau_applied").into_iter().flatten().zip(sure) {
+            *torque = if sure { *torque } else { f64::NAN };
+        }
+        Ok(log)
+    }
+
+    fn every(&self, interval: f64) -> Vec<usize> {
+        let times = self.memory.times();
+        let begin = times.first().copied().unwrap_or(0.0);
+        let mut count = 0.0;
+        let due = |row: &usize| {
+            let here = times[*row] + ROUNDING >= begin + count * interval;
+            count += f64::from(u8::from(here));
+            here
+        };
+        (0..times.len()).filter(due).collect()
+    }
+
+    fn motion(&self) -> Result<Motion, Error> {
+        let rows = self.every(MOTION_STEP);
+        let names = ["plant.q1", "plant.q2", "plant.dq1", "plant.dq2"];
+        let series = names.iter().map(|name| self.series(name)).collect::<Result<Vec<_>, _>>()?;
+        let states = rows.iter().map(|row| std::array::from_fn(|i| series[i][*row])).collect();
+        let times = rows.iter().map(|row| self.memory.times()[*row]).collect();
+        Ok(Motion { stretches: vec![(times, states)] })
+    }
+}

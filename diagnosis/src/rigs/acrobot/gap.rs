@@ -1,0 +1,200 @@
+//! How far apart, in physical units, before and after; against what noise alone leaves (`floor`).
+
+use crate::diagnosis::Gap;
+use crate::rigs::acrobot::residual::picture::{ANGLES, CENTROIDS};
+use crate::rigs::acrobot::residual::torque::{growth, shrunk, torques};
+use crate::rigs::acrobot::residual::{Block, Signal};
+use crate::rigs::acrobot::selection::{Evaluation, Study};
+use crate::statistics::linear::{bare, moved};
+use nalgebra::DVector;
+use std::ops::Range;
+
+/// A gap must stand this far above the floor to be worth closing.
+const ABOVE: f64 = 1.05;
+
+/// Sums of squares of what is left, before and after, and of what noise leaves, with the number of rows of each.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sums {
+    /// Of the nominal model.
+    pub before: (f64, f64),
+    /// Of the amended model.
+    pub after: (f64, f64),
+    /// Of noise alone.
+    pub floor: (f64, f64),
+}
+
+impl Sums {
+    /// Both together.
+    pub fn and(self, other: Self) -> Self {
+        let sum = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
+        Self {
+            before: sum(self.before, other.before),
+            after: sum(self.after, other.after),
+            floor: sum(self.floor, other.floor),
+        }
+    }
+
+    /// The gap in words and numbers.
+    pub fn gap(self, of: Compared) -> Gap {
+        let mean = |(square, count): (f64, f64)| (square / f64::max(count, 1.0)).sqrt();
+        let (before, after, floor) = (mean(self.before), mean(self.after), mean(self.floor));
+        let closed = (before > ABOVE * floor)
+            .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
+            .map(|closed| closed.min(1.0));
+        let (signal, unit) = of.words();
+        let (signal, unit) = (signal.into(), unit.into());
+        Gap {
+            before,
+            after,
+            floor,
+            closed,
+            held_out_runs: Vec::new(),
+            cross_validated: Vec::new(),
+            signal,
+            unit,
+        }
+    }
+}
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// Torques that the model lacks.
+    Torques,
+    /// Centroids of circles.
+    Centroids,
+    /// Angles that a vision read.
+    Angles,
+}
+
+impl Compared {
+    /// Of a picture: angles where no circle was logged.
+    fn of_picture(blocks: &[Block]) -> Self {
+        if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
+    }
+
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Torques => ("plant: torque that the model lacks, both links", "N·m"),
+            Self::Centroids => ("camera: centroids", "px"),
+            Self::Angles => ("camera: estimated angles", "rad"),
+        }
+    }
+
+    /// Sums over what two models leave, the second one after `shifts` more of some of its columns, each block with that of its fold.
+    /// `noise` is what noise gives a row of each signal.
+    pub fn sums(self, nominal: &Evaluation, last: &Evaluation, shifted: &Shifted<'_>, noise: &[f64]) -> Sums {
+        let nominal = nominal.under(last);
+        let Shifted { places, shifts, folds } = shifted;
+        if self == Self::Torques {
+            let after = torques(&last.blocks, places, shifts, folds);
+            let mut quiet = last.blocks.clone();
+            for cell in quiet.iter_mut().flat_map(|block| &mut block.cells) {
+                let rows = cell.sigma.iter_mut().zip(&cell.signal);
+                rows.for_each(|(sigma, signal)| *sigma *= noise[*signal] / last.sigmas[*signal]);
+            }
+            let floors = torques(&quiet, &[], &[], folds);
+            let [before, after, floor, count] =
+                shrunk(&torques(&nominal.blocks, &[], &[], folds), &after, &floors);
+            return Sums { before: (before, count), after: (after, count), floor: (floor, count) };
+        }
+        let of = if self == Self::Centroids { CENTROIDS } else { ANGLES };
+        let none = Shifted { places: &[], shifts: &[], folds };
+        let (before, after) = (squares(&nominal.blocks, &none, &of), squares(&last.blocks, shifted, &of));
+        let rows = last.blocks.iter().flat_map(|block| &block.cells).flat_map(|cell| &cell.signal);
+        let rows = rows.filter(|signal| of.contains(signal));
+        let floor = rows.fold((0.0, 0.0), |(sum, count), signal| (sum + noise[*signal].powi(2), count + 1.0));
+        Sums { before, after, floor }
+    }
+}
+
+/// By how much some columns' values differ from fold to fold.
+#[derive(Debug, Clone, Copy)]
+pub struct Shifted<'a> {
+    /// The columns.
+    pub places: &'a [usize],
+    /// What is added in each fold.
+    pub shifts: &'a [DVector<f64>],
+    /// Fold of each block.
+    pub folds: &'a [usize],
+}
+
+/// The gap of one study by cross-validation (values are fitted without each fold in turn; the effects were chosen with all), and what is
+/// compared. `free` are its continuous active candidates. Where a plant follows poses that were read off pictures, both are looked
+/// at: what a lens leaves shows in pixels, what a plant leaves in torques.
+pub fn widest(
+    study: &Study,
+    free: &[usize],
+    runs: &[String],
+    torque: bool,
+    signals: &[Signal],
+) -> (Gap, Compared) {
+    let picture = || Compared::of_picture(&study.last.blocks);
+    let own = if torque { Compared::Torques } else { picture() };
+    let crossed = |of: Compared| (crossed(study, free, runs, of), of);
+    let own = crossed(own);
+    if torque || !led(signals) {
+        return own;
+    }
+    let other = crossed(Compared::Torques);
+    if above(&other.0) > above(&own.0) { other } else { own }
+}
+
+/// How far a gap stands above its floor.
+pub fn above(gap: &Gap) -> f64 {
+    if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
+}
+
+/// Whether signals are both the picture's and a plant's.
+pub fn led(signals: &[Signal]) -> bool {
+    ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
+}
+
+fn crossed(study: &Study, free: &[usize], runs: &[String], of: Compared) -> Gap {
+    let (last, folds) = (&study.last, &study.folds);
+    let places = last.places(free);
+    let shifts =
+        if free.is_empty() { vec![DVector::zeros(0); folds.count] } else { last.shifts(folds, free) };
+    let shifted = Shifted { places: &places, shifts: &shifts, folds: &folds.of };
+    let gap = of.sums(&study.nominal, last, &shifted, &study.noise).gap(of);
+    Gap { cross_validated: folds.names(runs), ..gap }
+}
+
+/// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
+const WIDENED: f64 = 0.1;
+const CLEARLY: f64 = 2.0;
+
+/// Whether effects (`free` are the continuous ones) leave more torque on runs left out than none at all, and not by chance. Angles may
+/// be met better by chance, where stamps scatter, but then the motion's torques aren't.
+pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
+    if gap.closed.is_none_or(|closed| closed >= -WIDENED) {
+        return false;
+    }
+    let (folds, last) = (&study.folds, &study.last);
+    let shifts = if free.is_empty() { Vec::new() } else { last.shifts(folds, free) };
+    let before = torques(&study.nominal.under(last).blocks, &[], &[], &folds.of);
+    let after = torques(&last.blocks, &last.places(free), &shifts, &folds.of);
+    growth(&before, &after) > CLEARLY
+}
+
+/// Whether some of these signals are measured.
+pub(crate) fn measures(blocks: &[Block], signals: &Range<usize>) -> bool {
+    let cells = blocks.iter().flat_map(|block| &block.cells);
+    cells.flat_map(|cell| &cell.signal).any(|signal| signals.contains(signal))
+}
+
+/// Sum of squares of a picture's rows, and their number.
+fn squares(blocks: &[Block], shifted: &Shifted<'_>, signals: &Range<usize>) -> (f64, f64) {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (index, block) in blocks.iter().enumerate() {
+        let shift = shifted.folds.get(index).and_then(|fold| shifted.shifts.get(*fold));
+        for cell in &block.cells {
+            let rest = bare(cell, &moved(cell, shifted.places, shift), 0.0).rest;
+            for row in (0..cell.residual.len()).filter(|row| signals.contains(&cell.signal[*row])) {
+                sum += (rest[row] * cell.sigma[row]).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    (sum, count)
+}

@@ -1,0 +1,35 @@
+//! Our own rig: the rolling acrobot that a camera looks at, in the short form of a data set (`format = 1`).
+//!
+//! The way of a diagnosis, a room each:
+//! 1. `dataset` reads a folder and puts aside what can't be used; `plausibility` stops at logs that count otherwise than the model.
+//! 2. `model` loads the nominal scenario; `bench` holds its units, reached through FMI only.
+//! 3. `residual` cuts the loop at every interface and compares, with the columns of all `candidates`.
+//! 4. `selection` names, one effect at a time; `pipeline` goes the whole way.
+//! 5. `rest` says whether what remains is noise, `imitation` whether names only stand for something else, `differ` in what runs
+//!    differ, `gap` how far it closed above the `floor`, `amend` writes the better model.
+//! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
+//! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
+//! 8. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
+
+mod amend;
+mod bench;
+pub mod candidates;
+pub mod correction;
+mod counting;
+pub mod dataset;
+mod differ;
+pub(crate) mod earlier;
+mod experiment;
+mod floor;
+mod gap;
+mod imitation;
+pub mod model;
+pub(crate) mod pipeline;
+mod places;
+pub(crate) mod plausibility;
+pub mod record;
+mod replay;
+pub mod residual;
+mod rest;
+pub mod selection;
+pub(crate) mod story;

@@ -1,0 +1,281 @@
+//! The plant log's clock: cleared before anything is named.
+
+use super::*;
+use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::selection::steadiness;
+
+const DELAY: &str = "camera.T_delay";
+const EXPOSURE: &str = "camera.E_t";
+/// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
+pub(super) const MISSES: f64 = 3.0;
+/// Standard errors of the clock that a delay or an exposure must be larger than.
+const DOUBTED: f64 = 1.96;
+/// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
+const BLURRED: f64 = 2.0;
+
+/// The plant log's clock, s late, that explains what the picture alone would have called a delay: logs of plant and torque know
+/// their clock to some ten microseconds only, a picture its delay to some microseconds.
+fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
+    let Compared { parts, point, .. } = compared;
+    let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
+    let delay =
+        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
+    let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
+    let (by, error) =
+        parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
+    let (shift, blurred, alone) = known(plant, list, clock)?;
+    let misses = (by + shift).abs() / error.hypot(blurred);
+    if blurred > BLURRED * alone || misses > MISSES {
+        return None;
+    }
+    let weights = (error.powi(-2), blurred.powi(-2));
+    Some(point[clock] + (shift * weights.1 - by * weights.0) / (weights.0 + weights.1))
+}
+
+/// By how much a picture is late, s, and the standard error of that.
+fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)> {
+    let late = |other: &&Alternative| other.candidate == delay && other.loss < CLASS;
+    let (effect, by) = part.classes.iter().find_map(|(effect, class)| {
+        let own = [DELAY, EXPOSURE].contains(&list[*effect].name);
+        let by = class.iter().find(late).map(|other| other.x - list[delay].off);
+        own.then_some((*effect, by?))
+    })?;
+    let last = &part.study.last;
+    let free: Vec<usize> =
+        part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
+    let place = free.iter().position(|index| *index == effect)?;
+    let error = last.covariance(&free)?[(place, place)].sqrt();
+    // an exposure is late by half of itself: the same share of the effect's size, whatever its name
+    let share = error / (last.point[effect] - list[effect].off).abs();
+    Some((by, share * by.abs()))
+}
+
+/// How much later the plant's log wants its clock still, s, with the standard errors of that beside what was found and alone.
+fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64)> {
+    let last = &part.study.last;
+    let others = part.study.active.iter().copied().filter(|index| *index != clock);
+    let mut free: Vec<usize> = others.filter(|index| !list[*index].is_discrete()).collect();
+    let alone = last.covariance(&[clock])?[(0, 0)].sqrt();
+    free.insert(0, clock);
+    Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
+}
+
+/// Half a millisecond, and a tenth: a lag and a delay of the same size differ by about that.
+const SAME: f64 = 5e-4;
+const CLOSE: f64 = 0.1;
+
+/// Whether pictures are late by as much as the plant's log: then that was right, and an actuator lags.
+pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    let (Some(clock), Some(delay)) = (place(CLOCK), place(DELAY)) else { return false };
+    let late = compared.point[clock];
+    let seen = compared.parts.iter().filter(|part| !part.torque);
+    let seen = seen.filter_map(|part| seen_late(part, list, delay)).map(|(by, _)| by);
+    late > 0.0 && seen.into_iter().any(|by| (by - late).abs() < SAME.min(0.5 * late) + CLOSE * late)
+}
+
+/// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
+/// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
+pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
+    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+    if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+        // the pictures' clock is free, so that of an exposure its blur alone is known
+        let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
+        let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
+        let doubt = place(EXPOSURE).and_then(|index| Some((index, beside(index)?.sqrt())));
+        return doubt.into_iter().collect();
+    }
+    let unsure = place(CLOCK).and_then(|clock| {
+        let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
+        known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= BLURRED * alone)
+    });
+    let Some((shift, error, _)) = unsure else { return Vec::new() };
+    // an offset that shows, but not clearly enough to be taken, may be there
+    let error = error.max(shift.abs());
+    let twice = 2.0 * model.frame_rate();
+    let of = |name, each: f64| place(name).map(|index| (index, each * error));
+    [of(DELAY, 1.0), of(EXPOSURE, twice)].into_iter().flatten().collect()
+}
+
+/// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
+/// (falls of the deviance).
+const MORE: f64 = 10.0;
+const APART: f64 = 30.0;
+/// So often the logs are set back and all is compared again.
+const ROUNDS: usize = 3;
+
+/// By how much the plant's logs were set back, s.
+pub(super) struct Clocks {
+    /// What is the same for all runs.
+    common: f64,
+    /// What is a run's own.
+    own: Vec<f64>,
+    /// What is left of it, found beside all else.
+    left: f64,
+    /// Of the runs that have such a log.
+    names: Vec<Option<String>>,
+    rounds: usize,
+}
+
+impl Clocks {
+    pub(super) fn new(data: &DataSet) -> Self {
+        let name = |run: &Run| run.plant.as_ref().map(|_| run.name.clone());
+        let names = data.runs.iter().map(name).collect();
+        Self { common: 0.0, own: vec![0.0; data.runs.len()], left: 0.0, names, rounds: 0 }
+    }
+
+    /// Runs and the time by which their logs are late still, before anything else can be said.
+    pub(super) fn late(&mut self, list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+        self.rounds += 1;
+        if self.rounds > ROUNDS {
+            return None;
+        }
+        if let Some(late) = apart(list, compared) {
+            late.iter().for_each(|(run, late)| self.own[*run] += late);
+            return Some(late);
+        }
+        let late = clock_instead(list, compared)?;
+        self.common += late;
+        Some((0..self.own.len()).map(|run| (run, late)).collect())
+    }
+
+    /// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and the
+    /// camera early by the same time; a delay of either does only one of both.
+    pub(super) fn clear(
+        &mut self,
+        model: &Model,
+        list: &[Candidate],
+        parts: &mut [Part],
+        point: &mut [f64],
+    ) -> Vec<Notice> {
+        let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
+        let mut gone = Vec::new();
+        let mut late = 0.0;
+        if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+            late = point[clock];
+            gone.push(clock);
+        }
+        if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+            gone.push(stamps);
+        }
+        if let Some((shown, by)) = early(list, parts, point) {
+            // one that was found, that is: nothing is the same as a clock that is off by less than SAME
+            let found = |index: &usize| point[*index] != list[*index].off;
+            let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
+            let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
+            // an exposure may well be shorter than it is said to be, but no result comes before its picture
+            let before =
+                list[shown].name == DELAY && (actuator.is_some() || !exposed_for_less(list, parts, shown));
+            if actuator.is_some() || before {
+                late = if late == 0.0 { by } else { late };
+                gone.push(shown);
+                gone.extend(actuator);
+            }
+        }
+        // what is no larger than the clock may be off
+        let within =
+            |(index, error): &(usize, f64)| (point[*index] - list[*index].off).abs() < DOUBTED * error;
+        gone.extend(doubts(model, list, parts).iter().filter(|doubt| within(doubt)).map(|doubt| doubt.0));
+        for index in &gone {
+            point[*index] = list[*index].off;
+        }
+        for part in parts {
+            part.classes.retain(|(index, _)| !gone.contains(index));
+        }
+        self.left = late;
+        self.told(self.common + late)
+    }
+
+    /// What was done before all else, in words.
+    pub(super) fn story(&self) -> Option<String> {
+        let late = self.own.iter().zip(&self.names).filter(|(_, name)| name.is_some());
+        let late: Vec<f64> = late.map(|(own, _)| 1e3 * (self.common + own)).collect();
+        let told = late.iter().map(|late| format!("{late:.2}")).collect::<Vec<_>>().join(", ");
+        let more = match 1e3 * self.left {
+            0.0 => String::new(),
+            left => format!(" What was left of that, {left:.2} ms, was found beside all else."),
+        };
+        let back = late.iter().any(|late| *late != 0.0);
+        back.then(|| {
+            format!("First the plant's logs were set back to the other logs' clock, run by run by {told} ms.{more}")
+        })
+    }
+
+    /// Whether runs have clocks of their own.
+    pub(super) fn apart(&self) -> bool {
+        self.own.iter().any(|late| *late != 0.0)
+    }
+
+    fn told(&self, common: f64) -> Vec<Notice> {
+        let notice = |file: String, late: f64| {
+            let message = format!(
+                "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+                1e3 * late
+            );
+            Notice { file, line: 0, message }
+        };
+        if self.apart() {
+            let runs = self.names.iter().zip(&self.own);
+            let told = |(name, own): (&Option<String>, &f64)| {
+                name.as_ref().map(|name| notice(format!("{name}/plant.csv"), common + own))
+            };
+            return runs.filter_map(told).collect();
+        }
+        if common == 0.0 { Vec::new() } else { vec![notice("plant.csv".into(), common)] }
+    }
+}
+
+/// Runs whose logs have clocks of their own, and by how much they are late against all: where that explains more than
+/// any effect, and clearly more than one clock for all.
+fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+    let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
+    let of_log = |index: usize| list[index].side.is_of_log();
+    let study = &compared.parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?.study;
+    if study.outweighed {
+        return None;
+    }
+    let open = study.screen.hits.iter().filter(|hit| !of_log(hit.candidate));
+    let best = open.map(|hit| hit.gain).fold(0.0, f64::max);
+    // what was found may have stood for the clocks
+    let total = &study.nominal.total;
+    let gains = (study.nominal.probes.iter().enumerate())
+        .filter(|(_, probe)| !of_log(probe.candidate))
+        .map(|(column, _)| total.score[column].powi(2) / total.gram[(column, column)].max(f64::MIN_POSITIVE));
+    let looks =
+        [(&study.last, study.active.as_slice(), best), (&study.nominal, &[], gains.fold(0.0, f64::max))];
+    looks.into_iter().find_map(|(evaluation, active, best)| {
+        let clocks = steadiness(evaluation, clock, active)?;
+        let clear = clocks.apart > APART && clocks.fall > best + MORE;
+        clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
+    })
+}
+
+/// Whether a shorter exposure may stand in the place of a delay below zero. It does so then: no camera has such a delay.
+fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> bool {
+    let shorter = |other: &Alternative| {
+        let candidate = &list[other.candidate];
+        candidate.name == EXPOSURE && other.loss < CLASS && other.x < candidate.off
+    };
+    let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
+    let mut found = false;
+    for (_, class) in classes.filter(|(effect, class)| *effect == delay && class.iter().any(shorter)) {
+        class.retain(|other| other.candidate != delay);
+        found = true;
+    }
+    found
+}
+
+/// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
+fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
+    let delay =
+        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
+    if point[delay] < 0.0 {
+        return Some((delay, -point[delay]));
+    }
+    let shown = |(effect, class): &(usize, Vec<Alternative>)| {
+        let other =
+            class.iter().find(|other| other.candidate == delay && other.loss < CLASS && other.x < 0.0)?;
+        (list[*effect].name == "camera.E_t").then_some((*effect, -other.x))
+    };
+    parts.iter().flat_map(|part| &part.classes).find_map(shown)
+}

@@ -1,0 +1,130 @@
+//! Where the plant's rest has no name: a labelled correction for the amended model.
+
+use super::*;
+use crate::rigs::acrobot::correction::{Correction, Offer, Term, offer, wiring};
+use crate::rigs::acrobot::residual::forced::Forced;
+use crate::rigs::acrobot::residual::plant::PlantCut;
+use crate::rigs::acrobot::residual::weak::Weak;
+
+/// What a correction alone may leave of what effects leave, to take their place with as many numbers.
+const FAR_LESS: f64 = 0.7;
+
+/// How many of the effects that were named last are tried without, one at a time.
+const SINGLES: usize = 3;
+
+/// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of heft 1.
+const ROUNDING: f64 = 1e-6;
+
+/// Terms that only spell a listed effect in other words: an effect is never withdrawn for its own twin.
+const TWINS: [(&str, &str); 8] = [
+    ("plant.b_roll", "damp_roll"),
+    ("plant.b_joint", "damp_joint"),
+    ("plant.fc_roll", "stick_roll"),
+    ("plant.fc_joint", "stick_joint"),
+    ("plant.tau_bias", "bias_joint"),
+    ("plant.slope", "bias_roll"),
+    ("plant.theta_9", "spring_roll"),
+    ("plant.theta_10", "spring_joint"),
+];
+
+/// Terms that are a listed effect under another name, friction in its two forms: what they alone give is no rest that an
+/// effect stood for.
+const FRICTION: [&str; 4] = ["damp_roll", "damp_joint", "stick_roll", "stick_joint"];
+
+/// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
+pub(super) fn correct(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    part: &Part,
+    units: &UnitPath,
+    notices: &mut Vec<Notice>,
+) -> Option<Correction> {
+    let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
+    let name = wiring::free_name(&model.scenario);
+    let named: Vec<usize> = part.classes.iter().map(|(index, _)| *index).collect();
+    let point = &part.study.last.point;
+    let found = cut(data, model, list, part, point).and_then(|cut| {
+        let Some(mut cut) = cut else { return Ok(None) };
+        let scattering = cut.explained() > model.heft() * ROUNDING;
+        // each begins from the data again
+        let mut at = |point: &[f64]| {
+            cut.afresh();
+            offer(cut.as_mut(), point, &runs, units, &name)
+        };
+        // how stamps scatter is known best beside all effects; else this waits until somebody asks
+        let mut beside = if scattering { Some(at(point)?) } else { None };
+        let mut law = false;
+        for withdrawn in withdrawable(&named) {
+            // without one of several effects there was no law on 150 sets where there was none beside all nor without any
+            if withdrawn.len() < named.len() && !law {
+                break;
+            }
+            let mut bare = point.clone();
+            withdrawn.iter().for_each(|index| bare[*index] = list[*index].off);
+            let names: Vec<String> = withdrawn.iter().map(|index| list[*index].name.to_owned()).collect();
+            let without = at(&bare)?;
+            // whatever there is beside the effects, it has no fewer numbers than none and leaves no less than nothing
+            let surely = replaces(&Offer::default(), &without, &names);
+            if !surely && beside.is_none() {
+                beside = Some(at(point)?);
+            }
+            if surely || beside.as_ref().is_some_and(|beside| replaces(beside, &without, &names)) {
+                return Ok(without.correction.map(|found| Correction { supersedes: names, ..found }));
+            }
+            law |= without.correction.is_some()
+                || beside.as_ref().is_some_and(|beside| beside.correction.is_some());
+        }
+        let beside = match beside {
+            Some(beside) => beside,
+            None => at(point)?,
+        };
+        Ok(beside.correction)
+    });
+    found.unwrap_or_else(|error| {
+        let message = format!("no correction of the rest is offered: {error}");
+        notices.push(Notice { file: "amended.toml".into(), line: 0, message });
+        None
+    })
+}
+
+/// Which effects are tried without: all, and each of the last few.
+fn withdrawable(named: &[usize]) -> Vec<Vec<usize>> {
+    let all = (!named.is_empty()).then(|| named.to_vec());
+    let singles =
+        named.iter().rev().take(if named.len() > 1 { SINGLES } else { 0 }).map(|index| vec![*index]);
+    all.into_iter().chain(singles).collect()
+}
+
+/// Where a rest is large, selection may have taken an effect for a part of it. Without such effects a correction has
+/// fewer numbers in all and leaves no more, or as many and leaves far less.
+fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
+    let terms = |offer: &Offer| offer.correction.as_ref().map_or(0, |correction| correction.terms.len());
+    let Some(correction) = &without.correction else { return false };
+    let twin = |(effect, term): &(&str, &str)| {
+        let has = |other: &Term| other.name.ends_with(&format!(".{term}"));
+        withdrawn.iter().any(|name| name == effect) && correction.terms.iter().any(has)
+    };
+    let friction = |term: &Term| FRICTION.iter().any(|name| term.name.ends_with(&format!(".{name}")));
+    let listed = correction.terms.iter().all(friction);
+    let (now, before) = (terms(without), withdrawn.len() + terms(beside));
+    let fewer = now < before && without.left <= beside.left.max(correction.gap.floor);
+    let better = now == before && without.left <= FAR_LESS * beside.left;
+    !listed && !TWINS.iter().any(twin) && (fewer || better)
+}
+
+/// The cut on which the rest was judged, at its beginning.
+fn cut(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    part: &Part,
+    point: &[f64],
+) -> Result<Option<Box<dyn Forced>>, Error> {
+    if part.study.outweighed {
+        return Ok(Weak::new(data, model, list.clone())?.map(|cut| Box::new(cut) as Box<dyn Forced>));
+    }
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
+    rows.begin(point)?;
+    Ok(Some(Box::new(rows)))
+}

@@ -1,0 +1,154 @@
+//! Intervals of values, and what a name is worth beside a rest that has none.
+
+use super::*;
+use crate::rigs::acrobot::candidates::{Cuts, Motion};
+use crate::rigs::acrobot::selection::discrepancy;
+use crate::statistics::linear::{inverse, submatrix};
+use nalgebra::DMatrix;
+
+/// A ceiling whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
+const NEVER_REACHED: f64 = 100.0;
+/// Share of its certainty that a name keeps where names only imitate something else (none of 23 names beside `unknown` that imitated was
+/// right, one of 23 in all), as measured on blind sets whose answers were opened afterwards.
+const IMITATED: f64 = 0.05;
+
+/// The 95 % interval of a candidate at `at`, where its coordinate has this standard error; `None` where that is not known.
+pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 2] {
+    let value = candidate.value(at);
+    if candidate.is_discrete() {
+        return [value, value];
+    }
+    let known = error.filter(|error| error.is_finite());
+    let (low, high) = match (known, candidate.motion) {
+        (Some(error), _) => (at - 1.96 * error, at + 1.96 * error),
+        // nothing is known but that it is there
+        (None, Motion::Ceiling { .. }) => (0.0, at * NEVER_REACHED),
+        (None, _) => candidate.range,
+    };
+    let ends = match candidate.motion {
+        Motion::Ceiling { .. } => [low.max(at / NEVER_REACHED), high.max(at)],
+        _ => [low, high],
+    };
+    let ends = ends.map(|end| candidate.value(end));
+    [ends[0].min(ends[1]), ends[0].max(ends[1])]
+}
+
+/// Standard errors of the continuous active values, each; `None` where nothing tells.
+pub(super) fn errors(study: &Study, free: &[usize]) -> Vec<Option<f64>> {
+    let of = |covariance: Option<DMatrix<f64>>, place: usize| {
+        let variance = covariance?.get((place, place)).copied()?;
+        (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
+    };
+    let all = study.last.covariance(free);
+    // one that shows nothing any more hides the errors of all the others
+    let one = |(place, index): (usize, &usize)| {
+        of(all.clone(), place).or_else(|| of(study.last.covariance(&[*index]), 0))
+    };
+    free.iter().enumerate().map(one).collect()
+}
+
+/// What a rest without a name leaves of a name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Worth {
+    /// Share of its probability that it keeps.
+    pub(super) share: f64,
+    /// By how much its coordinate moves where another name goes.
+    pub(super) moves: f64,
+    /// Times its standard error, for what is left beside noise.
+    pub(super) wider: f64,
+}
+
+impl Worth {
+    /// Of what a tangent tells nothing of.
+    pub(super) const LEAST: Self = Self { share: IMITATED, moves: 0.0, wider: 1.0 };
+}
+
+/// What each of the continuous active effects is worth beside a rest: what it alone explains against what nothing does. One that leans on
+/// others moves when they go.
+pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], imitates: bool) -> Vec<Worth> {
+    let hard = study.last.hard();
+    let places = hard.places(free);
+    let gram = submatrix(&hard.total.gram, &places);
+    let left = discrepancy(&study.last).max(unexplained(study));
+    let dispersion = (hard.total.square / hard.total.freedom.max(1.0)).max(1.0);
+    let sizes: Vec<f64> = free.iter().map(|index| study.last.point[*index] - list[*index].off).collect();
+    let Some(bread) = inverse(&gram).filter(|_| places.len() == free.len()) else {
+        return vec![Worth { share: IMITATED, moves: 0.0, wider: dispersion.sqrt() }; free.len()];
+    };
+    (0..free.len())
+        .map(|k| {
+            // alone: what is lost if it goes and the others are fitted again
+            let alone = sizes[k] * sizes[k] / bread[(k, k)].max(f64::MIN_POSITIVE);
+            let share = alone / (alone + left).max(f64::MIN_POSITIVE);
+            // without another one, this one takes its part over
+            let moves = |j: usize| (bread[(k, j)] / bread[(j, j)] * sizes[j]).abs();
+            let moves = (0..free.len()).filter(|j| *j != k).map(moves).fold(0.0, f64::max);
+            let share = if imitates { share.min(IMITATED) } else { share };
+            Worth { share, moves, wider: dispersion.sqrt() }
+        })
+        .collect()
+}
+
+/// Share of what the data say of a value beyond which one run says it all.
+const ALONE: f64 = 0.99;
+
+/// Share of its certainty that a name keeps of which a single run tells, so that no run left out could contradict it: as after n
+/// agreeing cases in all (rule of succession, (n + 1)/(n + 2)), n the blocks in which it shows, or the commands that a ceiling has cut. A
+/// push from outside may look like two of these.
+pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index: usize) -> f64 {
+    let (last, folds) = (&study.last, &study.folds);
+    let Some(place) = last.places(&[index]).first().copied().filter(|_| folds.runs.len() > 1) else {
+        return 1.0;
+    };
+    let told = || last.reduced.iter().map(|block| block.gram[(place, place)]);
+    let all: f64 = told().sum();
+    let mut runs = vec![0.0; folds.count];
+    told().zip(&folds.of).for_each(|(own, fold)| runs[*fold] += own);
+    if all <= 0.0 || runs.iter().all(|own| *own < ALONE * all) {
+        return 1.0;
+    }
+    let blocks = all * all / told().map(|own| own * own).sum::<f64>();
+    let cases = match list[index].motion {
+        Motion::Ceiling { cuts: Cuts::Torque } => blocks.max(cut(data, list[index].value(last.point[index]))),
+        _ => blocks,
+    };
+    (cases + 1.0) / (cases + 2.0)
+}
+
+/// Commands beyond a level.
+fn cut(data: &DataSet, level: f64) -> f64 {
+    let logs = data.runs.iter().filter_map(|run| run.controller.as_ref()?.column("tau"));
+    logs.flatten().filter(|tau| tau.abs() > level).count() as f64
+}
+
+/// Squares that noise alone doesn't leave.
+fn unexplained(study: &Study) -> f64 {
+    let last = &study.last;
+    let noise = |signal: usize| (study.noise[signal] / last.sigmas[signal]).min(1.0).powi(2);
+    let cells = last.blocks.iter().flat_map(|block| &block.cells);
+    cells.flat_map(|cell| &cell.signal).map(|signal| 1.0 - noise(*signal)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ceiling() -> Candidate {
+        let motion = Motion::Ceiling { cuts: Cuts::Torque };
+        let (name, side, phrase) = ("plant.tau_max", Side::Plant, "");
+        let (off, steps, range) = (0.0, vec![1.0], (0.0, f64::INFINITY));
+        Candidate { name, side, phrase, motion, off, steps, range, bends: true }
+    }
+
+    #[test]
+    fn value_no_interval_of_a_ceiling_is_nothing() {
+        // 1 / 0.5 N·m, known to a fifth
+        let [low, high] = ci95(&ceiling(), 2.0, Some(0.4));
+        assert!((low - 1.0 / 2.784).abs() < 1e-12 && (high - 1.0 / 1.216).abs() < 1e-12);
+        // not told from none, and not known at all: neither end is 0, which would say that there is no ceiling
+        for error in [Some(2.0), Some(f64::NAN), None] {
+            let [low, high] = ci95(&ceiling(), 2.0, error);
+            assert!(0.0 < low && low < 0.5 && (high - 50.0).abs() < 1e-9, "{error:?}: {low} {high}");
+        }
+    }
+}

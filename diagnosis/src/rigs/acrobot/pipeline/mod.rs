@@ -1,0 +1,314 @@
+//! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
+
+mod apart;
+mod camera;
+mod ceilings;
+mod clock;
+mod conclude;
+mod correct;
+mod even;
+mod interval;
+mod left_out;
+mod looks;
+mod plant;
+mod scale;
+mod sensor;
+
+use crate::diagnosis::Diagnosis;
+use crate::error::{Error, Notice};
+use crate::options::Options;
+use crate::rigs::acrobot::candidates::{CLOCK, Candidate, LIST, Side, ZEROS, candidates};
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::plausibility;
+use crate::rigs::acrobot::residual::image::Noise;
+use crate::rigs::acrobot::residual::plant::jitter::unevenness;
+use crate::rigs::acrobot::residual::trajectory::Motion as Logged;
+use crate::rigs::acrobot::residual::{Cut, Signal};
+use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, study};
+use crate::watch::{Listener, Watch};
+use apart::told_apart;
+use camera::camera_part;
+use ceilings::ceilings;
+use clock::{Clocks, MISSES, doubts};
+use conclude::conclude;
+use left_out::{First, left_out, told};
+use orchestrator::UnitPath;
+use orchestrator::suggest::nearest;
+use plant::plant_part;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
+const ANY: f64 = 0.06;
+
+/// Standard deviations of the stamps' scatter by which a log may be late: where a computer stamps its rows, never early but late,
+/// those of a uniform scatter are late by 1.7 in the mean, of half a normal one by 1.3.
+const LATE_BY_HAND: f64 = 2.0;
+
+/// Whether all that was chosen can be.
+fn check(options: &Options) -> Result<(), Error> {
+    if let Some(given) = options.fit.first() {
+        let problem =
+            "parameters are fitted to data sets of `format = 2`; this one is of `format = 1`".into();
+        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
+    }
+    let known = || LIST.iter().filter(|entry| !entry.side.is_of_log()).map(|entry| entry.name);
+    match options.without.iter().find(|given| known().all(|name| name != given.as_str())) {
+        None => Ok(()),
+        Some(given) => {
+            let problem = format!("no candidate has this name; {}", nearest(given, known()));
+            Err(Error::Option { option: "--without", given: given.clone(), problem })
+        }
+    }
+}
+
+/// One cut with all that was found on it.
+struct Part {
+    study: Study,
+    signals: Vec<Signal>,
+    classes: Vec<(usize, Vec<Alternative>)>,
+    torque: bool,
+    /// What torques found before the plant could follow the log.
+    coarse: Vec<usize>,
+    /// What the scatter of the picture says of the sensor.
+    noise: Option<Noise>,
+    /// By how much some values differ from look to look.
+    rough: Vec<(usize, f64)>,
+}
+
+/// Diagnoses a data set. `listener` hears of each stage.
+///
+/// # Errors
+/// The data set or the nominal model can't be used, or a unit failed.
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    listener: Listener<'_>,
+) -> Result<Diagnosis, Error> {
+    check(options)?;
+    let (watch, began) = (&mut Watch::new(listener, None), Instant::now());
+    watch.stage("the logs are read");
+    let mut data = DataSet::load(path)?;
+    if let Some(until) = options.budget.end(began, data.runs.len()) {
+        watch.end_at(until);
+    }
+    let model = Model::load(&data, units)?;
+    if model.camera.is_none() {
+        data.without_pictures(&format!(
+            "the scenario `{}` has no unit `camera`",
+            data.manifest.scenario.clone()
+        ))?;
+    }
+    let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts, contact));
+    let seen = data.runs.iter().any(|run| run.camera.is_some());
+    if seen {
+        // the picture has a mount of its own, and knows the angles
+        list.retain(|candidate| candidate.side != Side::Zero);
+    }
+    if !data.runs.iter().any(Run::logs_the_torque) {
+        // what nobody drives has no motor that could be off; one that is told 0 may be
+        list.retain(|candidate| candidate.name != "plant.tau_bias");
+    }
+    if data.pictures_apart {
+        let delay = list.iter_mut().filter(|candidate| candidate.name == "camera.T_delay");
+        delay.for_each(|delay| delay.side = Side::Stamps);
+    }
+    let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
+    data.late_by_hand = LATE_BY_HAND * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
+    if !seen || data.pictures_apart {
+        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
+        // within what stamps scatter by
+        let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
+        clocks.for_each(|clock| clock.range.1 = clock.range.1.min(data.late_by_hand));
+    }
+    if data.clocks_apart {
+        trust_no_clock(&mut list);
+    }
+    let mut list = Arc::new(list);
+    watch.stage("do the logs count as the model does?");
+    if let Some(finding) = plausibility::motion::counted(&data, &model, &list)? {
+        return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+    }
+    if let Some(even) = even::evened(&data, &model, &list) {
+        watch.stage("plant: stamps put to the ticks of their clocks");
+        data = even;
+    }
+    let mut notices = data.notices.clone();
+    notices.extend(model.notices(&data));
+    let mut compared = compare(&data, &model, &list, options, watch)?;
+    let mut clocks = Clocks::new(&data);
+    while let Some(late) =
+        clocks.late(&list, &compared).filter(|_| !watch.is_over("the search for clocks that are off"))
+    {
+        watch.stage("plant: the log's clock is put right");
+        late.iter().for_each(|(run, late)| data.set_back(*run, *late));
+        if clocks.apart() {
+            data.clocks_apart = true;
+            trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut list));
+        }
+        compared = compare(&data, &model, &list, options, watch)?;
+    }
+    let Compared { mut parts, mut point, notices: more } = compared;
+    notices.extend(more);
+    if parts.is_empty() {
+        return Err(Error::NothingUsable { path: path.to_owned(), notices });
+    }
+    notices.extend(clocks.clear(&model, &list, &mut parts, &mut point));
+    clear_zeros(&list, &mut parts, &mut point, &mut notices);
+    let known = remembered(options, &list, &mut parts);
+    let (mut diagnosis, compared) = conclude(&data, &model, &list, &parts, &point, notices, units, watch)?;
+    diagnosis.story.splice(0..0, clocks.story());
+    diagnosis.story.extend(known);
+    if parts.iter().any(|part| !part.study.active.is_empty()) || diagnosis.correction.is_some() {
+        let correction = diagnosis.correction.as_ref();
+        let gaps = &diagnosis.cross_validation;
+        let first = First { parts: &parts, compared: &compared, correction, gaps, point: &point };
+        match left_out(&data, &model, &list, options, &first, units, watch) {
+            Ok(Some(left_out)) => told(&mut diagnosis, left_out),
+            Ok(None) => {}
+            // a part of the runs may be too little for a search; what was found with all of them stands
+            Err(error) => diagnosis.notices.push(Notice {
+                file: "dataset.toml".into(),
+                line: 0,
+                message: format!(
+                    "the gap is told by cross-validation, since no search can be repeated: {error}"
+                ),
+            }),
+        }
+    }
+    diagnosis.ended_early = watch.ended().to_vec();
+    if !diagnosis.ended_early.is_empty() {
+        let ended = diagnosis.ended_early.join("; ");
+        let budget = options.budget.seconds(data.runs.len());
+        diagnosis.story.push(format!("Time was up after {budget:.0} s: {ended} ended with what was there."));
+    }
+    Ok(diagnosis)
+}
+
+/// Weighs all classes with what an earlier diagnosis said; in words.
+fn remembered(options: &Options, list: &[Candidate], parts: &mut [Part]) -> Vec<String> {
+    let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
+    let known = |(effect, class): &mut (usize, Vec<Alternative>)| {
+        let known = options.earlier.as_ref()?.weigh(list, class)?;
+        Some(format!(
+            "The earlier diagnosis left {} open where {} was found here: both count.",
+            known.join(" or "),
+            list[*effect].name
+        ))
+    };
+    classes.filter_map(known).collect()
+}
+
+/// Lets logs be late by as much as any other, where their clocks are known to be off.
+fn trust_no_clock(list: &mut [Candidate]) {
+    let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
+    clocks.for_each(|clock| clock.range = (-ANY, ANY));
+}
+
+/// All cuts of a data set. A log that is late by no more than its stamps scatter is taken to be that, and no actuator to lag, unless
+/// pictures are late by as much, too.
+fn compare(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Compared, Error> {
+    let compared = compare_once(data, model, list, options, watch)?;
+    if data.late_by_hand > 0.0 && clock::both_late(list, &compared) {
+        let punctual = DataSet { late_by_hand: 0.0, ..data.clone() };
+        return compare_once(&punctual, model, list, options, watch);
+    }
+    Ok(compared)
+}
+
+/// What all cuts say.
+struct Compared {
+    parts: Vec<Part>,
+    point: Vec<f64>,
+    notices: Vec<Notice>,
+}
+
+fn compare_once(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Compared, Error> {
+    let off = || list.iter().map(|candidate| candidate.off).collect();
+    let mut point: Vec<f64> = watch.known().map_or_else(off, |known| known.point.clone());
+    let mut parts = Vec::new();
+    let mut notices = Vec::new();
+    let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, watch)?;
+    camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, watch)?;
+    Ok(Compared { parts, point, notices })
+}
+
+/// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.
+fn clear_zeros(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
+    for (zero, angle) in ZEROS.into_iter().zip(["q1", "q2"]) {
+        let Some(index) = list.iter().position(|candidate| candidate.name == zero) else { continue };
+        if point[index] == 0.0 {
+            continue;
+        }
+        let message = format!(
+            "{angle} reads {:.4} rad ({:.2}°) too large against gravity: taken as its sensor's zero (or the camera's \
+             upright), not as an effect",
+            point[index],
+            point[index].to_degrees()
+        );
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+        point[index] = 0.0;
+        parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
+    }
+}
+
+fn part(
+    cut: &mut dyn Cut,
+    list: &[Candidate],
+    point: &[f64],
+    known: &[usize],
+    torque: bool,
+    watch: &mut Watch<'_>,
+) -> Result<Part, Error> {
+    // what a first search found is on, unless it is superfluous here
+    let before = watch.known().into_iter().flat_map(|before| before.active.iter().copied());
+    let before = before.filter(|index| cut.sees(&list[*index]) && !known.contains(index));
+    let known: Vec<usize> = known.iter().copied().chain(before).collect();
+    let study = study(cut, list, point, &known, watch)?;
+    classed(cut, list, study, torque, watch)
+}
+
+/// What was found on a cut, with all that could stand in the place of each effect.
+fn classed(
+    cut: &mut dyn Cut,
+    list: &[Candidate],
+    study: Study,
+    torque: bool,
+    watch: &mut Watch<'_>,
+) -> Result<Part, Error> {
+    let mut classes = Vec::new();
+    let named = if watch.known().is_some() { &[][..] } else { &study.active };
+    for effect in named {
+        let known = study.class.as_ref().filter(|(accepted, _)| accepted == effect);
+        let class = match known {
+            Some((_, class)) => class.clone(),
+            None => alternatives(cut, list, &study.last, &study.active, *effect, &study.steps, watch)?,
+        };
+        classes.push((*effect, class));
+    }
+    Ok(Part {
+        study,
+        signals: cut.signals().to_vec(),
+        classes,
+        torque,
+        coarse: Vec::new(),
+        noise: None,
+        rough: Vec::new(),
+    })
+}

@@ -1,0 +1,229 @@
+//! The plant's part: rows where the model follows the log, torques where it doesn't, and the motion for the camera.
+
+use super::*;
+use crate::rigs::acrobot::candidates::Motion;
+use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::residual::logged;
+use crate::rigs::acrobot::residual::plant::PlantCut;
+use crate::rigs::acrobot::residual::weak::Weak;
+use crate::rigs::acrobot::rest::unknown;
+use crate::rigs::acrobot::selection::Hit;
+
+/// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
+const MOSTLY_LED: f64 = 0.5;
+/// Share of these that a switch of the model may leave where it is what was missing.
+const SWITCHED: f64 = 0.5;
+/// So many of what torques resemble are tried where they show nothing certain.
+const HINTS: usize = 3;
+/// Windows, of which none may follow the log before a value is fitted: short falls.
+const FEW: usize = 8;
+/// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
+const MOTION_STEP: f64 = 1.0 / 120.0;
+/// How well it is known where the model had to be led along the log, rad.
+const COARSE_MOTION: f64 = 1e-3;
+/// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
+const MOTION_SHARE: f64 = 0.5;
+
+pub(super) fn plant_part(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    point: &mut Vec<f64>,
+    parts: &mut Vec<Part>,
+    notices: &mut Vec<Notice>,
+    watch: &mut Watch<'_>,
+) -> Result<Option<(Vec<Logged>, f64)>, Error> {
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
+        notices.extend(data.runs.iter().filter_map(not_compared));
+        return Ok(logged_poses(data));
+    };
+    watch.stage("plant: windows of the logs");
+    let (compared, all) = rows.windows();
+    if compared < all {
+        let message = format!("{compared} of {all} windows are compared, evenly chosen over all runs");
+        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
+    }
+    rows.begin(point)?;
+    let mut start = Vec::new();
+    let mut coarse = None;
+    if rows.led() > MOSTLY_LED
+        && !switch_leads(&mut rows, list, point)?
+        && let Some(mut weak) = Weak::new(data, model, list.clone())?
+    {
+        let part = part(&mut weak, list, point, &[], true, watch)?;
+        point.clone_from(&part.study.last.point);
+        start.clone_from(&part.study.active);
+        coarse = Some(part);
+    }
+    let follows = coarse.is_some() && leading(&mut rows, list, point, &mut start);
+    let mut part = match coarse {
+        // nor does it where torques fit best with what is no body
+        Some(part) if !follows => match part.study.active.is_empty() {
+            true => hinted(&mut rows, list, &part.study.screen.hits, point, watch)?.unwrap_or(part),
+            false => part,
+        },
+        Some(part_before) => {
+            rows.linearise(point, &[], false)?;
+            let fine = study(&mut rows, list, point, &start, watch)?;
+            if went_astray(&fine, rows.signals(), &start, list) {
+                part_before
+            } else {
+                Part { coarse: start, ..classed(&mut rows, list, fine, true, watch)? }
+            }
+        }
+        None => {
+            let alone = part(&mut rows, list, point, &start, true, watch)?;
+            let seen = data.runs.iter().any(|run| run.camera.is_some());
+            let told = seen && !data.clocks_apart && !data.pictures_apart;
+            if told && could_be_the_actuator(&alone, list, data.late_by_hand) {
+                rows.trust_clock();
+                part(&mut rows, list, point, &start, true, watch)?
+            } else {
+                alone
+            }
+        }
+    };
+    let found = (part.study.last.point.clone(), part.study.active.clone());
+    if !found.1.is_empty() && !part.study.outweighed && !rows.still_scatters(&found.0)? {
+        part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
+    }
+    point.clone_from(&part.study.last.point);
+    told_apart(&mut rows, data, model, list, &mut part, watch);
+    let sigma = match part.study.outweighed {
+        true => COARSE_MOTION,
+        false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
+    };
+    parts.push(part);
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        return Ok(None);
+    }
+    rows.linearise(point, &[], false)?;
+    pose_of(data, &rows, point, sigma)
+}
+
+/// The motions as they were logged, and how well they are known, rad; `None` where there are none.
+pub(super) fn logged_poses(data: &DataSet) -> Option<(Vec<Logged>, f64)> {
+    let mut motions = vec![Logged::default(); data.runs.len()];
+    as_logged(data, &mut motions).map(|sigma| (motions, sigma))
+}
+
+/// The motions for the pictures, and how well they are known, rad; `None` where there are no pictures. `sigma` is that of the angles. Call
+/// after `linearise` at the same point.
+pub(super) fn pose_of(
+    data: &DataSet,
+    rows: &PlantCut,
+    point: &[f64],
+    sigma: f64,
+) -> Result<Option<(Vec<Logged>, f64)>, Error> {
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        return Ok(None);
+    }
+    let mut motions = rows.motion(point, MOTION_STEP)?;
+    let others = as_logged(data, &mut motions).unwrap_or(0.0);
+    Ok(Some((motions, others.max(MOTION_SHARE * sigma))))
+}
+
+/// Why a log of motion and torque wasn't compared, where none was.
+fn not_compared(run: &Run) -> Option<Notice> {
+    (run.plant.is_some() && run.controller.is_some()).then(|| Notice {
+        file: format!("{}/plant.csv", run.name),
+        line: 0,
+        message:
+            "no stretch of a second holds six rows of q1 or q2 in which the torque is known: not compared"
+                .into(),
+    })
+}
+
+/// Where torques show nothing certain, as few rows hardly tell an acceleration, the likeliest of what they resemble is tried: it
+/// counts if with it the plant follows the log by itself.
+fn hinted(
+    rows: &mut PlantCut,
+    list: &Arc<Vec<Candidate>>,
+    hits: &[Hit],
+    point: &[f64],
+    watch: &mut Watch<'_>,
+) -> Result<Option<Part>, Error> {
+    let real = |hit: &&Hit| !list[hit.candidate].side.is_of_log() && !list[hit.candidate].is_discrete();
+    for hit in hits.iter().filter(real).take(HINTS) {
+        let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
+        there[hit.candidate] =
+            (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
+        let few = rows.windows().0 <= FEW;
+        let follows = few || rows.follows(&there, MOSTLY_LED).unwrap_or(false);
+        // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
+        if !follows || rows.linearise(&there, &[], false).is_err() {
+            continue;
+        }
+        let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
+        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED).unwrap_or(false) {
+            rows.linearise(&fine.last.point, &[], false)?;
+            return classed(rows, list, fine, true, watch).map(Some);
+        }
+    }
+    rows.afresh();
+    rows.linearise(point, &[], false)?;
+    Ok(None)
+}
+
+/// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.
+fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
+    let bare = |run: &Run| run.controller.is_none() && run.camera.is_some();
+    let mut worst = None;
+    for (run, into) in data.runs.iter().zip(motions).filter(|(run, _)| bare(run)) {
+        let Some((motion, sigma)) = logged::motion(run) else { continue };
+        *into = motion;
+        worst = Some(sigma.max(worst.unwrap_or(0.0)));
+    }
+    worst
+}
+
+/// Whether a late log is as likely an actuator that lags. Then the actuator is asked first: should the log be late after
+/// all, the picture comes early by as much (`clear_clock`), while a log that was put right wrongly would make it late. One that is late by
+/// less than `by_hand` is late.
+fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool {
+    let late = |index: usize| part.study.last.point[index] - list[index].off;
+    let actuator =
+        |other: &&Alternative| ["plant.tau_delay", "plant.T_act"].contains(&list[other.candidate].name);
+    let clocks =
+        part.classes.iter().filter(|(effect, _)| list[*effect].name == CLOCK && late(*effect) > by_hand);
+    clocks.flat_map(|(_, class)| class).filter(actuator).any(|other| other.loss < CLASS)
+}
+
+/// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,
+/// torques that lead the plant take its place, and fits end anywhere.
+fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candidate]) -> bool {
+    let lost = known.iter().any(|index| !fine.active.contains(index));
+    lost && unknown(fine, signals, list, true).is_some()
+}
+
+/// Whether the plant follows the log by itself with what torques showed, or with the first of it alone: the last may be what differences
+/// of angles are wrong by. If so, leaves no more than that on.
+fn leading(rows: &mut PlantCut, list: &[Candidate], point: &mut Vec<f64>, found: &mut Vec<usize>) -> bool {
+    let mut there = point.clone();
+    for most in (found.len().min(1)..=found.len()).rev() {
+        found[most..].iter().for_each(|index| there[*index] = list[*index].off);
+        if rows.follows(&there, MOSTLY_LED).unwrap_or(false) {
+            (*point, _) = (there, found.truncate(most));
+            return true;
+        }
+    }
+    // zeros and clock of the log as they were found; the first window that strays ends it
+    let _ = rows.follows(point, 0.0);
+    false
+}
+
+/// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
+/// model.
+fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
+    let (mut leads, most) = (false, SWITCHED * rows.led());
+    for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
+        let mut other = point.to_vec();
+        other[index] += candidate.steps[0];
+        leads |= matches!(rows.follows(&other, most), Ok(true));
+    }
+    if leads {
+        rows.afresh();
+        rows.linearise(point, &[], false)?;
+    }
+    Ok(leads)
+}

@@ -1,0 +1,164 @@
+//! The sensor's noise, as circle 1 scatters by it: it shows in no mean, but moves what a threshold sees, so that lens effects may
+//! pass for it.
+
+use super::*;
+use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::gap::led;
+use crate::rigs::acrobot::residual::image::ImageCut;
+use crate::rigs::acrobot::selection::{Evaluation, lacking, study_until};
+
+/// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
+const ALONE: usize = 2;
+/// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
+const FEW: usize = 2;
+/// So many halves of a standard error the noise may be off by, by which the scatter tells it.
+const NEAR: i32 = 5;
+
+/// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
+/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
+pub(super) fn with_noise<C: Cut + Clone>(
+    cut: &mut C,
+    image: fn(&C) -> &ImageCut,
+    list: &[Candidate],
+    point: &[f64],
+    watch: &mut Watch<'_>,
+) -> Result<Part, Error> {
+    match list.iter().position(|candidate| candidate.side == Side::Scatter) {
+        // a repeated search begins with the noise that the first one found
+        Some(sensor) if watch.known().is_none() => Sensor { cut, image, list, point, sensor }.part(watch),
+        _ => part(cut, list, point, &[], false, watch),
+    }
+}
+
+struct Sensor<'a, C: Cut> {
+    cut: &'a mut C,
+    image: fn(&C) -> &ImageCut,
+    list: &'a [Candidate],
+    /// Where everything begins.
+    point: &'a [f64],
+    /// Place of the noise in the list.
+    sensor: usize,
+}
+
+impl<C: Cut + Clone> Sensor<'_, C> {
+    fn part(mut self, watch: &mut Watch<'_>) -> Result<Part, Error> {
+        let Self { image, list, point, sensor, .. } = self;
+        // asked at most once, of frames that no fit has led elsewhere
+        let mut untouched = Some(self.cut.clone());
+        let mut first = None;
+        let plain = study_until(self.cut, list, point, &[], watch, &mut |active, watch| {
+            if active.len() > ALONE
+                && let Some(mut cut) = untouched.take()
+            {
+                first = Sensor { cut: &mut cut, image, list, point, sensor }.first(watch)?;
+            }
+            Ok(first.is_some())
+        })?;
+        if let Some(first) = first {
+            return Ok(first);
+        }
+        let mut plain = classed(self.cut, list, plain, false, watch)?;
+        if lacks(&plain) {
+            return Ok(plain);
+        }
+        plain.noise = self.scatter(&plain.study.last.point)?;
+        // a blur scatters too, and would hide a part of the noise that it imitates
+        let mut sharp = plain.study.last.point.clone();
+        let blurs: Vec<usize> =
+            plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
+        blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
+        let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
+        // one blur that explains picture and scatter alike is the whole story
+        let imitated = plain.study.active.len() >= ALONE && clear(&guess);
+        let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
+        let Some(noisy) = self.likely(guess, usize::MAX, watch)? else { return Ok(plain) };
+        let simpler = noisy.study.active.len() < plain.study.active.len();
+        if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
+            return Ok(noisy);
+        }
+        // a scatter that one story needs and the other doesn't is no proof
+        plain.noise = plain.noise.map(|noise| Noise { clear: false, ..noise });
+        Ok(plain)
+    }
+
+    /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong, and no
+    /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
+    fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+        self.cut.linearise(self.point, &[], false)?;
+        let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
+        let first = self.likely(early, FEW, watch)?;
+        Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
+    }
+
+    /// What is found with the noise put right, or with a little more or less of it where that is all that is left: the means of what a
+    /// threshold sees say more of it than the scatter does.
+    fn likely(&mut self, guess: Noise, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+        let Some(noisy) = self.noisy(guess.value, most, watch)? else { return Ok(None) };
+        if noisy.study.active.is_empty() || !clear(&noisy.noise) {
+            return Ok(Some(noisy));
+        }
+        let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
+        for steps in -NEAR..=NEAR {
+            there[self.sensor] = (guess.value + 0.5 * f64::from(steps) * guess.error).max(0.0);
+            self.cut.afresh();
+            let off = off_on_average(&Evaluation::at(self.cut, &there, &[], false)?);
+            if off < best.0 {
+                best = (off, there[self.sensor]);
+            }
+        }
+        let alone = |other: &Part| other.study.active.is_empty() && clear(&other.noise);
+        let Some(mut other) = self.noisy(best.1, 1, watch)?.filter(alone) else { return Ok(Some(noisy)) };
+        other.noise = other.noise.map(|noise| Noise { value: best.1, ..noise });
+        other.study.last.point[self.sensor] = best.1;
+        Ok(Some(other))
+    }
+
+    /// What is found with so much noise, and the noise as it is seen to be then; `None` if that is `most` or more.
+    fn noisy(&mut self, guess: f64, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+        let mut start = self.point.to_vec();
+        start[self.sensor] = guess;
+        self.cut.afresh();
+        let enough = &mut |active: &[usize], _: &mut Watch<'_>| Ok(active.len() >= most);
+        let study = study_until(self.cut, self.list, &start, &[], watch, enough)?;
+        if study.active.len() >= most {
+            return Ok(None);
+        }
+        let mut noisy = classed(self.cut, self.list, study, false, watch)?;
+        let mut then = noisy.study.last.point.clone();
+        then[self.sensor] = self.list[self.sensor].off;
+        noisy.noise = self.scatter(&then)?;
+        noisy.study.last.point[self.sensor] = noisy.noise.map_or(guess, |noise| noise.value);
+        Ok(Some(noisy))
+    }
+
+    /// The noise by which circle 1 scatters about a model.
+    fn scatter(&mut self, point: &[f64]) -> Result<Option<Noise>, Error> {
+        // fits of alternatives have left the frames elsewhere
+        self.cut.back();
+        self.cut.linearise(point, &[], true)?;
+        (self.image)(self.cut).noise(point)
+    }
+}
+
+fn clear(noise: &Option<Noise>) -> bool {
+    noise.is_some_and(|noise| noise.clear)
+}
+
+/// A torque that lacks is no sensor's, and where more than noise is left a sensor's isn't named.
+fn lacks(part: &Part) -> bool {
+    let study = &part.study;
+    led(&part.signals) && lacking(&study.last, &study.folds, study.explained, true)
+}
+
+/// By how much signals are off on average, in squares of standard errors: pictures that are averaged scatter the more the noisier they
+/// are, so that deviances say nothing of a noise.
+fn off_on_average(evaluation: &Evaluation) -> f64 {
+    let mut sums = vec![(0.0, 0.0); evaluation.sigmas.len()];
+    for cell in evaluation.blocks.iter().flat_map(|block| &block.cells) {
+        for ((signal, rest), sigma) in cell.signal.iter().zip(&cell.residual).zip(&cell.sigma) {
+            sums[*signal].0 += rest / sigma;
+            sums[*signal].1 += 1.0;
+        }
+    }
+    sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum * sum / count).sum()
+}

@@ -1,0 +1,68 @@
+//! What can't be, before anything is fitted: logs that count otherwise than the model does look like a machine that lacks everything,
+//! and a diagnosis of them names effects that aren't there.
+//!
+//! An ordered list of pure functions of the logs. The first that is beyond doubt stops the diagnosis with one sentence and the line that
+//! `dataset.toml` needs. Nothing is changed by guess. [`motion`] asks the same of the nominal model, which must be loaded for it.
+
+mod angles;
+pub mod motion;
+mod pixels;
+pub mod time;
+
+use crate::rigs::acrobot::dataset::Run;
+
+/// Something that can't be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// File, relative to the data set.
+    pub file: String,
+    /// Line, counted from 1; 0 when the file as a whole is meant.
+    pub line: usize,
+    /// One sentence: what was found.
+    pub sentence: String,
+    /// What `[log]` of `dataset.toml` needs.
+    pub add: String,
+}
+
+/// What the functions are told.
+#[derive(Debug, Clone, Copy)]
+pub struct Facts<'a> {
+    /// The logs, turned into ours as `[log]` says, without cells that are no measurement.
+    pub runs: &'a [Run],
+    /// The rates (rad/s) that gravity gives each link of the nominal model.
+    pub falling: [f64; 2],
+    /// Nominal time between frames, s.
+    pub interval: f64,
+    /// Width and height of the picture, px.
+    pub size: (f64, f64),
+    /// Height of circle 1 over the middle of the picture, px; `None` where the mount is turned.
+    pub ground: Option<f64>,
+    /// `[log]` says what is known of gaps.
+    pub gaps_stated: bool,
+}
+
+/// A check: what it found, if that is beyond doubt.
+pub type Check = fn(&Facts<'_>) -> Option<Finding>;
+
+/// The checks, in the order in which one thing hides another: nothing of a motion can be said in a wrong unit of time, nor of
+/// encoders beside pictures that stand on their head.
+pub const CHECKS: &[Check] = &[
+    time::unit,
+    pixels::origin,
+    angles::degrees,
+    angles::against_pictures,
+    time::pauses,
+    time::torque_holes,
+];
+
+/// The first thing that can't be.
+pub fn first(facts: &Facts<'_>) -> Option<Finding> {
+    CHECKS.iter().find_map(|check| check(facts))
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let place = if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) };
+        write!(f, "{place}: {}. Add to dataset.toml:\n[log]\n{}", self.sentence, self.add)
+    }
+}

@@ -1,0 +1,230 @@
+//! Without an encoder: commanded torque in, picture out.
+//!
+//! The picture of each frame is turned into a pose (two angles from six coordinates, through the camera unit), and
+//! two things are compared: what of the six coordinates the pose leaves over (the lens), and whether the poses, taken
+//! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
+//! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
+
+use super::image::{HONEST_ANGLE, ImageCut, Pose, READ_ANGLE, pose_shift};
+use super::plant::{PlantCut, Poses};
+use super::{Block, Cut, Probe, Signal};
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::dataset::{DataSet, Table};
+use crate::rigs::acrobot::model::Model;
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+fn candidates_step(candidates: &[Candidate]) -> f64 {
+    candidates.first().and_then(|candidate| candidate.steps.first()).copied().unwrap_or(1.0)
+}
+
+/// Three standard deviations of an angle read off a picture, rad.
+const NEAR: f64 = 3e-3;
+
+/// Lattice of such an angle, rad: a twentieth of a pixel over the length of a link.
+const PLACE: f64 = 3e-4;
+
+/// Picture and torque.
+#[derive(Clone)]
+pub struct Chain {
+    /// The picture with free poses.
+    pub image: ImageCut,
+    plant: PlantCut,
+    candidates: Arc<Vec<Candidate>>,
+    signals: Vec<Signal>,
+}
+
+impl Chain {
+    /// `None` where no run has both a picture and a torque.
+    ///
+    /// # Errors
+    /// A unit lacks a variable or failed.
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
+        let most = usize::MAX;
+        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Led, most)? else {
+            return Ok(None);
+        };
+        let mut seen = data.clone();
+        for (index, run) in seen.runs.iter_mut().enumerate() {
+            let frames: Vec<_> = image.frames.iter().filter(|frame| frame.run == index).collect();
+            let column =
+                |angle: usize| frames.iter().map(|frame| frame.shot.end[angle]).collect::<Vec<f64>>();
+            run.plant = (!frames.is_empty()).then(|| {
+                let columns = vec![("q1".to_owned(), column(0)), ("q2".to_owned(), column(1))];
+                Table::new(frames.iter().map(|frame| frame.time).collect(), columns)
+            });
+        }
+        seen.manifest.noise.retain(|name, _| !name.starts_with("plant."));
+        let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone())? else {
+            return Ok(None);
+        };
+        plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
+        let mut signals = image.signals().to_vec();
+        signals.extend(plant.signals().iter().cloned());
+        for signal in signals[image.signals().len()..].iter_mut().take(2) {
+            signal.honest = if image.read { READ_ANGLE } else { HONEST_ANGLE };
+        }
+        let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
+        let mut chain = Self { image, plant, candidates, signals };
+        let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
+        chain.linearise(&off, &first, false)?;
+        chain.image.forget();
+        Ok(Some(chain))
+    }
+
+    /// Puts the frames where the plant that was fitted to them has them, if that is within what a picture can tell:
+    /// a pose read off one picture follows the pixel lattice, and rendered there, areas come out a little wrong.
+    fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
+        let motions = self.plant.motion(point, 1.0 / 120.0)?;
+        let (delay, interval) = (self.image.delay(point), self.image.interval());
+        let mut rows = vec![0; read.len()];
+        for frame in &mut self.image.frames {
+            let row = rows[frame.run];
+            rows[frame.run] += 1;
+            let Some(angles) = read[frame.run].get(row).filter(|angles| angles[0].is_finite()) else {
+                continue;
+            };
+            (frame.shot.end[0], frame.shot.end[1]) = (angles[0], angles[1]);
+            let Some(motion) = motions.get(frame.run) else { continue };
+            let Some(end) = motion.at(frame.time - delay) else { continue };
+            if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < NEAR) {
+                frame.shot.end = end;
+                frame.shot.before = motion.at(frame.time - delay - interval).unwrap_or(frame.shot.before);
+            }
+        }
+        Ok(())
+    }
+
+    /// Where on the lattice each row of a window was read, as far as its angle tells.
+    fn lattice(&self, run: usize, cell: &Cell) -> Vec<usize> {
+        let frames: Vec<_> = self.image.frames.iter().filter(|frame| frame.run == run).collect();
+        let place = |(signal, time): (&usize, &f64)| {
+            let next = frames.partition_point(|frame| frame.time < *time).min(frames.len() - 1);
+            let angle = frames[next].shot.end[signal % 2];
+            (angle.rem_euclid(std::f64::consts::TAU) / PLACE) as usize
+        };
+        cell.signal.iter().zip(&cell.time).map(place).collect()
+    }
+
+    /// Poses of all frames from the picture, and how each probe would move them.
+    fn poses(&mut self, blocks: &[Block], probes: &[Probe]) -> Poses {
+        let runs = 1 + self.image.frames.iter().map(|frame| frame.run).max().unwrap_or(0);
+        let mut poses = Poses::new(runs);
+        let mut cells =
+            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
+        for frame in &self.image.frames {
+            let mut angles = [f64::NAN; 2];
+            let mut moves = DMatrix::zeros(2, probes.len());
+            let here =
+                cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
+            if let Some((shift, map)) = here.and_then(|(_, cell)| pose_shift(cell)) {
+                angles = [frame.shot.end[0] + shift[0], frame.shot.end[1] + shift[1]];
+                if let Some((_, cell)) = here {
+                    moves = &map * &cell.columns;
+                }
+            }
+            poses.push(frame.run, angles, &moves);
+        }
+        poses
+    }
+}
+
+impl Cut for Chain {
+    fn name(&self) -> &'static str {
+        "torque in, picture out"
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn sees(&self, candidate: &Candidate) -> bool {
+        matches!(candidate.side, Side::Plant | Side::Camera)
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        let mut blocks = self.image.linearise(point, probes, quick)?;
+        let poses = self.poses(&blocks, probes);
+        // a frame of two angles is its pose, and says nothing beyond
+        for block in &mut blocks {
+            block.cells.retain(|cell| cell.residual.len() > cell.hard.ncols());
+        }
+        blocks.retain(|block| !block.cells.is_empty());
+        let read = if quick { Vec::new() } else { poses.angles.clone() };
+        let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
+        self.plant.replace(poses, delay.map(|index| (index, point[index])));
+        let more = self.plant.linearise(point, probes, quick)?;
+        // only where a new look begins: frames that move change the lattice, and comparisons with it
+        if !quick && !probes.is_empty() {
+            self.smooth(point, &read)?;
+        }
+        if !quick {
+            self.image.mark();
+        }
+        let offset = self.image.signals().len();
+        blocks.extend(more.into_iter().map(|block| {
+            Block {
+                cells: block
+                    .cells
+                    .into_iter()
+                    .map(|cell| Cell {
+                        lattice: self.lattice(block.run, &cell),
+                        signal: cell.signal.iter().map(|signal| signal + offset).collect(),
+                        ..cell
+                    })
+                    .collect(),
+                ..block
+            }
+        }));
+        Ok(blocks)
+    }
+
+    fn lattice(&self) -> bool {
+        true
+    }
+
+    fn unseen(&self) -> usize {
+        self.image.unseen()
+    }
+
+    fn free_pose(&self) -> bool {
+        true
+    }
+
+    fn reads_angles(&self) -> bool {
+        self.image.read
+    }
+
+    fn back(&mut self) {
+        self.image.back();
+        self.plant.back();
+    }
+
+    fn remember(&mut self) {
+        self.image.remember();
+        self.plant.remember();
+    }
+
+    fn recall(&mut self) {
+        self.image.recall();
+        self.plant.recall();
+    }
+
+    fn afresh(&mut self) {
+        self.plant.afresh();
+    }
+
+    fn explained(&self) -> f64 {
+        self.plant.explained()
+    }
+
+    fn discrepancy_unit(&self) -> &'static str {
+        "N·m"
+    }
+}

@@ -1,0 +1,251 @@
+//! What moving a candidate, or the arm, does to the picture: secants over steps of some pixels, smooth over poses.
+
+use super::surface::{Surface, Terms};
+use super::*;
+use crate::rigs::acrobot::residual::trajectory::State;
+use crate::statistics::random::Random;
+use nalgebra::{Matrix3, Vector3};
+
+/// Angle over which the picture's change with pose is taken: two pixels at the joint.
+const TURN: f64 = 0.012;
+/// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
+/// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
+/// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
+/// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
+const DITHER: [f64; 2] = [0.02, 0.01];
+const DITHER_SEED: u64 = 0x0ac0_d17e;
+/// Rounds of such poses, and for a small step of the exposure, whose blur is little beside the lattice's error.
+const ROUNDS: u64 = 2;
+const MORE_ROUNDS: u64 = 8;
+/// Most frames at which a column is taken.
+const SAMPLED: usize = 720;
+/// How far the picture is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
+/// that a secant has there would not average out.
+const PHASES: [(f64, f64); 4] = [(0.125, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.375, -0.375)];
+/// Way of a circle of 10 px during the exposure, px, beyond which a blur is more than that. A shorter smear is nearly straight
+/// and keeps the blob's middle: where the circle speeds up by 500 px/s², a third of a 30 Hz interval leaves 0.002 px of it.
+const BLURRING: f64 = 3.0;
+/// The share of frames whose circles go that far or less.
+const USUAL: f64 = 0.99;
+/// Least step of E_t over which the blur of a short exposure is taken, and its rounds.
+const BLUR_STEP: f64 = 0.08;
+const BLUR_ROUNDS: u64 = 4;
+
+impl ImageCut {
+    /// Change of the picture with each angle.
+    pub(super) fn turned(
+        &self,
+        settings: &[Setting],
+        shots: &[Shot],
+    ) -> Result<Vec<[Option<Seen>; 2]>, Error> {
+        let mut sides = Vec::with_capacity(2);
+        for angle in 0..2 {
+            let moved = |by: f64| -> Vec<Shot> {
+                let turn = |state: &State| {
+                    let mut turned = *state;
+                    turned[angle] += by;
+                    turned
+                };
+                shots.iter().map(|shot| shot.moved(turn)).collect()
+            };
+            let (up, down) =
+                (self.studio.take(settings, &moved(TURN))?, self.studio.take(settings, &moved(-TURN))?);
+            let raw = slopes(&up, &down, 2.0 * TURN);
+            let samples: Vec<(State, Seen)> =
+                shots.iter().zip(&raw).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
+            let surface = Surface::fit(&samples, Terms::Poses);
+            sides.push(
+                (0..raw.len()).map(|place| surface.or(raw[place], &shots[place].end)).collect::<Vec<_>>(),
+            );
+        }
+        let second = sides.pop().unwrap_or_default();
+        let first = sides.pop().unwrap_or_default();
+        Ok(first.into_iter().zip(second).map(|(a, b)| [a, b]).collect())
+    }
+
+    /// What an exposure that is longer by one interval would do by its earlier middle alone.
+    fn late(&self, place: usize) -> Option<Seen> {
+        let frame = &self.frames[place];
+        let (one, two) = match self.turns.as_deref()?.get(place)? {
+            [Some(one), Some(two)] => (one, two),
+            _ => return None,
+        };
+        let earlier = 0.5 * self.interval();
+        let [.., dq1, dq2] = frame.shot.end;
+        Some(std::array::from_fn(|s| -earlier * (one[s] * dq1 + two[s] * dq2)))
+    }
+
+    /// Frames at which columns are taken: enough for a surface, which then holds for all.
+    fn sampled(&self) -> impl Iterator<Item = usize> + use<> {
+        let count = self.frames.len();
+        (0..count).step_by(count.div_ceil(SAMPLED).max(1))
+    }
+
+    /// Shots a little beside the sampled frames' poses.
+    fn beside(&self, round: u64, side: f64) -> Vec<Shot> {
+        let moved = |state: &State, by: &[f64; 2]| {
+            [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
+        };
+        let mut random = Random::new(DITHER_SEED + round);
+        self.sampled()
+            .map(|place| {
+                let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
+                self.frames[place].shot.moved(|state| moved(state, &by))
+            })
+            .collect()
+    }
+
+    /// Change of the picture per unit of a candidate.
+    pub(super) fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
+        let key = (probe.candidate, probe.by.to_bits());
+        if let Some(kept) = self.kept.get(&key) {
+            return Ok(kept.clone());
+        }
+        let blurs = Some(probe.candidate) == self.exposure;
+        let longest = point[probe.candidate].max(point[probe.candidate] + probe.by);
+        let short = blurs && longest * self.way() < BLURRING;
+        if short {
+            let column = self.short_blur(point, probe)?;
+            self.kept.insert(key, column.clone());
+            return Ok(column);
+        }
+        let late =
+            |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; COLUMNS.len()]) };
+        let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
+        let mut samples: Vec<(State, Seen)> = Vec::new();
+        let mut first = Vec::new();
+        let rounds = if blurs { MORE_ROUNDS } else { ROUNDS };
+        for (round, side, phase) in sides(rounds) {
+            let shots = self.beside(round, side);
+            let here = self.here(&still, phase, &shots)?;
+            let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
+            let column = slopes(&there, &here, probe.by);
+            for (place, (shot, seen)) in self.sampled().zip(shots.iter().zip(&column)) {
+                if let (Some(seen), Some(late)) = (seen, late(self, place)) {
+                    samples.push((shot.end, std::array::from_fn(|s| seen[s] - late[s])));
+                }
+            }
+            if first.is_empty() {
+                first = column;
+            }
+        }
+        let surface = Surface::fit(&samples, if blurs { Terms::Motions } else { Terms::Poses });
+        // few frames have no surface, and are all sampled
+        let column: Vec<Option<Seen>> = (0..self.frames.len())
+            .map(|place| match (surface.at(&self.frames[place].shot.end), late(self, place)) {
+                (Some(smooth), Some(late)) => Some(std::array::from_fn(|s| smooth[s] + late[s])),
+                (None, _) if first.len() == self.frames.len() => first[place],
+                _ => None,
+            })
+            .collect();
+        self.kept.insert(key, column.clone());
+        Ok(column)
+    }
+
+    /// Change of the picture per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
+    /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
+    /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
+    fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
+        let from = point[probe.candidate];
+        // a small step shows nothing, and beyond a large one the polynomial knows nothing
+        let far = if probe.by.abs() > BLUR_STEP { probe.by } else { BLUR_STEP };
+        let moved = self.settings(point, Some(Probe { by: far, ..probe }))?;
+        let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
+            let (one, two) = (square * one * one, square * two * two);
+            Vector3::new(two - one, two * two - one * one, two.powi(3) - one.powi(3))
+        };
+        let still = self.settings(point, None)?;
+        let mut normal: Matrix3<f64> = Matrix3::zeros();
+        let mut right = Vector3::zeros();
+        for (round, side, phase) in sides(BLUR_ROUNDS) {
+            let (shots, seed) = (self.beside(round, side), 2 * round as i32 + i32::from(side > 0.0));
+            let here = self.studio.noisy(&self.shifted(&still, phase)?, &shots, seed)?;
+            let there = self.studio.noisy(&self.shifted(&moved, phase)?, &shots, seed)?;
+            for (place, (here, there)) in self.sampled().zip(here.iter().zip(&there)) {
+                let (Some(here), Some(there), Some(ways)) = (here, there, self.ways(place)) else {
+                    continue;
+                };
+                for (circle, way) in ways.into_iter().enumerate() {
+                    let x = powers(way, from, from + far);
+                    normal += x * x.transpose();
+                    let area = AREAS.start + circle;
+                    right += x * (there[area] - here[area]);
+                }
+            }
+        }
+        let weights = normal.cholesky().map_or_else(Vector3::zeros, |normal| normal.solve(&right));
+        let column = |place: usize| {
+            let (mut column, ways) = (self.late(place)?, self.ways(place)?);
+            for (circle, way) in ways.into_iter().enumerate() {
+                column[AREAS.start + circle] += weights.dot(&powers(way, from, from + probe.by)) / probe.by;
+            }
+            Some(column)
+        };
+        Ok((0..self.frames.len()).map(column).collect())
+    }
+
+    /// How far a circle usually moves in a frame's interval, at most, px.
+    fn way(&self) -> f64 {
+        let mut squares: Vec<f64> =
+            (0..self.frames.len()).filter_map(|place| self.ways(place)).flatten().collect();
+        squares.sort_by(f64::total_cmp);
+        let place = (squares.len() as f64 * USUAL) as usize;
+        squares.get(place.min(squares.len().saturating_sub(1))).map_or(0.0, |square| square.sqrt())
+    }
+
+    /// Squares of the ways of the circles in a frame's interval, px².
+    fn ways(&self, place: usize) -> Option<[f64; 3]> {
+        let late = self.late(place)?;
+        Some(std::array::from_fn(|circle| 4.0 * (late[2 * circle].powi(2) + late[2 * circle + 1].powi(2))))
+    }
+
+    /// Frames without a candidate moved, made once for all columns.
+    fn here(
+        &mut self,
+        still: &[Setting],
+        phase: (f64, f64),
+        shots: &[Shot],
+    ) -> Result<Vec<Option<Seen>>, Error> {
+        // frames that have moved leave theirs behind
+        if self.still.0 != still || self.still.1.len() >= 4 * MORE_ROUNDS as usize {
+            self.still = (still.to_vec(), Vec::new());
+        }
+        let shifted = self.shifted(still, phase)?;
+        if let Some(known) = self.still.1.iter().find(|known| known.0 == shifted && known.1 == shots) {
+            return Ok(known.2.clone());
+        }
+        let here = self.studio.take(&shifted, shots)?;
+        self.still.1.push((shifted, shots.to_vec(), here.clone()));
+        Ok(here)
+    }
+
+    /// The same camera with its picture moved by so many pixels.
+    pub(super) fn shifted(&self, settings: &[Setting], by: (f64, f64)) -> Result<Vec<Setting>, Error> {
+        let (bench, half) = (self.studio.bench(), self.studio.half_width());
+        let mut all = settings.to_vec();
+        for (name, by) in [("u0", by.0), ("v0", by.1)] {
+            let (reference, _) = bench.setting(name, 0.0)?;
+            let there = all.iter().rev().find(|(known, _)| *known == reference);
+            let now = there.and_then(|(_, value)| value.as_f64()).unwrap_or(bench.nominal(reference));
+            all.push(bench.setting(name, now + by / half)?);
+        }
+        Ok(all)
+    }
+}
+
+/// Rounds of poses beside the frames', to either side, each with the picture moved elsewhere on the lattice.
+fn sides(rounds: u64) -> impl Iterator<Item = (u64, f64, (f64, f64))> {
+    let sides = (0..rounds).flat_map(|round| [(round, 1.0), (round, -1.0)]);
+    sides.zip(PHASES.into_iter().cycle()).map(|((round, side), phase)| (round, side, phase))
+}
+
+fn slopes(moved: &[Option<Seen>], base: &[Option<Seen>], by: f64) -> Vec<Option<Seen>> {
+    moved
+        .iter()
+        .zip(base)
+        .map(|(moved, base)| {
+            let (moved, base) = (moved.as_ref()?, base.as_ref()?);
+            Some(std::array::from_fn(|s| (moved[s] - base[s]) / by))
+        })
+        .collect()
+}

@@ -1,0 +1,387 @@
+//! The picture's cut: measured motion in, centroids and areas out.
+//!
+//! The frames are rendered again at the measured pose, through the camera unit itself, since the pixel lattice is
+//! not noise: against ideal centroids a distortion-free picture shows several effects at 16 standard deviations and
+//! more. Columns are secants over steps of some pixels, for the same reason.
+//!
+//! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
+
+use super::picture::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot, Studio};
+use super::settings::settings;
+use super::trajectory::Motion;
+use super::{Block, Cut, Probe, Signal};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::model::Model;
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+mod columns;
+mod fields;
+mod frames;
+mod level;
+mod noise;
+mod poses;
+mod surface;
+
+use frames::frames;
+use level::level;
+pub use noise::Noise;
+pub use poses::pose_shift;
+use poses::{back, free_poses};
+
+/// Length of a block, s.
+const BLOCK: f64 = 0.5;
+/// Standard deviations to begin with, px and rad.
+const FIRST_GUESS: [f64; COLUMNS.len()] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0, 5e-4, 5e-4];
+/// By how much centroids and areas of two honest renderers differ at one place on the lattice, px: they cut the rim's pixels
+/// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
+const HONEST: f64 = 0.006;
+const HONEST_AREA: f64 = 0.06;
+/// The same of an angle, rad: a link is 160 px long.
+pub const HONEST_ANGLE: f64 = 5e-5;
+/// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
+pub const READ_ANGLE: f64 = 2.5e-4;
+/// So many places a pixel and direction: the difference changes from one to the next.
+const LATTICE: usize = 20;
+
+/// A measured frame.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Index of the run.
+    pub run: usize,
+    /// When it was delivered, s.
+    pub time: f64,
+    /// What was found; `NaN` where not measured.
+    pub seen: Seen,
+    /// State at the end of the exposure, and one interval before.
+    pub shot: Shot,
+    known: bool,
+}
+
+/// Where the pose of a frame comes from.
+#[derive(Clone)]
+pub enum Pose {
+    /// A motion per run, and how well it is known (rad).
+    Logged(Vec<Motion>, f64),
+    /// The picture itself, where a plant that is driven by the torque will follow it.
+    Led,
+    /// The picture alone.
+    Free,
+}
+
+/// Settings and shots, and the frames they gave.
+type Made = (Vec<Setting>, Vec<Shot>, Vec<Option<Seen>>);
+
+/// Settings of a camera, and its E_t.
+type Followed = (Vec<Setting>, f64);
+
+/// Poses, and what they have followed.
+type Poses = (Vec<Shot>, Option<Followed>);
+
+/// Motion in, picture out.
+#[derive(Clone)]
+pub struct ImageCut {
+    studio: Studio,
+    candidates: Arc<Vec<Candidate>>,
+    /// Frames in use.
+    pub frames: Vec<Frame>,
+    pose: Pose,
+    delay: Option<usize>,
+    exposure: Option<usize>,
+    nominal_delay: f64,
+    signals: Vec<Signal>,
+    /// Change of the picture with q1 and q2, kept: it hardly depends on small effects.
+    turns: Option<Vec<[Option<Seen>; 2]>>,
+    kept: BTreeMap<(usize, u64), Vec<Option<Seen>>>,
+    /// The last frames, with what they were made from: a candidate of the plant leaves them as they are.
+    made: Option<Made>,
+    /// Frames beside the poses, without a candidate moved, and the camera that they belong to.
+    still: (Vec<Setting>, Vec<Made>),
+    /// Settings of the camera that poses read off the picture have followed, and its E_t.
+    followed: Option<Followed>,
+    /// No circle was logged, only angles that were read off them.
+    pub read: bool,
+    /// Frames in which the camera didn't find its circles, where the data's did.
+    unseen: usize,
+    /// Poses, and what they had followed, at the last look that was not quick.
+    looked: Option<Poses>,
+    /// The same, when it was asked for.
+    remembered: Option<Poses>,
+}
+
+impl ImageCut {
+    /// All frames that say something, at most `most` of them, evenly thinned; `None` if there are none.
+    ///
+    /// # Errors
+    /// The camera unit lacks a variable.
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+        pose: Pose,
+        most: usize,
+    ) -> Result<Option<Self>, Error> {
+        let motion = matches!(pose, Pose::Logged(..));
+        let mut frames = frames(data, motion);
+        if frames.is_empty() {
+            return Ok(None);
+        }
+        let read = frames.iter().all(|frame| frame.seen[CENTROIDS].iter().all(|at| at.is_nan()));
+        let studio = Studio::new(model)?;
+        if !motion {
+            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), &studio)?;
+        }
+        let mut every = frames.len().div_ceil(most.max(1)).max(1);
+        if model.interlaced() {
+            every |= 1; // fields of both kinds
+        }
+        let frames: Vec<Frame> = frames
+            .into_iter()
+            .enumerate()
+            .filter(|(place, _)| place % every == 0)
+            .map(|(_, frame)| frame)
+            .collect();
+        let signals = (0..COLUMNS.len())
+            .map(|s| {
+                let name = format!("camera.{}", COLUMNS[s]);
+                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+                let (unit, honest) = match s {
+                    _ if CENTROIDS.contains(&s) => ("px", HONEST),
+                    _ if AREAS.contains(&s) => ("px", HONEST_AREA),
+                    _ => ("rad", if read { READ_ANGLE } else { HONEST_ANGLE }),
+                };
+                Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), least: 0.0, honest }
+            })
+            .collect();
+        let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
+        let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
+        let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
+        Ok(Some(Self {
+            candidates,
+            frames,
+            pose,
+            delay,
+            exposure,
+            nominal_delay,
+            signals,
+            turns: None,
+            kept: BTreeMap::new(),
+            made: None,
+            still: Default::default(),
+            followed: None,
+            read,
+            unseen: 0,
+            looked: None,
+            remembered: None,
+            studio,
+        }))
+    }
+
+    /// Delay of the camera at a point, s.
+    pub fn delay(&self, point: &[f64]) -> f64 {
+        self.delay.map_or(self.nominal_delay, |index| point[index])
+    }
+
+    /// Interval between frames, s.
+    pub fn interval(&self) -> f64 {
+        self.studio.interval()
+    }
+
+    /// Poses as they are now are those to come back to.
+    pub fn mark(&mut self) {
+        self.looked = Some(self.poses());
+    }
+
+    fn poses(&self) -> Poses {
+        (self.frames.iter().map(|frame| frame.shot).collect(), self.followed.clone())
+    }
+
+    /// Forgets kept columns, since the frames have moved.
+    pub fn forget(&mut self) {
+        self.turns = None;
+        self.kept.clear();
+    }
+
+    /// Parameter values of the camera at a point, but for its delay.
+    ///
+    /// # Errors
+    /// The unit lacks a candidate's variable.
+    pub fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+        let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
+        all.extend(settings(self.studio.bench(), &self.candidates, Side::Scatter, point, None)?);
+        let delay = self.studio.bench().reference("T_delay")?;
+        all.retain(|(reference, _)| *reference != delay);
+        Ok(all)
+    }
+
+    fn place(&mut self, point: &[f64]) {
+        let delay = self.delay(point);
+        let interval = self.studio.interval();
+        if let Pose::Logged(motions, _) = &self.pose {
+            for frame in &mut self.frames {
+                let motion = &motions[frame.run];
+                let end = motion.at(frame.time - delay);
+                frame.known = end.is_some();
+                if let Some(end) = end {
+                    let before =
+                        motion.at(frame.time - delay - interval).unwrap_or_else(|| back(&end, interval));
+                    frame.shot = Shot { before, end, ..frame.shot };
+                }
+            }
+        }
+    }
+
+    /// Renders at the poses.
+    fn base(&mut self, point: &[f64]) -> Result<Vec<Option<Seen>>, Error> {
+        let settings = self.settings(point, None)?;
+        let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
+        let made = self.made.take().filter(|made| made.0 == settings && made.1 == shots);
+        let base = match made {
+            Some(made) => made.2,
+            None => self.studio.average(&settings, &shots)?,
+        };
+        self.made = Some((settings.clone(), shots.clone(), base.clone()));
+        if self.turns.is_none() {
+            self.turns = Some(self.turned(&settings, &shots)?);
+        }
+        Ok(base)
+    }
+}
+
+impl Cut for ImageCut {
+    fn name(&self) -> &'static str {
+        match self.pose {
+            Pose::Logged(..) => "camera: motion in, picture out",
+            Pose::Led | Pose::Free => "camera: picture alone, pose free",
+        }
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn sees(&self, candidate: &Candidate) -> bool {
+        let free = !matches!(self.pose, Pose::Logged(..));
+        let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
+        seen && !(free && candidate.name == "camera.T_delay")
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        self.place(point);
+        if !quick && self.studio.interlaced() {
+            self.order(point)?;
+        }
+        self.follow(point)?;
+        if !quick {
+            self.mark();
+        }
+        let base = self.base(point)?;
+        let mut columns = Vec::with_capacity(probes.len());
+        for probe in probes {
+            let seen = self.sees(&self.candidates[probe.candidate]);
+            columns.push(if !seen || Some(probe.candidate) == self.delay {
+                None
+            } else {
+                Some(self.column(point, *probe)?)
+            });
+        }
+        let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
+        self.unseen = (self.frames.iter().zip(&base))
+            .filter(|(frame, here)| (free || frame.known) && here.is_none())
+            .count();
+        let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };
+        let turns = self.turns.as_deref().unwrap_or(&[]);
+        let mut blocks: Vec<Block> = Vec::new();
+        for (index, frame) in self.frames.iter().enumerate() {
+            let (Some(here), [Some(one), Some(two)]) = (&base[index], &turns[index]) else { continue };
+            if !free && !frame.known {
+                continue;
+            }
+            let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
+            let pose =
+                DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
+            let none = DMatrix::zeros(rows.len(), 0);
+            let mut matrix = DMatrix::zeros(rows.len(), probes.len());
+            for (place, column) in columns.iter().enumerate() {
+                for (r, s) in rows.iter().enumerate() {
+                    matrix[(r, place)] = match column {
+                        Some(column) => column[index].map_or(0.0, |slope| slope[*s]),
+                        None if Some(probes[place].candidate) == delay && !free => {
+                            -(one[*s] * frame.shot.end[2] + two[*s] * frame.shot.end[3])
+                        }
+                        None => 0.0,
+                    };
+                }
+            }
+            let cell = Cell {
+                residual: rows.iter().map(|s| frames::rest(*s, &frame.seen, here)).collect(),
+                sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
+                time: vec![frame.time; rows.len()],
+                hard: if free { pose.clone() } else { none.clone() },
+                soft: if free { none } else { pose * uncertain },
+                discrepancy: if free { 0 } else { 2 },
+                heft: 1.0,
+                columns: matrix,
+                floor: Vec::new(),
+                state: frame.shot.end.to_vec(),
+                lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
+                signal: rows,
+            };
+            match blocks.last_mut() {
+                Some(block) if block.run == frame.run && frame.time - block.from < BLOCK => {
+                    block.to = frame.time;
+                    block.cells.push(cell);
+                }
+                _ => blocks.push(Block {
+                    run: frame.run,
+                    from: frame.time,
+                    to: frame.time,
+                    cells: vec![cell],
+                    state: frame.shot.end,
+                }),
+            }
+        }
+        level(&mut blocks);
+        if blocks.is_empty() {
+            return Err(Error::Model(
+                "the camera unit finds its circles in none of the measured poses".into(),
+            ));
+        }
+        Ok(blocks)
+    }
+
+    fn lattice(&self) -> bool {
+        true
+    }
+
+    fn unseen(&self) -> usize {
+        self.unseen
+    }
+
+    fn back(&mut self) {
+        if let Some((shots, followed)) = &self.looked {
+            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+            self.followed.clone_from(followed);
+        }
+    }
+
+    fn remember(&mut self) {
+        self.remembered = Some(self.poses());
+    }
+
+    fn recall(&mut self) {
+        if let Some((shots, followed)) = &self.remembered {
+            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+            self.followed.clone_from(followed);
+        }
+    }
+
+    fn discrepancy_unit(&self) -> &'static str {
+        "px"
+    }
+}

@@ -1,0 +1,228 @@
+//! The sensor's noise, from the scatter of circle 1.
+//!
+//! Circle 1 rolls along a line and hardly moves with the angles, so that its centroid and area scatter by the sensor's
+//! noise and not by what is not known of the pose. How much they scatter isn't proportional to the noise: it depends on how
+//! many pixels of the rim lie near the threshold. So the frames are made again with noise, and the noise is sought that
+//! scatters them as much as the measured ones. Neighbouring frames are subtracted: what changes slowly is no noise.
+
+use super::ImageCut;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::residual::picture::{Seen, Shot};
+use crate::rigs::acrobot::residual::trajectory::State;
+use crate::statistics::random::Random;
+
+/// Signals of circle 1, and the scatter (px) below which two honest renderers may differ.
+const CHANNELS: [(usize, f64); 3] = [(0, 0.003), (1, 0.003), (6, 0.05)];
+/// Realisations of the noise for each frame.
+const MADE: i32 = 4;
+/// Standard deviation of a pose read off a picture and smoothed by the plant, rad.
+const READ: f64 = 1.5e-4;
+/// How far the picture may lie from where the model has it, px: an effect of this size would hardly be seen.
+const BESIDE: f64 = 0.01;
+/// Neighbours that are needed to speak of scatter.
+const ENOUGH: usize = 60;
+/// Rows of one block, whose scatter is independent of the next one's.
+const BLOCK: usize = 25;
+/// To what share a predicted variance is known: honest renderers cut the rim's pixels differently, and one more pixel
+/// near the threshold is a tenth of all that flicker.
+const KNOWN: f64 = 0.1;
+/// Standard deviations from which a different noise is named, and by which a channel may contradict the others.
+const CLEAR: f64 = 4.5;
+const ALIKE: f64 = 3.5;
+/// Smallest noise that is tried where the nominal sensor has none, grey levels.
+const LEAST: f64 = 0.5;
+/// Largest ratio to the nominal one, or to the least, that is tried.
+const MOST: f64 = 64.0;
+/// Steps of the bisection: 64 in 2^12.
+const STEPS: usize = 12;
+
+/// What the scatter says of the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Nominal standard deviation, grey levels.
+    pub nominal: f64,
+    /// The one that scatters circle 1 as measured.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// Smallest change that would have been named.
+    pub detectable: f64,
+    /// It differs from the nominal one beyond doubt.
+    pub clear: bool,
+}
+
+/// Variance of each channel, and the relative error of its estimate.
+type Scatter = [(f64, f64); 3];
+
+impl ImageCut {
+    /// Compares the scatter of circle 1 with what the camera at `point` gives; `None` where too few frames are measured.
+    ///
+    /// # Errors
+    /// The camera unit failed.
+    pub fn noise(&self, point: &[f64]) -> Result<Option<Noise>, Error> {
+        let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::Scatter) else {
+            return Ok(None);
+        };
+        let candidate = &self.candidates[index];
+        let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
+        let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
+        let rest = |place: usize| {
+            let (here, seen) = (clean[place]?, &self.frames[place].seen);
+            self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
+        };
+        let measured: Vec<Option<Seen>> = (0..shots.len()).map(rest).collect();
+        let Some(seen) = self.scatter(&[measured]) else { return Ok(None) };
+        let predicted = |sigma: f64| -> Result<Option<Scatter>, Error> {
+            let mut there = point.to_vec();
+            there[index] = sigma;
+            let settings = self.settings(&there, None)?;
+            let mut sets = Vec::new();
+            for seed in 0..MADE {
+                let made = self.studio.noisy(&settings, &self.unsure(seed), seed)?;
+                let rest = |place: usize| {
+                    let (here, made) = (clean[place]?, made[place]?);
+                    self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
+                };
+                sets.push((0..shots.len()).map(rest).collect());
+            }
+            Ok(self.scatter(&sets))
+        };
+        let nominal = candidate.off;
+        let from = nominal.max(LEAST);
+        let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
+        let mut here = here;
+        self.unsure_lattice(point, &clean, &mut here)?;
+        let apart = compare(&seen, &here);
+        let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
+        let detectable = match (nominal > 0.0, slope > 0.0) {
+            (true, true) => nominal * (libm::exp(CLEAR * apart.error / slope) - 1.0),
+            _ => from,
+        };
+        let clear = apart.mean.abs() > CLEAR * apart.error;
+        // a sensor without noise can't have less: poses are known better than they need be; and what scatters by less than the
+        // least noise is none
+        let within = |least: Option<Scatter>| least.is_some_and(|least| compare(&seen, &least).mean < 0.0);
+        let none = nominal == 0.0 && (apart.mean < 0.0 || (clear && within(predicted(LEAST)?)));
+        if none || !clear {
+            return Ok(Some(Noise {
+                nominal,
+                value: nominal,
+                error: detectable / CLEAR,
+                detectable,
+                clear: false,
+            }));
+        }
+        let (mut low, mut high) = if apart.mean > 0.0 { (from, from * MOST) } else { (from / MOST, from) };
+        for _ in 0..STEPS {
+            let middle = (low * high).sqrt();
+            let Some(there) = predicted(middle)? else { return Ok(None) };
+            if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
+        }
+        let value = (low * high).sqrt();
+        let (Some(mut there), Some(below), Some(above)) =
+            (predicted(value)?, predicted(value / 1.2)?, predicted(value * 1.2)?)
+        else {
+            return Ok(None);
+        };
+        let mut found = point.to_vec();
+        found[index] = value;
+        self.unsure_lattice(&found, &clean, &mut there)?;
+        let there = compare(&seen, &there);
+        let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
+        let error = value * there.error / slope.max(0.1);
+        Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < ALIKE }))
+    }
+
+    /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
+    /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
+    fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
+        let mut logs: [Vec<f64>; 3] = Default::default();
+        for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
+            let settings = self.shifted(&self.settings(point, None)?, (u * BESIDE, v * BESIDE))?;
+            let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
+            let rest = |place: usize| {
+                let (here, made) = (clean[place]?, made[place]?);
+                self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
+            };
+            let set: Vec<Option<Seen>> = (0..clean.len()).map(rest).collect();
+            if let Some(scatter) = self.scatter(&[set]) {
+                logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
+            }
+        }
+        for ((_, error), logs) in into.iter_mut().zip(&logs) {
+            let n = logs.len() as f64;
+            let mean = logs.iter().sum::<f64>() / n;
+            let spread = logs.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / (n - 1.0).max(1.0);
+            *error = error.hypot(if n > 1.0 { spread.sqrt() } else { 0.0 });
+        }
+        Ok(())
+    }
+
+    /// The shots at poses as far beside as those may be that were measured.
+    fn unsure(&self, seed: i32) -> Vec<Shot> {
+        let sigma = if let super::Pose::Logged(_, sigma) = &self.pose { *sigma } else { READ };
+        let mut random = Random::new(seed.unsigned_abs().into());
+        let moved = |shot: &Shot| {
+            let by: [f64; 2] = std::array::from_fn(|_| sigma * random.normal());
+            let moved = |state: &State| [state[0] + by[0], state[1] + by[1], state[2], state[3]];
+            shot.moved(moved)
+        };
+        self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
+    }
+
+    fn placed(&self, place: usize) -> bool {
+        !matches!(self.pose, super::Pose::Logged(..)) || self.frames[place].known
+    }
+
+    /// Half the mean square of neighbours' differences.
+    fn scatter(&self, sets: &[Vec<Option<Seen>>]) -> Option<Scatter> {
+        let mut found = [(0.0, 0.0); 3];
+        for (channel, (signal, floor)) in CHANNELS.iter().enumerate() {
+            let mut squares = Vec::new();
+            for set in sets {
+                for place in 1..set.len() {
+                    let (Some(one), Some(two)) = (set[place - 1], set[place]) else { continue };
+                    let by = one[*signal] - two[*signal];
+                    if self.frames[place - 1].run == self.frames[place].run && by.is_finite() {
+                        squares.push(0.5 * by * by);
+                    }
+                }
+            }
+            if squares.len() < ENOUGH {
+                return None;
+            }
+            let blocks: Vec<f64> =
+                squares.chunks(BLOCK).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect();
+            let n = blocks.len() as f64;
+            let mean = blocks.iter().sum::<f64>() / n;
+            let spread =
+                blocks.iter().map(|block| (block - mean) * (block - mean)).sum::<f64>() / (n - 1.0).max(1.0);
+            let variance = mean + floor * floor;
+            found[channel] = (variance, (spread / n).sqrt() / variance);
+        }
+        Some(found)
+    }
+}
+
+/// How two scatters compare over the channels.
+struct Ratio {
+    /// Mean of the logarithms of the variances' ratios.
+    mean: f64,
+    /// Its standard error.
+    error: f64,
+    /// Standard deviations by which the worst channel lies off the mean: noise scatters all alike, a wrong pose doesn't.
+    worst: f64,
+}
+
+fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
+    let each: Vec<(f64, f64)> = seen
+        .iter()
+        .zip(predicted)
+        .map(|((a, da), (b, db))| (libm::log(a / b), (da * da + db * db + KNOWN * KNOWN).sqrt()))
+        .collect();
+    let weights: f64 = each.iter().map(|(_, error)| error.powi(-2)).sum();
+    let mean = each.iter().map(|(ratio, error)| ratio / (error * error)).sum::<f64>() / weights;
+    let worst = each.iter().map(|(ratio, error)| (ratio - mean).abs() / error).fold(0.0, f64::max);
+    Ratio { mean, error: weights.sqrt().recip(), worst }
+}

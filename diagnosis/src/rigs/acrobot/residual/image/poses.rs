@@ -1,0 +1,159 @@
+//! Poses read off pictures.
+
+use super::*;
+use crate::rigs::acrobot::residual::trajectory::State;
+use nalgebra::{DVector, Matrix2, Vector2};
+
+/// Frames to either side over which a change of poses is averaged where a plant smooths them afterwards: a lens or mount that
+/// moves shifts poses smoothly.
+const BESIDE: usize = 7;
+/// Rounds in which a circle 1 that wasn't measured is put where the angle says, each a sixth as far off as the one before, and the
+/// angle by which it is rolled to see how far it goes, rad.
+const ROLLS: usize = 8;
+const ROLLED: f64 = 0.1;
+/// A change of poses below this moves no pixel that matters, rad.
+const STILL: f64 = 1e-4;
+
+pub(super) fn back(state: &State, by: f64) -> State {
+    [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
+}
+
+/// Poses as a person reads them off a picture whose mount is turned by so much (rad): the directions from circle to
+/// circle; rates from neighbours. An exposure can begin one interval before its end.
+///
+/// # Errors
+/// The camera unit failed.
+pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> Result<(), Error> {
+    let (sin, cos, interval) = (libm::sin(mount), libm::cos(mount), studio.interval());
+    let link = |du: f64, dv: f64| libm::atan2(du * cos + dv * sin, dv * cos - du * sin);
+    let drum = if frames.iter().all(|frame| frame.seen[1].is_finite()) { None } else { rolling(studio)? };
+    let read = |frame: &Frame| {
+        let s = &frame.seen;
+        if s[ANGLES].iter().all(|angle| angle.is_finite()) {
+            return [s[ANGLES.start], s[ANGLES.start + 1]];
+        }
+        let upper = link(s[4] - s[2], s[5] - s[3]);
+        let from = |at: [f64; 2]| link(s[2] - at[0], s[3] - at[1]);
+        match drum {
+            _ if s[..2].iter().all(|at| at.is_finite()) => [from([s[0], s[1]]), upper],
+            Some([at, per]) => {
+                let again = |q1: f64, _| from([at[0] + q1 * per[0], at[1] + q1 * per[1]]);
+                [(0..ROLLS).fold(0.0, again), upper]
+            }
+            None => [f64::NAN, upper],
+        }
+    };
+    let poses: Vec<[f64; 2]> = frames.iter().map(read).collect();
+    for place in 0..frames.len() {
+        let before = if place > 0 && frames[place - 1].run == frames[place].run { place - 1 } else { place };
+        let after = if place + 1 < frames.len() && frames[place + 1].run == frames[place].run {
+            place + 1
+        } else {
+            place
+        };
+        let span = frames[after].time - frames[before].time;
+        let rate = |angle: usize| {
+            if span > 0.0 { (poses[after][angle] - poses[before][angle]) / span } else { 0.0 }
+        };
+        let end = [poses[place][0], poses[place][1], rate(0), rate(1)];
+        frames[place].shot = Shot { before: back(&end, interval), end, ..frames[place].shot };
+        frames[place].known = true;
+    }
+    Ok(())
+}
+
+/// Where circle 1 is at the upright, px, and how far it rolls, px/rad, as the unit has it.
+fn rolling(studio: &Studio) -> Result<Option<[[f64; 2]; 2]>, Error> {
+    let shot = |q1: f64| Shot { before: [q1, 0.0, 0.0, 0.0], end: [q1, 0.0, 0.0, 0.0], odd: false };
+    let made = studio.take(&[], &[shot(0.0), shot(ROLLED)])?;
+    let [Some(here), Some(there)] = made[..] else { return Ok(None) };
+    Ok(Some([[here[0], here[1]], [(there[0] - here[0]) / ROLLED, (there[1] - here[1]) / ROLLED]]))
+}
+
+impl ImageCut {
+    /// Lets poses that were read off the picture follow a camera that was moved, so that frames are rendered where this camera
+    /// has them: the pixel lattice is part of the model only there.
+    pub(super) fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
+        if let Pose::Logged(..) = self.pose {
+            return Ok(());
+        }
+        // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
+        let exposure = |candidate: usize| (point[candidate], self.candidates[candidate].off);
+        let (open, off) = self.exposure.map_or((0.0, 0.0), exposure);
+        let now = (self.settings(point, None)?, open);
+        if self.followed.as_ref() == Some(&now) {
+            return Ok(());
+        }
+        let before = self.followed.replace(now).map_or(off, |(_, before)| before);
+        // a picture is of the middle of its exposure: that moves with the motion, which no neighbours smooth
+        let later = 0.5 * (open - before) * self.interval();
+        for frame in self.frames.iter_mut().filter(|_| later != 0.0) {
+            frame.shot.end = back(&frame.shot.end, -later);
+            frame.shot.before = back(&frame.shot.before, -later);
+        }
+        let blocks = self.linearise(point, &[], true)?;
+        let smooth = self.smoothed(&blocks);
+        let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
+        if size < STILL * STILL * smooth.len() as f64 {
+            return Ok(());
+        }
+        for (frame, shift) in self.frames.iter_mut().zip(&smooth) {
+            for (angle, by) in shift.iter().enumerate() {
+                frame.shot.end[angle] += by;
+                frame.shot.before[angle] += by;
+            }
+        }
+        Ok(())
+    }
+
+    /// The shift that each frame's rest asks for, averaged with its neighbours' if a plant follows them.
+    fn smoothed(&self, blocks: &[Block]) -> Vec<[f64; 2]> {
+        let mut cells =
+            blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
+        let shifts: Vec<Option<[f64; 2]>> = (self.frames.iter())
+            .map(|frame| {
+                let here =
+                    cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
+                here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
+            })
+            .collect();
+        let beside = if let Pose::Led = self.pose { BESIDE } else { 0 };
+        let smooth = |place: usize| {
+            let run = self.frames[place].run;
+            let near = place.saturating_sub(beside)..(place + beside + 1).min(shifts.len());
+            let near: Vec<[f64; 2]> = near
+                .filter(|other| self.frames[*other].run == run)
+                .filter_map(|other| shifts[other])
+                .collect();
+            [0, 1].map(|angle| near.iter().map(|shift| shift[angle]).sum::<f64>() / near.len().max(1) as f64)
+        };
+        (0..shifts.len()).map(smooth).collect()
+    }
+}
+
+/// The pose that a frame's rest asks for: weighted least squares over the centroids or angles. Answers the shift and the
+/// matrix that turns changes of the picture into changes of the pose.
+pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
+    let pose = &cell.hard;
+    let mut normal: Matrix2<f64> = Matrix2::zeros();
+    let mut weighted = DMatrix::zeros(2, cell.residual.len());
+    for row in 0..cell.residual.len() {
+        if AREAS.contains(&cell.signal[row]) {
+            continue;
+        }
+        let weight = 1.0 / (cell.sigma[row] * cell.sigma[row]);
+        for i in 0..2 {
+            weighted[(i, row)] = weight * pose[(row, i)];
+            for j in 0..2 {
+                normal[(i, j)] += weight * pose[(row, i)] * pose[(row, j)];
+            }
+        }
+    }
+    let inverse = normal.try_inverse()?;
+    let map = DMatrix::from_fn(2, cell.residual.len(), |i, row| {
+        inverse[(i, 0)] * weighted[(0, row)] + inverse[(i, 1)] * weighted[(1, row)]
+    });
+    let rest = DVector::from_column_slice(&cell.residual);
+    let shift: DVector<f64> = &map * rest;
+    Some((Vector2::new(shift[0], shift[1]), map))
+}

@@ -1,0 +1,206 @@
+//! Time stamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
+//! the same time. That is a nuisance with a prior for each row; its size is found by maximum likelihood.
+
+use super::fitting::Fit;
+use super::*;
+use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::linear::Reduced;
+
+/// Sizes that are tried: from 20 µs in factors of two to 5 ms.
+const SMALLEST: f64 = 2e-5;
+const SIZES: i32 = 9;
+/// Then in these factors to either side: a sixth too little leaves the rows a tenth more scatter than noise has.
+const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
+/// Size at which the columns are taken, at least.
+const UNIT: f64 = 1e-4;
+/// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
+const EVIDENCE: f64 = 20.0;
+/// Share of the windows in which something else than stamps may have happened: a ceiling of the torque that cut two windows of sixty
+/// passed for stamps that scatter, which then hid it.
+const EVENTS: f64 = 0.1;
+
+/// Share of the time between rows by which stamps that stand evenly scatter at most: rows that each hold the value before are late by
+/// 0.29 of it, root mean square. More is what a model lacks that is far from the log (a delay of 10 ms passed for 6 ms at rows
+/// every 5 ms).
+const EVENLY: f64 = 0.3;
+/// Share of it that stamps must scatter by still with effects on.
+const STILL: f64 = 0.5;
+
+impl PlantCut {
+    /// Takes a full look at a point, finds how much the stamps scatter, and settles the windows with that.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn begin(&mut self, point: &[f64]) -> Result<(), Error> {
+        // stamps that stand unevenly may scatter by as much: a plant that was led along such rows would hide it
+        let uneven = (self.runs.iter())
+            .filter_map(|run| run.plant.as_ref())
+            .map(|log| unevenness(&log.time))
+            .fold(UNIT, f64::max);
+        self.jitter = uneven;
+        let unit = self.linearise(point, &[], false);
+        self.jitter = 0.0;
+        let unit = unit?;
+        let judged = |size: f64| {
+            let mut blocks = unit.clone();
+            for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
+                for place in 0..cell.discrepancy {
+                    cell.soft.column_mut(place).scale_mut(size / uneven);
+                }
+            }
+            Evaluation::of(blocks, point, &[], &self.signals)
+        };
+        let steady = judged(0.0);
+        let mut best = (steady.deviance() - EVIDENCE, 0.0);
+        let mut more_likely = |size: f64| {
+            let there = judged(size);
+            if there.deviance() < best.0 && spread(&steady, &there) >= EVIDENCE {
+                best = (there.deviance(), size);
+            }
+            best.1
+        };
+        for power in 0..SIZES {
+            self.jitter = more_likely(SMALLEST * f64::from(1 << power));
+        }
+        for finer in FINER {
+            let coarse = self.jitter;
+            for size in [coarse / finer, coarse * finer].into_iter().filter(|size| *size > 0.0) {
+                self.jitter = more_likely(size);
+            }
+        }
+        if uneven <= UNIT && self.jitter > EVENLY * self.spacing() {
+            self.jitter = 0.0;
+        }
+        if self.jitter > 0.0 || uneven > UNIT {
+            self.lead_again(point)?;
+        }
+        self.windows.iter_mut().for_each(|window| window.free = None);
+        Ok(())
+    }
+
+    /// By how much the stamps scatter, s: found by `begin`.
+    pub fn scatter(&self) -> f64 {
+        self.jitter
+    }
+
+    /// Usual time between rows, s: the least over runs.
+    fn spacing(&self) -> f64 {
+        let logs = self.runs.iter().filter_map(|run| run.plant.as_ref());
+        logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the stamps scatter by as much with effects on as they seemed to before, when what was missing may have passed for it.
+    /// If not, the windows are settled with what they scatter by now.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn still_scatters(&mut self, point: &[f64]) -> Result<bool, Error> {
+        let before = self.jitter;
+        if before == 0.0 {
+            return Ok(true);
+        }
+        self.begin(point)?;
+        if self.jitter < STILL * before {
+            return Ok(false);
+        }
+        self.jitter = before;
+        self.afresh();
+        self.linearise(point, &[], false)?;
+        Ok(true)
+    }
+
+    /// Puts the stamps' columns before the leads.
+    pub(super) fn stamps(&self, layout: &Layout, base: &[[f64; 5]], cell: &mut Cell) {
+        if self.jitter == 0.0 {
+            return;
+        }
+        let mut groups: Vec<&Vec<usize>> = Vec::new();
+        for (signal, rows) in &layout.bins {
+            if *signal < 2 && !groups.contains(&rows) {
+                groups.push(rows);
+            }
+        }
+        let mut soft = DMatrix::zeros(layout.len(), groups.len() + cell.soft.ncols());
+        for (bin, (signal, rows)) in layout.bins.iter().enumerate() {
+            // rates that were logged change little in that time
+            if *signal < 2
+                && let Some(place) = groups.iter().position(|group| *group == rows)
+            {
+                soft[(bin, place)] = self.jitter * rate(base, *signal, rows);
+            }
+        }
+        soft.columns_mut(groups.len(), cell.soft.ncols()).copy_from(&cell.soft);
+        cell.discrepancy = groups.len();
+        cell.soft = soft;
+    }
+
+    /// Mean square of the motion's rows with the stamps' scatter counted as noise. What was logged of the torque is none of it: no
+    /// lead changes that, and a late one is off by far more than noise wherever the command jumps.
+    pub(super) fn loose(&self, layout: &Layout, fit: &Fit) -> f64 {
+        let rows = fit.cell.residual.iter().zip(&fit.cell.sigma).zip(&layout.bins);
+        let squares =
+            rows.filter(|(_, (signal, _))| *signal < MOTION).map(|((rest, sigma), (signal, rows))| {
+                let late = if *signal < 2 { self.jitter * rate(&fit.base, *signal, rows) } else { 0.0 };
+                (rest * rest / (sigma * sigma + late * late), 1.0)
+            });
+        let (sum, count) =
+            squares.fold((0.0, 0.0), |(sum, count), (square, one)| (sum + square, count + one));
+        sum / f64::max(count, 1.0)
+    }
+}
+
+/// The gain of deviance without the windows that gain most: stamps scatter all along, what happens now and then is something else.
+fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
+    let deviance = |block: &Reduced| block.square + block.log_det;
+    let pairs = steady.reduced.iter().zip(&scattering.reduced);
+    let mut gains: Vec<f64> = pairs.map(|(before, after)| deviance(before) - deviance(after)).collect();
+    gains.sort_by(f64::total_cmp);
+    let usual = gains.len() - (EVENTS * gains.len() as f64) as usize;
+    gains[..usual].iter().sum()
+}
+
+/// What scattering stamps of the torque do: each step of it comes a little early or late, an impulse too much or too
+/// little, and together they are a torque over a part of a window. Root mean square over runs, N·m.
+///
+/// The stamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
+/// rightly, this allows for too much.
+pub fn torque_scatter(runs: &[Run], part: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for log in runs.iter().filter(|run| run.plant.is_some()).filter_map(|run| run.controller.as_ref()) {
+        let Some(tau) = log.column("tau") else { continue };
+        let scatter = unevenness(&log.time);
+        let steps: f64 =
+            tau.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).filter(|s| s.is_finite()).sum();
+        let duration = log.time.last().unwrap_or(&0.0) - log.time.first().unwrap_or(&0.0);
+        if duration > 0.0 {
+            sum += steps / duration * scatter * scatter / part;
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+}
+
+/// Standard deviation of stamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
+pub fn unevenness(time: &[f64]) -> f64 {
+    let Some((typical, gaps)) = typical(time) else { return 0.0 };
+    // neighbours: a clock that drifts, or lost rows, don't count
+    let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
+    off.sort_by(f64::total_cmp);
+    let median = off[off.len() / 2];
+    let sigma = median / 0.6745 / std::f64::consts::SQRT_2;
+    if sigma < 0.5 * typical { sigma } else { 0.0 }
+}
+
+/// Median of the gaps between rows, and all of them, s.
+fn typical(time: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let middle = *gaps.get(gaps.len() / 2)?;
+    Some((middle, gaps))
+}
+
+/// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.
+fn rate(base: &[[f64; 5]], signal: usize, rows: &[usize]) -> f64 {
+    let sum: f64 = rows.iter().map(|row| base[*row][2 + signal]).sum();
+    sum / (rows.len() as f64).powf(1.5)
+}

@@ -1,0 +1,42 @@
+//! Windows twice as long, for two models that both follow the log: what tells them apart grows with the plant.
+
+use super::*;
+use crate::rigs::acrobot::candidates::Motion as Way;
+
+/// Windows begin together if they do so within this time, s.
+const SAME: f64 = 1e-6;
+
+impl PlantCut {
+    /// The same log in windows twice as long. They begin where every second usual one does, and in its state: where these windows
+    /// have been fitted to all that follows, noise grows by no more than in the second half. `None` where a window must be led,
+    /// since a model that lacks more than noise leaves the data before a long window ends.
+    ///
+    /// # Errors
+    /// The unit failed, or lacks a variable.
+    pub fn longer(&self, data: &DataSet, model: &Model, point: &[f64]) -> Result<Option<Self>, Error> {
+        let Some(mut long) = Self::of(data, model, self.candidates.clone(), Span::LONG)? else {
+            return Ok(None);
+        };
+        long.jitter = self.jitter;
+        if self.clock.is_none() {
+            long.trust_clock();
+        }
+        long.mend(point);
+        for window in &mut long.windows {
+            let same = |usual: &&Window| {
+                usual.run == window.run && (usual.drive.start() - window.drive.start()).abs() < SAME
+            };
+            if let Some(usual) = self.windows.iter().find(same) {
+                window.start = usual.start;
+            }
+        }
+        long.linearise(point, &[], false)?;
+        Ok((long.led() == 0.0).then_some(long))
+    }
+
+    /// A probe that bends no column. Ceilings and switches have columns of their whole size only.
+    pub(super) fn gentle(&self, probe: Probe) -> Probe {
+        let whole = matches!(self.candidates[probe.candidate].motion, Way::Ceiling { .. } | Way::Switch);
+        Probe { by: if whole { probe.by } else { self.span.gentle() * probe.by }, ..probe }
+    }
+}

@@ -1,0 +1,394 @@
+//! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
+
+use super::settings::settings;
+use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
+use super::{Block, Cut, Probe, Signal};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::{Bench, Setting};
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::model::Model;
+use crate::statistics::linear::{Cell, nuisances};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+mod fitting;
+mod following;
+mod forced;
+mod handed;
+pub mod jitter;
+mod layout;
+mod log;
+mod long;
+mod through;
+mod window;
+
+use fitting::Look;
+use layout::Layout;
+use log::steered;
+pub use log::zeros;
+pub use through::Poses;
+use through::Through;
+use window::{Kept, Span, Window, cut_run, lost, most, thin};
+
+/// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
+/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
+const WINDOW: f64 = 0.5;
+const SHORT_WINDOW: f64 = 0.25;
+/// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
+const QUICK: f64 = 12.0;
+const PLENTY: f64 = 36.0;
+/// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
+const ROWS: f64 = 12.0;
+const LONGEST: f64 = 0.6;
+/// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
+const BINS: usize = 25;
+/// Parts of a window that each get a torque the model may lack.
+const PARTS: usize = 2;
+/// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
+const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
+const PUSH: f64 = 2e-4; // at an arm of heft 1
+/// Columns of `plant.csv` in the order of the simulated outputs.
+pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
+/// So many of them are motion.
+const MOTION: usize = 4;
+const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
+/// Standard deviations to begin with where none is stated.
+const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
+/// Least standard deviations of what is logged: what encoders of 19 bits count, and no arm here has better. Logs of a simulation have
+/// no noise at all, and what is left there, of integrators and of starts within stiction, would be a finding.
+const FINEST: [f64; 5] = [1e-5, 1e-5, 1e-4, 1e-4, 1e-5];
+/// A window starts from a straight line through rows this far around, s.
+const AROUND: f64 = 0.03;
+
+/// Torque in, motion out.
+#[derive(Clone)]
+pub struct PlantCut {
+    bench: Arc<Bench>,
+    ports: Ports,
+    candidates: Arc<Vec<Candidate>>,
+    runs: Arc<Vec<Run>>,
+    windows: Vec<Window>,
+    span: Span,
+    signals: Vec<Signal>,
+    through: Option<Through>,
+    clock: Option<usize>,
+    /// By how much the log's angles were turned back, rad.
+    zeros: [f64; 2],
+    /// Scatter of the log's time stamps, s.
+    jitter: f64,
+    /// By how much the log may be late, s: no bound where runs were found to have clocks of their own.
+    doubt: f64,
+    /// No full look has doubted windows in vain yet: beginning them anew may help.
+    hopeful: bool,
+    /// Windows that the logs were cut into, before they were thinned.
+    cut: usize,
+    /// How heavy the arm is.
+    heft: f64,
+}
+
+impl PlantCut {
+    /// Windows over all runs that have a torque and a motion; `None` if there is none.
+    ///
+    /// # Errors
+    /// The plant unit lacks a variable.
+    pub fn new(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+    ) -> Result<Option<Self>, Error> {
+        Self::of(data, model, candidates, Span::USUAL)
+    }
+
+    fn of(
+        data: &DataSet,
+        model: &Model,
+        candidates: Arc<Vec<Candidate>>,
+        span: Span,
+    ) -> Result<Option<Self>, Error> {
+        let (ports, heft) = (Ports::of(&model.plant, lost(data, model))?, model.heft());
+        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+        let growth = model.growth();
+        let pace = growth.map_or(1.0, |growth| (QUICK / growth).min(1.0));
+        let paces = (pace, span.share(growth));
+        let mut windows = Vec::new();
+        for (index, run) in data.runs.iter().enumerate() {
+            cut_run(index, run, contact, paces, span, &mut windows);
+        }
+        let cut = windows.len();
+        // where there are pictures each window has frames to tell of
+        if data.runs.iter().all(|run| run.camera.is_none()) {
+            let most = most(&windows, &data.runs, span);
+            thin(&mut windows, most);
+        }
+        if windows.is_empty() {
+            return Ok(None);
+        }
+        let signals = (0..COLUMNS.len())
+            .map(|place| {
+                let name = format!("plant.{}", COLUMNS[place]);
+                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+                let sigma = known.unwrap_or_else(|| {
+                    if place < MOTION { FIRST_GUESS[place] } else { heft * FIRST_GUESS[place] }
+                });
+                let least = if place < MOTION { FINEST[place] } else { heft * FINEST[place] };
+                Signal { name, unit: UNITS[place], known, sigma, least, honest: 0.0 }
+            })
+            .collect();
+        let runs = Arc::new(data.runs.clone());
+        // without a torque that changes there is no other log that this one could be late against
+        let clock = candidates
+            .iter()
+            .position(|candidate| candidate.side == Side::Clock)
+            .filter(|_| runs.iter().any(steered));
+        let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
+        Ok(Some(Self {
+            bench: model.plant.clone(),
+            ports,
+            candidates,
+            runs,
+            windows,
+            span,
+            signals,
+            through,
+            clock,
+            zeros: [0.0; 2],
+            jitter: 0.0,
+            hopeful: true,
+            doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
+            cut,
+            heft,
+        }))
+    }
+
+    /// Windows that are compared, and those that the logs were cut into.
+    pub fn windows(&self) -> (usize, usize) {
+        (self.windows.len(), self.cut)
+    }
+
+    fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+        settings(&self.bench, &self.candidates, Side::Plant, point, moved)
+    }
+
+    /// Looks at some windows.
+    fn look(
+        &mut self,
+        places: &[usize],
+        point: &[f64],
+        probes: &[Probe],
+        quick: bool,
+    ) -> Result<Vec<Block>, Error> {
+        let look = |place: &usize| self.window(&self.windows[*place], point, probes, quick);
+        let mut done: Vec<_> = places.par_iter().map(look).collect();
+        if !quick {
+            self.hopeful &= self.handed(places, point, probes, &mut done)?;
+        }
+        let mut blocks = Vec::with_capacity(done.len());
+        for (place, result) in places.iter().zip(done) {
+            let Look { start, leads, block, free } = result?;
+            let window = &mut self.windows[*place];
+            if !quick {
+                window.free = free;
+                window.kept = block.cells.first().map(|cell| {
+                    let count = cell.soft.ncols() - cell.discrepancy;
+                    let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
+                    Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft }
+                });
+            }
+            window.start = start;
+            window.leads = leads;
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
+    /// The log is none of encoders but what a camera with this delay saw.
+    pub fn see_through(&mut self, delay: f64) {
+        let poses = Poses::new(self.runs.len());
+        self.clock = None;
+        self.through = Some(Through { index: None, delay: 0.0, poses });
+        self.shift(delay);
+    }
+
+    /// Other poses for the log's rows, and another delay of the camera (its candidate and value).
+    pub fn replace(&mut self, poses: Poses, delay: Option<(usize, f64)>) {
+        for (run, angles) in Arc::make_mut(&mut self.runs).iter_mut().zip(&poses.angles) {
+            let Some(log) = &mut run.plant else { continue };
+            for (place, name) in ["q1", "q2"].iter().enumerate() {
+                if let Some(column) = log.column_mut(name) {
+                    column.iter_mut().zip(angles).for_each(|(value, angles)| *value = angles[place]);
+                }
+            }
+        }
+        if let Some(through) = &mut self.through {
+            through.poses = poses;
+            through.index = delay.map(|(index, _)| index);
+        }
+        if let Some((_, delay)) = delay {
+            self.shift(delay);
+        }
+    }
+
+    /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
+    fn seen_column(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        base: &[[f64; 5]],
+        place: usize,
+        candidate: usize,
+    ) -> Vec<f64> {
+        if let Some(angle) = log::angle(&self.candidates[candidate]) {
+            return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
+        }
+        let (Some(through), Some(log)) = (&self.through, &self.runs[window.run].plant) else {
+            return vec![0.0; layout.len()];
+        };
+        // per second; of what is no angle, by neighbouring rows
+        let slope = |row: usize, signal: usize| {
+            if signal < 2 {
+                return base[row][2 + signal];
+            }
+            let (before, after) = (row.saturating_sub(1), (row + 1).min(base.len() - 1));
+            let span = log.time[window.rows[after]] - log.time[window.rows[before]];
+            if span > 0.0 { (base[after][signal] - base[before][signal]) / span } else { 0.0 }
+        };
+        (layout.bins.iter())
+            .map(|(signal, rows)| {
+                let of = |row: &usize| {
+                    if through.index == Some(candidate) {
+                        -slope(*row, *signal)
+                    } else {
+                        through.poses.moves[window.run]
+                            .get(window.rows[*row])
+                            .map_or(0.0, |moves| moves[(*signal, place)])
+                    }
+                };
+                rows.iter().map(of).sum::<f64>() / rows.len() as f64
+            })
+            .collect()
+    }
+
+    /// Keeps at most so many windows, evenly spread.
+    pub fn thin(&mut self, most: usize) {
+        let every = self.windows.len().div_ceil(most.max(1)).max(1);
+        let mut place = 0;
+        self.windows.retain(|_| {
+            place += 1;
+            (place - 1) % every == 0
+        });
+    }
+
+    /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
+    /// next). Call after `linearise` at the same point.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn motion(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
+        let settings = self.settings(point, None)?;
+        let mut motions = vec![Motion::default(); self.runs.len()];
+        let stretches: Vec<_> = self
+            .windows
+            .par_iter()
+            .map(|window| {
+                let log = &self.runs[window.run];
+                let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
+                // back to where the window before ended
+                let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
+                let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
+                let times: Vec<f64> = (0..=count)
+                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
+                    .collect();
+                let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
+                let rows = simulate(
+                    &self.bench,
+                    &self.ports,
+                    &settings,
+                    &drive,
+                    &window.start,
+                    &window.pushes(&window.leads),
+                )?;
+                let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
+                Ok::<_, Error>((window.run, times, states))
+            })
+            .collect::<Result<_, _>>()?;
+        for (run, times, states) in stretches {
+            motions[run].stretches.push((times, states));
+        }
+        Ok(motions)
+    }
+}
+
+impl Cut for PlantCut {
+    fn name(&self) -> &'static str {
+        "plant: torque in, motion out"
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn sees(&self, candidate: &Candidate) -> bool {
+        match candidate.side {
+            Side::Plant => true,
+            Side::Clock => self.clock.is_some(),
+            Side::Zero => true,
+            Side::Camera => self.through.is_some() && self.clock.is_none(),
+            _ => false,
+        }
+    }
+
+    fn clock_doubt(&self) -> f64 {
+        self.doubt
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+        self.mend(point);
+        let all: Vec<usize> = (0..self.windows.len()).collect();
+        self.look(&all, point, probes, quick)
+    }
+
+    fn back(&mut self) {
+        for window in &mut self.windows {
+            if let Some(kept) = &window.kept {
+                window.start = kept.start;
+                window.leads.clone_from(&kept.leads);
+            }
+        }
+    }
+
+    fn remember(&mut self) {
+        self.windows.iter_mut().for_each(Window::remember);
+    }
+
+    fn recall(&mut self) {
+        self.windows.iter_mut().for_each(Window::recall);
+    }
+
+    fn hopeful(&self) -> bool {
+        self.hopeful
+    }
+
+    fn hold(&mut self) {
+        self.windows.iter_mut().for_each(Window::hold);
+    }
+
+    fn release(&mut self) {
+        self.windows.iter_mut().for_each(Window::release);
+    }
+
+    fn afresh(&mut self) {
+        let runs = self.runs.clone();
+        self.windows.iter_mut().for_each(|window| window.begin(&runs[window.run]));
+    }
+
+    fn explained(&self) -> f64 {
+        let part = self.windows.first().map_or(WINDOW, |window| window.edges[1] - window.edges[0]);
+        jitter::torque_scatter(&self.runs, part)
+    }
+
+    fn discrepancy_unit(&self) -> &'static str {
+        "N·m"
+    }
+}

@@ -1,0 +1,381 @@
+//! What else could it be: every other candidate in an effect's place, fitted, and compared.
+//!
+//! Nothing here is a table of look-alikes. A candidate belongs to the class of an effect when the data, with
+//! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
+
+use super::Step;
+use super::bare::{Bare, Opinion};
+use super::evaluation::Evaluation;
+use super::refit::{own_fit, refit, refit_towards, settled};
+use super::starts::starts;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::residual::{Cut, Probe};
+use crate::statistics::linear::{solve, submatrix};
+use crate::watch::Watch;
+use nalgebra::{DMatrix, DVector};
+
+/// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
+/// hardly brings it below `CLASS`.
+pub(super) const HOPELESS: f64 = 12.0;
+/// Columns of which less than this share is apart are alike enough for a fit to decide.
+const ALIKE: f64 = 0.03;
+/// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
+const ALIKE_BENT: f64 = 0.15;
+/// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
+/// lattice's errors. Fits are no better judges of two that differ by less.
+const COLUMN: f64 = 0.0025;
+/// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
+const BLUR: f64 = 0.2;
+/// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
+const STRAIGHT: f64 = 50.0;
+/// A fit that loses more than this is far enough not to be settled any further: that took 0.03 away at most on ten sets.
+const FAR: f64 = 20.0;
+/// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
+/// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).
+pub const CLASS: f64 = 6.0;
+
+/// What ends early where time is up.
+const CLASSES: &str = "the comparison of names that look alike";
+
+/// Deviance of a frame that a camera would have lost and the data have: nobody loses less than one in a hundred, 2 ln 100.
+const UNSEEN: f64 = 9.0;
+
+/// A candidate in the place of another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alternative {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Its coordinate there.
+    pub x: f64,
+    /// How much worse than the best, in effective deviance.
+    pub loss: f64,
+}
+
+/// All that could stand in the place of `effect`, the best first (the effect itself included, at loss ≥ 0).
+///
+/// # Errors
+/// A unit failed at the final model.
+pub fn alternatives(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    effect: usize,
+    steps: &[Step],
+    watch: &mut Watch<'_>,
+) -> Result<Vec<Alternative>, Error> {
+    let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
+    let (x, own) = own_fit(cut, candidates, last, active, effect)?;
+    cut.remember();
+    let unseen = cut.unseen();
+    let seat = Seat {
+        unseen,
+        candidates,
+        last,
+        others,
+        effect,
+        temper: temper(last, active, effect, candidates),
+        offsets: if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
+        own,
+    };
+    let mut all = vec![(effect, x, 0.0)];
+    let mut bare: Option<Bare> = None;
+    for (index, candidate) in candidates.iter().enumerate() {
+        let resembles = !candidates[effect].is_discrete() || resembled(steps, effect, index);
+        if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() || !resembles {
+            continue;
+        }
+        if watch.is_over(CLASSES) {
+            break;
+        }
+        watch.trying(candidate.name, index + 1, candidates.len());
+        let linear = linear_loss(last, &seat.others, effect, index, candidates);
+        let Some(strength) = seat.near(index, linear.as_ref()) else { continue };
+        if let Some(replaced) = linear.filter(|_| by_columns(cut, candidates, effect, index)) {
+            all.push((index, replaced.x, seat.along_columns(cut, index, &replaced, strength)));
+            continue;
+        }
+        let bare = match &mut bare {
+            Some(known) => known,
+            none => none.insert(Bare::of(cut, candidates, last, active, effect)?),
+        };
+        match bare.opinion(candidates, (effect, index), seat.own, seat.temper) {
+            Opinion::Forlorn => {}
+            Opinion::Straight { x, loss } => all.push((index, x, loss)),
+            Opinion::Fit => all.extend(seat.fitted(cut, index)?),
+        }
+    }
+    cut.recall();
+    let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
+    let mut alternatives: Vec<Alternative> = all
+        .into_iter()
+        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / seat.temper })
+        .collect();
+    alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    Ok(alternatives)
+}
+
+/// An effect that others are tried in the place of.
+struct Seat<'a> {
+    candidates: &'a [Candidate],
+    last: &'a Evaluation,
+    /// The effects beside it.
+    others: Vec<usize>,
+    effect: usize,
+    temper: f64,
+    /// What honest renderers differ by, along the columns.
+    offsets: DMatrix<f64>,
+    /// Deviance of its own fit.
+    own: f64,
+    /// Frames that the camera lost there, and the data have.
+    unseen: usize,
+}
+
+impl Seat<'_> {
+    /// What the effect explains, unless another is too far from it for a closer look.
+    fn near(&self, index: usize, linear: Option<&Replaced>) -> Option<f64> {
+        let (predicted, strength) =
+            predicted_loss(self.last, &self.others, self.effect, index, self.candidates)?;
+        let bent = [self.effect, index].iter().any(|index| blurs(&self.candidates[*index]));
+        let alike = if bent { ALIKE_BENT } else { ALIKE };
+        let apart = predicted / self.temper > HOPELESS && predicted > alike * strength;
+        let hopeless = linear.is_none_or(|linear| linear.loss / self.temper > 2.0 * HOPELESS);
+        (!apart || !hopeless).then_some(strength)
+    }
+
+    /// Loss by another's column, less what is not known of columns. What bends is believed only if seen from either fit.
+    fn along_columns(&self, cut: &mut dyn Cut, index: usize, replaced: &Replaced, strength: f64) -> f64 {
+        let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
+        let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
+        let allowed = |loss: f64| {
+            let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
+            loss / (1.0 + honest + COLUMN * COLUMN * strength + blur)
+        };
+        let loss = allowed(replaced.loss);
+        // a column over another step than the one it asks for says nothing of what bends
+        let blurs = blurs(&self.candidates[index]);
+        if !bent || (loss <= CLASS * self.temper && !blurs) {
+            return loss;
+        }
+        let from = Place { others: &self.others, effect: index, x: replaced.x };
+        // where the unit shows nothing at all there is nothing to be seen from
+        let Ok(there) = seen_from(cut, self.candidates, self.last, &from, self.effect) else { return loss };
+        let lost = self.lost(cut);
+        let there = there.map_or(0.0, |gain| gain.max(0.0)) + lost;
+        if blurs { allowed(there).max(lost) } else { loss.min(there) }
+    }
+
+    /// What frames weigh that the camera lost at the last look, and the data have.
+    fn lost(&self, cut: &dyn Cut) -> f64 {
+        UNSEEN * cut.unseen().saturating_sub(self.unseen) as f64
+    }
+
+    /// Fits another through the units: candidate, coordinate and loss.
+    fn fitted(&self, cut: &mut dyn Cut, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
+        let candidate = &self.candidates[index];
+        cut.recall();
+        let mut set = self.others.clone();
+        set.push(index);
+        let mut best: Option<Evaluation> = None;
+        let enough = self.own + self.temper * FAR;
+        for x in starts(candidate, self.last, self.effect, index, self.candidates) {
+            let mut point = self.last.point.clone();
+            point[self.effect] = self.candidates[self.effect].off;
+            point[index] = x;
+            if let Ok(fit) = refit_towards(cut, self.candidates, &point, &set, enough)
+                && best.as_ref().is_none_or(|known| fit.deviance() < known.deviance())
+            {
+                best = Some(fit);
+            }
+        }
+        let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) else { return Ok(None) };
+        let fit = if fit.deviance() > enough { fit } else { settled(cut, fit)? };
+        let lost = match cut.lattice() {
+            true => Evaluation::at(cut, &fit.point, &[], true).map_or(0.0, |_| self.lost(cut)),
+            false => 0.0,
+        };
+        Ok(Some((index, fit.point[index], fit.deviance() - self.own + lost)))
+    }
+}
+
+/// Whether a candidate's picture changes otherwise with each step.
+fn blurs(candidate: &Candidate) -> bool {
+    candidate.bends && candidate.side == Side::Camera
+}
+
+/// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
+/// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
+/// times only, and a plant leaves pictures alone. A ceiling's column is that of another level.
+fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usize) -> bool {
+    let pictured = |index: usize| {
+        let candidate = &candidates[index];
+        candidate.side == Side::Camera && candidate.name != "camera.T_delay"
+    };
+    let ceiling = |index: usize| matches!(candidates[index].motion, Motion::Ceiling { .. });
+    let smooth = |index: usize| !candidates[index].is_discrete() && !ceiling(index);
+    cut.lattice()
+        && !cut.reads_angles()
+        && (pictured(effect) || pictured(index) || !cut.free_pose())
+        && smooth(effect)
+        && smooth(index)
+}
+
+/// Whether a candidate's column promised a good part of what a discrete effect then gave.
+fn resembled(steps: &[Step], effect: usize, index: usize) -> bool {
+    let Some(step) = steps.iter().find(|step| step.accepted == Some(effect)) else { return true };
+    let fall = step.deviance.0 - step.deviance.1;
+    step.best.iter().any(|hit| hit.candidate == index && hit.gain > 0.5 * fall - 2.0 * HOPELESS)
+}
+
+/// How much the likelihood overstates: variance of the score over blocks against what independent rows would give.
+/// Varin, Reid and Firth, Statistica Sinica 21 (2011) 5, section 3.
+fn temper(last: &Evaluation, active: &[usize], effect: usize, candidates: &[Candidate]) -> f64 {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let place = free.iter().position(|index| *index == effect);
+    let bread = crate::statistics::linear::inverse(&submatrix(&last.total.gram, &last.places(&free)));
+    match (place, bread, last.covariance(&free)) {
+        (Some(i), Some(bread), Some(covariance)) => (covariance[(i, i)] / bread[(i, i)]).max(1.0),
+        _ => 1.0,
+    }
+}
+
+/// Loss if the effect's column were replaced by another's, its own gain times sin² of the angle between them, halved
+/// since columns are tangents and bend over a finite size; and that gain.
+fn predicted_loss(
+    last: &Evaluation,
+    others: &[usize],
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Option<(f64, f64)> {
+    if candidates[effect].is_discrete() {
+        return Some((0.0, 0.0));
+    }
+    let own = *last.places(&[effect]).first()?;
+    let places = last.places(others);
+    let gram = &last.total.gram;
+    let gram_oo = submatrix(gram, &places);
+    let across = |column: usize| DVector::from_fn(places.len(), |i, _| gram[(places[i], column)]);
+    let weights = if places.is_empty() { DVector::zeros(0) } else { solve(&gram_oo, &across(own))? };
+    let length = gram[(own, own)] - weights.dot(&across(own));
+    let size = last.point[effect] - candidates[effect].off;
+    let nonlinear = matches!(candidates[effect].motion, Motion::Ceiling { .. });
+    last.probes
+        .iter()
+        .enumerate()
+        .filter(|(_, probe)| probe.candidate == index)
+        .map(|(column, _)| {
+            let there = across(column);
+            let product = gram[(own, column)] - weights.dot(&there);
+            let theirs = gram[(column, column)]
+                - if places.is_empty() {
+                    0.0
+                } else {
+                    solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there))
+                };
+            let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
+            let loss = size * size * length * (1.0 - cosine.min(1.0));
+            if nonlinear { 0.1 * loss } else { 0.5 * loss }
+        })
+        .min_by(f64::total_cmp)
+        .map(|loss| (loss, size * size * length))
+}
+
+/// A candidate in the place of an effect.
+struct Place<'a> {
+    others: &'a [usize],
+    effect: usize,
+    x: f64,
+}
+
+/// What `other` gains in the place of a candidate, as seen from that candidate's own fit. A column that carries noise of the
+/// lattice looks better than it is where it is fitted itself, and worse from elsewhere.
+fn seen_from(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    from: &Place,
+    other: usize,
+) -> Result<Option<f64>, Error> {
+    let mut point = last.point.clone();
+    point[other] = candidates[other].off;
+    point[from.effect] = from.x;
+    let mut set = from.others.to_vec();
+    set.push(from.effect);
+    let fit = refit(cut, candidates, &point, &set)?;
+    let mut probes: Vec<Probe> = set
+        .iter()
+        .filter(|index| !candidates[**index].is_discrete())
+        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(fit.point[*index]) })
+        .collect();
+    probes.push(Probe { candidate: other, by: last.point[other] - candidates[other].off });
+    if candidates[from.effect].bends {
+        let by = candidates[from.effect].off - fit.point[from.effect];
+        probes.push(Probe { candidate: from.effect, by });
+    }
+    let there = Evaluation::at(cut, &fit.point, &probes, true)?;
+    Ok(linear_loss(&there, from.others, from.effect, other, candidates).map(|replaced| -replaced.loss))
+}
+
+/// Another column in the place of an effect's.
+struct Replaced {
+    loss: f64,
+    /// The value that the other would take.
+    x: f64,
+    /// The two columns.
+    own: usize,
+    other: usize,
+}
+
+/// Variance, in that of the noise, that honest renderers add along what tells two columns apart.
+fn honest(last: &Evaluation, offsets: &DMatrix<f64>, others: &[usize], own: usize, other: usize) -> f64 {
+    let gram = &last.total.gram;
+    let mut rest = last.places(others);
+    rest.push(other);
+    let across = DVector::from_fn(rest.len(), |i, _| gram[(rest[i], own)]);
+    let Some(weights) = solve(&submatrix(gram, &rest), &across) else { return 0.0 };
+    let length = gram[(own, own)] - weights.dot(&across);
+    let off = offsets.row(own) - weights.transpose() * offsets.select_rows(&rest);
+    if length > 0.0 { off.norm_squared() / length } else { 0.0 }
+}
+
+/// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
+/// best of its columns.
+fn linear_loss(
+    last: &Evaluation,
+    others: &[usize],
+    effect: usize,
+    index: usize,
+    candidates: &[Candidate],
+) -> Option<Replaced> {
+    let size = last.point[effect] - candidates[effect].off;
+    // all of the effect at once, where that column is there; else its derivative
+    let whole = |probe: &Probe| probe.candidate == effect && probe.by == -size;
+    let own = last.probes.iter().position(whole).or(last.places(&[effect]).first().copied())?;
+    let rest = last.places(others);
+    let cleaned = |a: usize, b: usize| {
+        let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
+        let weights = if rest.is_empty() {
+            Some(DVector::zeros(0))
+        } else {
+            solve(&submatrix(&last.total.gram, &rest), &across(a))
+        };
+        weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
+    };
+    let columns = last.probes.iter().enumerate().filter(|(_, probe)| probe.candidate == index);
+    columns
+        .filter_map(|(other, _)| {
+            let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
+            // the rest itself also has an opinion: what each would still take of it
+            let asks = |along: f64, column: usize| size * along + last.total.score[column];
+            let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
+            let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
+            let x = candidates[index].off + other_asks / bb;
+            let steps = candidates[index].steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
+            let straight = (other_asks / bb).abs() <= STRAIGHT * steps;
+            (bb > 0.0 && straight && x >= candidates[index].range.0 && x <= candidates[index].range.1)
+                .then_some(Replaced { loss, x, own, other })
+        })
+        .min_by(|a, b| a.loss.total_cmp(&b.loss))
+}

@@ -1,0 +1,374 @@
+//! A model (values of the candidates) judged on one cut: residuals, noise, what is left, how it does on runs that
+//! were left out.
+
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::residual::{Block, Cut, Probe, Signal};
+use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of heft 1.
+const SIZES: usize = 15;
+const SMALLEST: f64 = 2e-4;
+
+/// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
+const SAME: f64 = 1e-3;
+
+/// Which blocks are left out together: runs, or thirds of a single run.
+#[derive(Debug, Clone)]
+pub struct Folds {
+    /// Fold of each block.
+    pub of: Vec<usize>,
+    /// Number of folds.
+    pub count: usize,
+    /// Run that each fold is; empty where a single run is divided.
+    pub runs: Vec<usize>,
+}
+
+impl Folds {
+    /// Runs where there are two or more; else the run is divided.
+    pub fn new(blocks: &[Block]) -> Self {
+        const PARTS: usize = 3;
+        let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
+        // a cut's signals may have blocks of their own, each over all runs
+        runs.sort_unstable();
+        runs.dedup();
+        if runs.len() > 1 {
+            let of = blocks
+                .iter()
+                .map(|block| runs.iter().position(|run| *run == block.run).unwrap_or(0))
+                .collect();
+            return Self { of, count: runs.len(), runs };
+        }
+        let of = (0..blocks.len()).map(|place| place * PARTS / blocks.len().max(1)).collect();
+        Self { of, count: PARTS, runs: Vec::new() }
+    }
+
+    /// What was left out, each in turn, in words.
+    pub fn names(&self, runs: &[String]) -> Vec<String> {
+        if self.runs.is_empty() {
+            return vec!["parts of the only run".to_owned()];
+        }
+        self.runs.iter().filter_map(|run| runs.get(*run).cloned()).collect()
+    }
+}
+
+/// A point, judged.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// Coordinates of all candidates.
+    pub point: Vec<f64>,
+    /// What the columns are.
+    pub probes: Vec<Probe>,
+    /// Residuals and columns.
+    pub blocks: Vec<Block>,
+    /// Blocks with nuisances projected out.
+    pub reduced: Vec<Reduced>,
+    /// Their sum.
+    pub total: Reduced,
+    /// Size of the discrepancy that is taken to be there, in the cut's own unit.
+    pub softness: f64,
+    /// Standard deviation of each signal in use.
+    pub sigmas: Vec<f64>,
+    /// Standard deviation of each signal as it shows in this data after the nuisances.
+    pub seen: Vec<f64>,
+}
+
+impl Evaluation {
+    /// Judges a point.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe], quick: bool) -> Result<Self, Error> {
+        if !quick {
+            cut.back();
+        }
+        let blocks = cut.linearise(point, probes, quick)?;
+        Ok(Self::of(blocks, point, probes, cut.signals()))
+    }
+
+    /// Judges residuals that are there already.
+    pub fn of(mut blocks: Vec<Block>, point: &[f64], probes: &[Probe], signals: &[Signal]) -> Self {
+        let mut sigmas: Vec<f64> = signals.iter().map(|signal| signal.sigma).collect();
+        let mut seen = sigmas.clone();
+        // two signals share nuisances, so that the estimate of one depends on the other's: settles in a few rounds
+        for _ in 0..3 {
+            seen = scatter(&blocks, &sigmas, signals);
+            let wanted: Vec<f64> = signals
+                .iter()
+                .zip(&seen)
+                .map(|(signal, seen)| match signal.known {
+                    Some(known) => seen.max(known).max(signal.least),
+                    None => seen.max(signal.least),
+                })
+                .collect();
+            let moved = |(before, after): (&f64, &f64)| (after / before - 1.0).abs() > SAME;
+            let done = !sigmas.iter().zip(&wanted).any(moved);
+            rescale(&mut blocks, &sigmas, &wanted);
+            sigmas = wanted;
+            if done {
+                break;
+            }
+        }
+        let softness = likely_size(&blocks);
+        let mut evaluation = Self {
+            point: point.to_vec(),
+            probes: probes.to_vec(),
+            blocks,
+            reduced: Vec::new(),
+            total: Reduced::zero(probes.len()),
+            softness,
+            sigmas,
+            seen,
+        };
+        evaluation.reduce();
+        evaluation
+    }
+
+    /// The same residuals under another noise and size of discrepancy.
+    pub fn under(&self, other: &Evaluation) -> Self {
+        let mut same = self.clone();
+        rescale(&mut same.blocks, &self.sigmas, &other.sigmas);
+        same.sigmas.clone_from(&other.sigmas);
+        same.softness = other.softness;
+        same.reduce();
+        same
+    }
+
+    /// The same residuals without a discrepancy.
+    pub fn hard(&self) -> Self {
+        let mut same = Self { softness: 0.0, ..self.clone() };
+        same.reduce();
+        same
+    }
+
+    fn reduce(&mut self) {
+        let softness = self.softness;
+        let p = self.probes.len();
+        self.reduced = self
+            .blocks
+            .par_iter()
+            .map(|block| {
+                let mut sum = Reduced::zero(p);
+                block.cells.iter().for_each(|cell| sum.add(&reduce(cell, softness)));
+                sum
+            })
+            .collect();
+        self.total = Reduced::zero(p);
+        for reduced in &self.reduced {
+            self.total.add(reduced);
+        }
+    }
+
+    /// What sizes of the discrepancy are counted in.
+    pub fn heft(&self) -> f64 {
+        heft(&self.blocks)
+    }
+
+    /// -2 log likelihood, up to a constant, with noise and discrepancy at their most likely.
+    pub fn deviance(&self) -> f64 {
+        self.total.square + self.total.log_det
+    }
+
+    /// Places of the columns that belong to some candidates (the first column of each).
+    pub fn places(&self, candidates: &[usize]) -> Vec<usize> {
+        candidates.iter().filter_map(|c| self.probes.iter().position(|probe| probe.candidate == *c)).collect()
+    }
+
+    /// Whether a small step of an active value changes anything.
+    pub fn shows(&self, candidate: usize) -> bool {
+        self.places(&[candidate]).iter().all(|place| self.total.gram[(*place, *place)] > 0.0)
+    }
+
+    /// The fall of the deviance that a straight step of some active values promises.
+    pub fn promise(&self, free: &[usize]) -> Option<f64> {
+        let places = self.places(free);
+        let score = subvector(&self.total.score, &places);
+        let shift = solve(&submatrix(&self.total.gram, &places), &score)?;
+        (places.len() == free.len()).then(|| shift.dot(&score))
+    }
+
+    /// Held-out squares: each fold judged with the active values that the other folds want (one Newton step).
+    pub fn held_out(&self, folds: &Folds, active: &[usize]) -> f64 {
+        self.shifts(folds, active)
+            .iter()
+            .enumerate()
+            .map(|(fold, shift)| {
+                let part = self.fold(folds, fold);
+                let places = self.places(active);
+                let gram = submatrix(&part.gram, &places);
+                let score = subvector(&part.score, &places);
+                part.square - 2.0 * shift.dot(&score) + shift.dot(&(gram * shift))
+            })
+            .sum()
+    }
+
+    /// How far the active values would still move.
+    pub fn wanted(&self, active: &[usize]) -> Option<DVector<f64>> {
+        let places = self.places(active);
+        solve(&submatrix(&self.total.gram, &places), &subvector(&self.total.score, &places))
+    }
+
+    /// How far the active values move when a fold is left out.
+    pub fn shifts(&self, folds: &Folds, active: &[usize]) -> Vec<DVector<f64>> {
+        let places = self.places(active);
+        (0..folds.count)
+            .map(|fold| {
+                let mut rest = self.total.clone();
+                rest.subtract(&self.fold(folds, fold));
+                let gram = submatrix(&rest.gram, &places);
+                solve(&gram, &subvector(&rest.score, &places)).unwrap_or_else(|| DVector::zeros(places.len()))
+            })
+            .collect()
+    }
+
+    fn fold(&self, folds: &Folds, fold: usize) -> Reduced {
+        let mut sum = Reduced::zero(self.probes.len());
+        for (reduced, of) in self.reduced.iter().zip(&folds.of) {
+            if *of == fold {
+                sum.add(reduced);
+            }
+        }
+        sum
+    }
+
+    /// Covariance of the active values: the sandwich over blocks, never smaller than the model's own.
+    pub fn covariance(&self, active: &[usize]) -> Option<DMatrix<f64>> {
+        let places = self.places(active);
+        let gram = submatrix(&self.total.gram, &places);
+        let bread = crate::statistics::linear::inverse(&gram)?;
+        // no scatter is left of as many blocks as values
+        if self.reduced.len() <= places.len() {
+            return Some(bread);
+        }
+        let shift = &bread * subvector(&self.total.score, &places);
+        let mut meat = DMatrix::zeros(places.len(), places.len());
+        for reduced in &self.reduced {
+            let score = subvector(&reduced.score, &places) - submatrix(&reduced.gram, &places) * &shift;
+            meat += &score * score.transpose();
+        }
+        let blocks = self.reduced.len() as f64;
+        meat *= blocks / (blocks - places.len() as f64).max(1.0);
+        let sandwich = &bread * meat * &bread;
+        let mut covariance = sandwich.clone();
+        for i in 0..places.len() {
+            // few blocks make the sandwich too small by chance; the other off-diagonals keep their correlation
+            let factor = (bread[(i, i)] / sandwich[(i, i)]).max(1.0).sqrt();
+            for j in 0..places.len() {
+                covariance[(i, j)] *= factor;
+                covariance[(j, i)] *= factor;
+            }
+        }
+        Some(covariance)
+    }
+}
+
+/// A block that scatters by more than this many times what the median block does isn't all noise.
+const WILD: f64 = 10.0;
+
+/// Standard deviation of each signal after start states and free discrepancy. A few blocks that the model can't follow at all
+/// say nothing of noise.
+fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
+    let count = sigmas.len();
+    let each: Vec<Vec<(f64, f64)>> = blocks
+        .par_iter()
+        .map(|block| {
+            let mut sums = vec![(0.0, 0.0); count];
+            for cell in &block.cells {
+                let left = bare(cell, &cell.residual, cell.free());
+                for (row, signal) in cell.signal.iter().enumerate() {
+                    sums[*signal].0 += left.rest[row] * left.rest[row];
+                    sums[*signal].1 += left.expected[row];
+                }
+            }
+            sums
+        })
+        .collect();
+    (0..count)
+        .map(|s| {
+            let mut ratios: Vec<f64> =
+                each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
+            ratios.sort_by(f64::total_cmp);
+            let most = match ratios.get(ratios.len() / 2) {
+                Some(median) if signals[s].unit != "px" => WILD * median,
+                // areas in whole pixels may not scatter at all in most blocks
+                _ => f64::INFINITY,
+            };
+            let sum: f64 = each.iter().map(|sums| sums[s].0.min(most * sums[s].1)).sum();
+            let freedom: f64 = each.iter().map(|sums| sums[s].1).sum();
+            if freedom > 3.0 { sigmas[s] * (sum / freedom).sqrt().max(1e-6) } else { sigmas[s] }
+        })
+        .collect()
+}
+
+fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
+    for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
+        for (sigma, signal) in cell.sigma.iter_mut().zip(&cell.signal) {
+            *sigma *= to[*signal] / from[*signal];
+        }
+    }
+}
+
+/// What sizes of the discrepancy are counted in.
+fn heft(blocks: &[Block]) -> f64 {
+    let mut cells = blocks.iter().flat_map(|block| &block.cells);
+    cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.heft)
+}
+
+/// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
+fn likely_size(blocks: &[Block]) -> f64 {
+    let cells: Vec<&Cell> = blocks.iter().flat_map(|block| &block.cells).collect();
+    if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
+        return 0.0;
+    }
+    let smallest = SMALLEST * heft(blocks);
+    let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
+    let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
+    let mut best = (deviance(0.0), 0.0);
+    // every fourth power of two first, then the neighbours of the best
+    for power in (0..SIZES).step_by(2) {
+        let size = smallest * f64::from(1_u32 << power);
+        let here = deviance(size);
+        if here < best.0 {
+            best = (here, size);
+        }
+    }
+    if best.1 > 0.0 {
+        for size in [0.5 * best.1, 2.0 * best.1] {
+            let here = deviance(size);
+            if here < best.0 {
+                best = (here, size);
+            }
+        }
+    }
+    best.1
+}
+
+/// Columns for a first look at everything: each candidate's steps, and a derivative for the active ones first.
+pub fn all_probes(
+    candidates: &[Candidate],
+    point: &[f64],
+    sees: &dyn Fn(&Candidate) -> bool,
+    active: &[usize],
+) -> Vec<Probe> {
+    let mut probes = Vec::new();
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| sees(candidate)) {
+        if active.contains(&index) {
+            if !candidate.is_discrete() {
+                probes.push(Probe { candidate: index, by: candidate.derivative_step(point[index]) });
+            }
+            // all of it taken away again: what it does as a whole
+            if candidate.bends && !candidate.is_discrete() && point[index] != candidate.off {
+                probes.push(Probe { candidate: index, by: candidate.off - point[index] });
+            }
+            continue;
+        }
+        for step in &candidate.steps {
+            let at = point[index] + step;
+            let by = if at > candidate.range.1 || at < candidate.range.0 { -step } else { *step };
+            probes.push(Probe { candidate: index, by });
+        }
+    }
+    probes
+}

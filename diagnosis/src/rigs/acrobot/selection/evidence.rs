@@ -1,0 +1,36 @@
+//! Whether more than noise remains in what a driven plant leaves, whatever it is: the deviance that a free torque in each part
+//! of each window takes away.
+
+use super::evaluation::{Evaluation, Folds};
+use crate::rigs::acrobot::residual::torque::torques;
+use crate::statistics::linear::Sized;
+
+/// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
+pub const TORQUE_EVIDENCE: f64 = 20.0;
+/// The same for poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
+/// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
+const PICTURED_EVIDENCE: f64 = 200.0;
+const PICTURED_EACH: f64 = 0.5;
+/// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
+pub const STAMPS: f64 = 3.0;
+
+/// Fall of the deviance that a torque of its own in each part of each window brings.
+pub fn discrepancy(evaluation: &Evaluation) -> f64 {
+    let size = evaluation.softness;
+    if size <= 0.0 {
+        return 0.0;
+    }
+    let cells = evaluation.blocks.iter().flat_map(|block| &block.cells);
+    cells.map(Sized::of).map(|cell| cell.deviance(0.0) - cell.deviance(size)).sum()
+}
+
+/// Whether a torque lacks. `explained` is what the scatter of the stamps gives, N·m; `pictured` where poses are read off pictures.
+pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured: bool) -> bool {
+    let enough = if pictured {
+        let parts = torques(&evaluation.blocks, &[], &[], &folds.of).len() as f64;
+        PICTURED_EVIDENCE.max(PICTURED_EACH * parts)
+    } else {
+        TORQUE_EVIDENCE
+    };
+    evaluation.softness > STAMPS * explained && discrepancy(evaluation) >= enough
+}

@@ -1,0 +1,270 @@
+//! Fitting the values of the active candidates through the units: Gauss-Newton with bounds and a careful step.
+
+use super::evaluation::Evaluation;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::residual::{Cut, Probe};
+use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
+
+/// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
+/// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
+const STRAIGHT: f64 = 1.5;
+const STRETCH: f64 = 3.0;
+/// Most linearisations of a fit.
+const ROUNDS: usize = 8;
+/// A step that promises less fall of the sum of squares than this ends the fit.
+const SETTLED: f64 = 0.02;
+/// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
+/// one that promises no more: chords of windows leave some 5 of deviance more or less from look to look, and shorter steps found
+/// nothing there.
+const REFUSED: f64 = 1.0;
+/// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
+/// of each step there, and a ceiling without encoders was found by such steps only.
+const SHORTER: f64 = 1.0;
+const SHORTER_SEEN: f64 = 0.3;
+
+/// Squares over what noise gives from which a window is one in which the machine ran away, and the share of such ones up to which a
+/// fit can do without.
+const RUNAWAY: f64 = 30.0;
+const FEW: f64 = 0.3;
+
+/// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
+/// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
+/// anew at each look a log took seven times as long and came out no better.
+const DOUBT: f64 = 5.0;
+const FEW_DOUBTED: f64 = 0.15;
+
+/// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
+const FINE: f64 = 1.5e-4;
+
+/// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
+const REACH: f64 = 5.0;
+
+/// Fits `active` from a point; discrete ones stay where they are.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub fn refit(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+) -> Result<Evaluation, Error> {
+    fitted(cut, candidates, start, active, f64::INFINITY, |_, best| some_ran_away(best))
+}
+
+/// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each look.
+/// A fit that is only compared may be a little off.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub fn refit_closely(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+) -> Result<Evaluation, Error> {
+    fitted(cut, candidates, start, active, f64::INFINITY, some_doubted)
+}
+
+/// The same, ended as soon as the deviance is not going to fall to `enough`.
+///
+/// # Errors
+/// A unit failed even at the point to begin with.
+pub(super) fn refit_towards(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+    enough: f64,
+) -> Result<Evaluation, Error> {
+    fitted(cut, candidates, start, active, enough, |_, best| some_ran_away(best))
+}
+
+fn fitted(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    active: &[usize],
+    enough: f64,
+    doubted: fn(&dyn Cut, &Evaluation) -> bool,
+) -> Result<Evaluation, Error> {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    cut.back();
+    let mut best = judge(cut, candidates, start, &free, true)?;
+    let sticks = free.iter().any(|index| candidates[*index].sticks());
+    // columns and start states of another friction hold for no window in which the arm sticks
+    let quick = cut.lattice() || !sticks || !doubted(cut, &best);
+    if !quick {
+        best = judge(cut, candidates, start, &free, false)?;
+        cut.hold();
+    }
+    let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
+    let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
+    for _ in 0..ROUNDS {
+        let Some((next, promise)) = propose(&best, candidates, &free, damping, stride) else { break };
+        let least = if damping < shorter { SETTLED } else { REFUSED };
+        if promise < least || best.deviance() - REACH * promise > enough {
+            break;
+        }
+        // columns are wanted only of a step that is taken
+        let lower = |bare: Evaluation| bare.deviance() < best.deviance();
+        let taken = !cut.steady() || judge(cut, candidates, &next, &[], quick).is_ok_and(lower);
+        let trial = if taken { judge(cut, candidates, &next, &free, quick).ok() } else { None };
+        match trial {
+            Some(trial) if trial.deviance() < best.deviance() => {
+                let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * promise;
+                stride = if straight && damping == 0.0 { STRETCH * stride } else { 1.0 };
+                best = trial;
+                damping *= 0.1;
+                if !quick {
+                    cut.hold();
+                }
+            }
+            _ if promise < REFUSED && stride == 1.0 => break,
+            _ => {
+                // what the refused step did to nuisances is no beginning for the next one
+                if quick {
+                    cut.back();
+                } else {
+                    cut.release();
+                }
+                if stride > 1.0 {
+                    stride = 1.0;
+                    continue;
+                }
+                damping = (10.0 * damping).max(shorter);
+                if damping > 1e4 {
+                    break;
+                }
+            }
+        }
+    }
+    if !quick {
+        cut.release();
+    }
+    Ok(best)
+}
+
+/// The coordinate of the effect and the deviance of its own fit: where the last look's columns promise little more, it is that
+/// look, less what they promise.
+pub(super) fn own_fit(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    last: &Evaluation,
+    active: &[usize],
+    effect: usize,
+) -> Result<(f64, f64), Error> {
+    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let promise = last.promise(&free).filter(|promise| !cut.lattice() && *promise < REFUSED);
+    if let Some(promise) = promise {
+        cut.back();
+        return Ok((last.point[effect], last.deviance() - promise));
+    }
+    let fit = refit_closely(cut, candidates, &last.point, active)?;
+    let fit = settled(cut, fit)?;
+    Ok((fit.point[effect], fit.deviance()))
+}
+
+/// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
+pub(super) fn settled(cut: &mut dyn Cut, fit: Evaluation) -> Result<Evaluation, Error> {
+    if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
+}
+
+fn judge(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    point: &[f64],
+    free: &[usize],
+    quick: bool,
+) -> Result<Evaluation, Error> {
+    let probes: Vec<Probe> = free
+        .iter()
+        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
+        .collect();
+    Evaluation::at(cut, point, &probes, quick)
+}
+
+/// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
+/// others are solved for again.
+fn propose(
+    best: &Evaluation,
+    candidates: &[Candidate],
+    free: &[usize],
+    damping: f64,
+    stride: f64,
+) -> Option<(Vec<f64>, f64)> {
+    let total = followed(best, candidates, free);
+    let mut moving: Vec<usize> = (0..free.len()).collect();
+    let mut next = best.point.clone();
+    for _ in 0..=free.len() {
+        if moving.is_empty() {
+            return None;
+        }
+        let mut gram = submatrix(&total.gram, &moving);
+        for i in 0..moving.len() {
+            gram[(i, i)] *= 1.0 + damping;
+        }
+        let score = subvector(&total.score, &moving);
+        let shift = solve(&gram, &score)?;
+        let mut stopped = Vec::new();
+        next.clone_from(&best.point);
+        for (i, place) in moving.iter().enumerate() {
+            let candidate = &candidates[free[*place]];
+            let x = best.point[free[*place]];
+            let wanted = limited(candidate, x, x + stride * shift[i]);
+            let within = wanted.clamp(candidate.range.0, candidate.range.1);
+            if within != wanted && within == x {
+                stopped.push(*place);
+            }
+            next[free[*place]] = within;
+        }
+        if stopped.is_empty() {
+            return Some((next, shift.dot(&score)));
+        }
+        moving.retain(|place| !stopped.contains(place));
+    }
+    None
+}
+
+/// The machine ran away in this window, and no tangent says anything of it.
+pub(super) fn ran_away(block: &Reduced) -> bool {
+    block.square > RUNAWAY * block.freedom.max(1.0)
+}
+
+/// Some windows ran away, but few.
+fn some_ran_away(best: &Evaluation) -> bool {
+    let count = best.reduced.iter().filter(|block| ran_away(block)).count();
+    count > 0 && count as f64 <= FEW * best.reduced.len() as f64
+}
+
+/// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
+fn some_doubted(cut: &dyn Cut, best: &Evaluation) -> bool {
+    let mut sigmas = cut.signals().iter().zip(&best.sigmas);
+    let fine = sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < FINE);
+    if !fine || !cut.hopeful() {
+        return false;
+    }
+    let doubted = |block: &&Reduced| block.square > block.freedom + DOUBT * (2.0 * block.freedom).sqrt();
+    let count = best.reduced.iter().filter(doubted).count();
+    count > 0 && count as f64 <= FEW_DOUBTED * best.reduced.len() as f64
+}
+
+/// Sums over the blocks; where the arm sticks, without the few that ran away: a start state may be lost there that is found again with
+/// another friction, and no tangent says so.
+fn followed(best: &Evaluation, candidates: &[Candidate], free: &[usize]) -> Reduced {
+    if !some_ran_away(best) || !free.iter().any(|index| candidates[*index].sticks()) {
+        return best.total.clone();
+    }
+    let mut sum = Reduced::zero(best.probes.len());
+    best.reduced.iter().filter(|block| !ran_away(block)).for_each(|block| sum.add(block));
+    sum
+}
+
+/// No more than a factor of three at once for what is already on and works by its size.
+fn limited(candidate: &Candidate, x: f64, wanted: f64) -> f64 {
+    match candidate.motion {
+        crate::rigs::acrobot::candidates::Motion::Ceiling { .. } if x > 0.0 => wanted.clamp(x / 3.0, 3.0 * x),
+        _ => wanted,
+    }
+}

@@ -1,0 +1,137 @@
+//! Looking for the next candidate: linear, all at once, with active ones and nuisances projected out.
+
+use super::evaluation::Evaluation;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::statistics::bootstrap::{Null, Scores};
+use crate::statistics::linear::{solve, submatrix, subvector};
+use nalgebra::{DMatrix, DVector};
+
+/// Standard deviations by which a step of a candidate must move all rows together to say anything of it.
+const EXCITED: f64 = 0.02;
+/// The same where torques are compared: nothing was integrated, so that far less than noise is still no rounding.
+const EXCITED_TORQUE: f64 = 1e-4;
+
+/// What a column of one candidate promises.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hit {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Place of the column.
+    pub column: usize,
+    /// Fall of the sum of squares.
+    pub gain: f64,
+    /// Standardised score.
+    pub statistic: f64,
+    /// Displacement of x that the column asks for.
+    pub displacement: f64,
+}
+
+/// All candidates, looked at.
+#[derive(Debug, Clone)]
+pub struct Screen {
+    /// Best column of each candidate, largest gain first.
+    pub hits: Vec<Hit>,
+    /// Null distribution of the largest statistic.
+    pub null: Null,
+    /// Standard error of each probe's displacement, once the active ones are fitted too.
+    pub errors: Vec<f64>,
+    /// Probability that the best is chance.
+    pub p_value: f64,
+}
+
+/// Looks at every column that is not active.
+pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize]) -> Screen {
+    let total = &evaluation.total;
+    let columns = evaluation.probes.len();
+    let places = evaluation.places(active);
+    let gram_aa = submatrix(&total.gram, &places);
+    let score_a = subvector(&total.score, &places);
+    let blocks = evaluation.reduced.len();
+    let mut scores = Scores {
+        blocks: DMatrix::zeros(blocks, columns),
+        total: DVector::zeros(columns),
+        deviation: DVector::zeros(columns),
+        sided: vec![0; columns],
+    };
+    let mut gains = vec![0.0; columns];
+    let mut displacements = vec![0.0; columns];
+    let mut errors = vec![f64::INFINITY; columns];
+    let integrated =
+        evaluation.blocks.iter().flat_map(|block| &block.cells).all(|cell| cell.floor.is_empty());
+    let excited = if integrated { EXCITED } else { EXCITED_TORQUE };
+    for (column, probe) in evaluation.probes.iter().enumerate() {
+        if active.contains(&probe.candidate) {
+            continue;
+        }
+        let across = DVector::from_fn(places.len(), |i, _| total.gram[(places[i], column)]);
+        let weights = if places.is_empty() { Some(DVector::zeros(0)) } else { solve(&gram_aa, &across) };
+        let Some(weights) = weights else { continue };
+        let length = total.gram[(column, column)] - weights.dot(&across);
+        // a column that active ones explain to rounding has nothing of its own, and one that a whole step of the
+        // candidate hardly moves is the integrator's rounding: nothing excites it
+        let moved = probe.by * probe.by * length;
+        if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] || moved < excited * excited {
+            continue;
+        }
+        let score = total.score[column] - weights.dot(&score_a);
+        let mut squares = 0.0;
+        let shift = score / length;
+        for (row, reduced) in evaluation.reduced.iter().enumerate() {
+            let own = reduced.score[column] - weights.dot(&subvector(&reduced.score, &places));
+            // about the fit: an effect that shows in a few blocks must not count as scatter between blocks
+            let centred = own - shift * own_length(&reduced.gram, column, &places, &weights);
+            scores.blocks[(row, column)] = centred;
+            squares += centred * centred;
+        }
+        scores.total[column] = score;
+        scores.deviation[column] = squares.max(length).sqrt();
+        errors[column] = scores.deviation[column] / length;
+        scores.sided[column] =
+            sided(&candidates[probe.candidate], evaluation.point[probe.candidate], probe.by);
+        gains[column] = score * score / length;
+        displacements[column] = shift;
+    }
+    let null = Null::of(&scores);
+    let mut hits: Vec<Hit> = Vec::new();
+    for (column, probe) in evaluation.probes.iter().enumerate() {
+        let statistic = scores.statistic(column);
+        if statistic == 0.0 {
+            continue;
+        }
+        let hit = Hit {
+            candidate: probe.candidate,
+            column,
+            gain: gains[column],
+            statistic,
+            displacement: displacements[column],
+        };
+        match hits.iter_mut().find(|known| known.candidate == probe.candidate) {
+            Some(known) if known.gain < hit.gain => *known = hit,
+            Some(_) => {}
+            None => hits.push(hit),
+        }
+    }
+    hits.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let best = hits.iter().map(|hit| hit.statistic).fold(0.0, f64::max);
+    let p_value = null.p_value(best);
+    Screen { hits, null, errors, p_value }
+}
+
+/// A block's share of a column's squared length, active ones taken out.
+fn own_length(gram: &DMatrix<f64>, column: usize, places: &[usize], weights: &DVector<f64>) -> f64 {
+    let across = DVector::from_fn(places.len(), |i, _| gram[(places[i], column)]);
+    gram[(column, column)] - 2.0 * weights.dot(&across) + weights.dot(&(submatrix(gram, places) * weights))
+}
+
+/// Which way a candidate can move from a coordinate.
+fn sided(candidate: &Candidate, x: f64, by: f64) -> i8 {
+    if candidate.is_discrete() {
+        return if by > 0.0 { 1 } else { -1 };
+    }
+    let tiny = 1e-9 * candidate.steps.first().map_or(1.0, |step| step.abs());
+    match (x <= candidate.range.0 + tiny, x >= candidate.range.1 - tiny) {
+        (true, false) => 1,
+        (false, true) => -1,
+        _ => 0,
+    }
+}

@@ -1,0 +1,296 @@
+//! The search on one cut: look, accept one more effect, settle, drop what became superfluous, ask for a second opinion, and
+//! look again, until nothing is worth a name.
+
+use super::evaluation::{Evaluation, Folds, all_probes};
+use super::screen::{Screen, screen};
+use super::settle::{Opinion, second_opinion, settle};
+use super::switched::switched;
+use super::trials::{Accepted, Trials, shortlist};
+use super::{ALPHA, Alternative, Step, Study};
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::floor;
+use crate::rigs::acrobot::residual::Cut;
+use crate::watch::Watch;
+
+/// What ends early where time is up.
+pub(super) const SEARCH: &str = "the search for effects";
+
+/// More effects than this are not a diagnosis any more.
+const MOST: usize = 6;
+
+/// So many may be accepted and turn out superfluous at once.
+const VAIN: usize = 4;
+
+/// A fit that leaves so much more than without the new effect (deviance) has led the windows elsewhere, and taken what was found
+/// before away with it.
+const ASTRAY: f64 = 100.0;
+
+/// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
+/// again.
+const UNSETTLED: f64 = 1.0;
+const AGAIN: usize = 3;
+
+/// Selects on one cut, beginning from `start`, where the `known` are on already.
+///
+/// # Errors
+/// A unit failed at the nominal model.
+pub fn study(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    known: &[usize],
+    watch: &mut Watch<'_>,
+) -> Result<Study, Error> {
+    study_until(cut, candidates, start, known, watch, &mut |_, _| Ok(false))
+}
+
+/// Says of the effects that are on whether to look no further.
+pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool, Error>;
+
+/// The same, ended when it is `enough`.
+///
+/// # Errors
+/// A unit failed at the nominal model.
+pub fn study_until(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    start: &[f64],
+    known: &[usize],
+    watch: &mut Watch<'_>,
+    enough: Enough<'_>,
+) -> Result<Study, Error> {
+    let mut search = Search::begin(cut, candidates, start, known)?;
+    while search.active.len() < MOST && search.vain <= VAIN {
+        if watch.is_over(SEARCH) || enough(&search.active, watch)? || !search.round(watch)? {
+            break;
+        }
+    }
+    Ok(search.end())
+}
+
+struct Search<'a> {
+    cut: &'a mut dyn Cut,
+    candidates: &'a [Candidate],
+    folds: Folds,
+    active: Vec<usize>,
+    nominal: Evaluation,
+    last: Evaluation,
+    found: Screen,
+    /// Those that turned out to be superfluous, or to explain no runs that were left out.
+    refused: Vec<usize>,
+    /// All that were ever accepted, and who took whose place.
+    accepted: Vec<usize>,
+    swaps: Vec<(usize, usize)>,
+    /// How many were accepted and dropped, or accepted again.
+    vain: usize,
+    /// Switches that make things worse.
+    in_vain: Vec<usize>,
+    class: Option<(usize, Vec<Alternative>)>,
+    steps: Vec<Step>,
+}
+
+impl<'a> Search<'a> {
+    fn begin(
+        cut: &'a mut dyn Cut,
+        candidates: &'a [Candidate],
+        start: &[f64],
+        known: &[usize],
+    ) -> Result<Self, Error> {
+        let mut bare = start.to_vec();
+        known.iter().for_each(|index| bare[*index] = candidates[*index].off);
+        let nominal = look(cut, candidates, &bare, &[])?;
+        let mut active = known.to_vec();
+        let mut last = nominal.clone();
+        if !known.is_empty() {
+            let mut point = start.to_vec();
+            cut.afresh();
+            settle(cut, candidates, &mut active, &mut point)?;
+            last = look(cut, candidates, &point, &active)?;
+        }
+        Ok(Self {
+            folds: Folds::new(&nominal.blocks),
+            found: screen(&last, candidates, &active),
+            cut,
+            candidates,
+            active,
+            nominal,
+            last,
+            refused: Vec::new(),
+            accepted: Vec::new(),
+            swaps: Vec::new(),
+            vain: 0,
+            in_vain: Vec::new(),
+            class: None,
+            steps: Vec::new(),
+        })
+    }
+
+    /// One look: whether it found anything.
+    fn round(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+        let mut step = Step {
+            best: self.found.hits.iter().take(8).cloned().collect(),
+            p_value: self.found.p_value,
+            accepted: None,
+            dropped: Vec::new(),
+            deviance: (self.last.deviance(), self.last.deviance()),
+            rest: (rest(&self.last), rest(&self.last)),
+            held_out: (f64::NAN, f64::NAN),
+        };
+        watch.stage(self.cut.name());
+        let Some(Accepted { candidate, trial, held_out }) = self.best(watch)? else {
+            self.steps.push(step);
+            return Ok(false);
+        };
+        step.held_out = held_out;
+        step.deviance.1 = trial.deviance();
+        watch.stage(&format!("{}: {}", self.cut.name(), self.candidates[candidate].name));
+        step.accepted = Some(candidate);
+        self.accept(candidate, trial.point, &mut step)?;
+        self.found = screen(&self.last, self.candidates, &self.active);
+        let stuck = step.dropped.contains(&candidate);
+        self.steps.push(step);
+        let again = self.accepted.contains(&candidate);
+        self.accepted.push(candidate);
+        if stuck {
+            // refused from now on; what it hid may be the truth
+            self.vain += 1;
+        } else {
+            // accepted and swapped away in turns, two would go on for ever
+            self.vain += usize::from(again);
+            self.doubt(candidate, watch)?;
+        }
+        Ok(true)
+    }
+
+    /// The likeliest of what isn't on yet, if it is worth a name.
+    fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
+        let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
+        let cut: &mut dyn Cut = *cut;
+        let threshold = found.null.threshold(ALPHA);
+        let shortlist = shortlist(found, candidates, refused, threshold, cut.outweighed());
+        let switched = switched(cut, candidates, last, active, refused, in_vain)?;
+        let set = Trials { candidates, folds, last, found, active };
+        match set.best(cut, &shortlist, switched, refused, watch)? {
+            None => set.sparse(cut, refused),
+            best => Ok(best),
+        }
+    }
+
+    /// Switches it on, from `point`, settles all, and drops what became superfluous.
+    fn accept(&mut self, candidate: usize, mut point: Vec<f64>, step: &mut Step) -> Result<(), Error> {
+        let before = (self.active.clone(), self.last.point.clone(), self.last.deviance());
+        self.class = None;
+        self.active.push(candidate);
+        // windows that had to be led may follow the log by themselves now
+        self.cut.afresh();
+        step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
+        self.last = look(self.cut, self.candidates, &point, &self.active)?;
+        step.dropped.extend(self.again()?);
+        step.rest.1 = rest(&self.last);
+        let compared = !self.cut.lattice() || self.cut.free_pose();
+        let astray = compared && !self.cut.outweighed() && self.last.deviance() > before.2 + ASTRAY;
+        // what went with one that didn't stay itself comes back
+        let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
+        if !astray && !for_nothing {
+            self.refused.extend(&step.dropped);
+        } else {
+            (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);
+            self.refused.push(candidate);
+            self.active = before.0;
+            self.cut.afresh();
+            self.last = look(self.cut, self.candidates, &before.1, &self.active)?;
+        }
+        Ok(())
+    }
+
+    /// A second opinion on what was accepted last.
+    fn doubt(&mut self, candidate: usize, watch: &mut Watch<'_>) -> Result<(), Error> {
+        let Self { cut, candidates, last, active, steps, .. } = self;
+        let before: Vec<usize> =
+            self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
+        let opinion = second_opinion(*cut, candidates, last, active, candidate, &before, steps, watch)?;
+        let other = match opinion {
+            Opinion::Stays(others) => {
+                self.class = Some((candidate, others));
+                return Ok(());
+            }
+            Opinion::Swapped(other) => other,
+        };
+        let swapped = self.active.last().copied();
+        self.swaps.extend(swapped.map(|into| (candidate, into)));
+        self.last = look(self.cut, self.candidates, &other, &self.active)?;
+        let dropped = self.again()?;
+        self.found = screen(&self.last, self.candidates, &self.active);
+        self.refused.extend(&dropped);
+        // what was swapped for it could be accepted again and again
+        self.vain += usize::from(!dropped.is_empty());
+        if let Some(step) = self.steps.last_mut() {
+            step.accepted = swapped;
+            step.dropped.extend(dropped);
+            step.rest.1 = rest(&self.last);
+        }
+        Ok(())
+    }
+
+    /// Fits again and looks again where a look has put frames elsewhere, so that values aren't at their best any more. Answers who
+    /// was dropped.
+    fn again(&mut self) -> Result<Vec<usize>, Error> {
+        let mut dropped = Vec::new();
+        for _ in 0..AGAIN {
+            let continuous = |index: &usize| !self.candidates[*index].is_discrete();
+            let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
+            let settled = self.last.promise(&free).is_none_or(|promise| promise < UNSETTLED);
+            if settled || !self.cut.free_pose() {
+                break;
+            }
+            let mut point = self.last.point.clone();
+            dropped.extend(settle(self.cut, self.candidates, &mut self.active, &mut point)?);
+            self.last = look(self.cut, self.candidates, &point, &self.active)?;
+        }
+        Ok(dropped)
+    }
+
+    fn end(self) -> Study {
+        let cut = self.cut;
+        Study {
+            name: cut.name(),
+            explained: cut.explained(),
+            outweighed: cut.outweighed(),
+            seen: seen(cut, self.candidates),
+            noise: floor::of(&self.nominal, &self.last, cut.signals()),
+            active: self.active,
+            nominal: self.nominal,
+            last: self.last,
+            class: self.class,
+            screen: self.found,
+            steps: self.steps,
+            folds: self.folds,
+        }
+    }
+}
+
+fn seen(cut: &dyn Cut, candidates: &[Candidate]) -> Vec<usize> {
+    (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect()
+}
+
+/// A look at a point, with the columns of all candidates.
+///
+/// # Errors
+/// A unit failed.
+pub fn look(
+    cut: &mut dyn Cut,
+    candidates: &[Candidate],
+    point: &[f64],
+    active: &[usize],
+) -> Result<Evaluation, Error> {
+    let probes = all_probes(candidates, point, &|candidate| cut.sees(candidate), active);
+    let first = Evaluation::at(cut, point, &probes, false)?;
+    // the look itself has put frames elsewhere
+    if cut.free_pose() { Evaluation::at(cut, point, &probes, false) } else { Ok(first) }
+}
+
+/// Mean square of the whitened rest.
+fn rest(evaluation: &Evaluation) -> f64 {
+    evaluation.total.square / evaluation.total.freedom.max(1.0)
+}

@@ -1,0 +1,88 @@
+//! Whether a candidate has one value in all runs and all along them, as far as its column tells.
+
+use super::evaluation::Evaluation;
+use crate::statistics::linear::{solve, submatrix, subvector};
+use std::collections::BTreeMap;
+
+/// What a block wants of a candidate beside where it is.
+struct Wish {
+    run: usize,
+    time: f64,
+    score: f64,
+    length: f64,
+}
+
+/// A candidate's values by themselves in each run, and whether they are one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steadiness {
+    /// Displacement of x that each run wants, beside where x is, with its standard error, by the run's index.
+    pub runs: BTreeMap<usize, (f64, f64)>,
+    /// The displacement that all runs want together.
+    pub mean: f64,
+    /// Fall of the deviance that a displacement of its own for each run brings, and how much of it runs apart bring.
+    pub fall: f64,
+    /// See `fall`.
+    pub apart: f64,
+    /// By how much blocks scatter more than noise makes them: falls of squares were divided by it.
+    pub over: f64,
+    /// Drift of x within the runs, a second, and how many standard errors that is.
+    pub drift: (f64, f64),
+}
+
+/// Looks at one candidate where the active ones are fitted. `None` where its column says nothing.
+pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Steadiness> {
+    let wishes = wishes(evaluation, candidate, active)?;
+    let mut sums: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
+    for wish in &wishes {
+        let sum = sums.entry(wish.run).or_default();
+        *sum = (sum.0 + wish.score, sum.1 + wish.length, sum.2 + wish.length * wish.time);
+    }
+    sums.retain(|_, sum| sum.1 > 0.0);
+    let (score, length) = sums.values().fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));
+    if length <= 0.0 {
+        return None;
+    }
+    // blocks that scatter more than noise makes them count less
+    let known = |wish: &&Wish| sums.contains_key(&wish.run);
+    let own = |wish: &Wish| sums[&wish.run];
+    let scatter: f64 = wishes
+        .iter()
+        .filter(known)
+        .map(|wish| (wish.score - wish.length * own(wish).0 / own(wish).1).powi(2))
+        .sum();
+    let over = (scatter / length).max(1.0);
+    let (mut drift, mut spread) = (0.0, 0.0);
+    for wish in wishes.iter().filter(known) {
+        let (run_score, run_length, run_time) = own(wish);
+        let since = wish.time - run_time / run_length;
+        drift += since * (wish.score - wish.length * run_score / run_length);
+        spread += wish.length * since * since;
+    }
+    let drift = if spread > 0.0 { (drift / spread, drift / (spread * over).sqrt()) } else { (0.0, 0.0) };
+    let fall = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
+    let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
+    let apart = fall - score * score / length / over;
+    Some(Steadiness { runs, mean: score / length, fall, apart, over, drift })
+}
+
+fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {
+    let column = *evaluation.places(&[candidate]).first()?;
+    let others: Vec<usize> = active.iter().copied().filter(|other| *other != candidate).collect();
+    let places = evaluation.places(&others);
+    let total = &evaluation.total;
+    let across = subvector(&total.gram.column(column).into_owned(), &places);
+    let weights = if places.is_empty() { across } else { solve(&submatrix(&total.gram, &places), &across)? };
+    let wish =
+        |(block, reduced): (&crate::rigs::acrobot::residual::Block, &crate::statistics::linear::Reduced)| {
+            let across = subvector(&reduced.gram.column(column).into_owned(), &places);
+            let own = submatrix(&reduced.gram, &places);
+            Wish {
+                run: block.run,
+                time: 0.5 * (block.from + block.to),
+                score: reduced.score[column] - weights.dot(&subvector(&reduced.score, &places)),
+                length: reduced.gram[(column, column)] - 2.0 * weights.dot(&across)
+                    + weights.dot(&(own * &weights)),
+            }
+        };
+    Some(evaluation.blocks.iter().zip(&evaluation.reduced).map(wish).collect())
+}

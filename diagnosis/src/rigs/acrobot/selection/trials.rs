@@ -1,0 +1,309 @@
+//! Who is fitted, from where, and who of them is accepted.
+
+use super::evaluation::{Evaluation, Folds};
+use super::evidence::lacking;
+use super::refit::refit_closely;
+use super::screen::{Hit, Screen, screen};
+use super::search::SEARCH;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::residual::Cut;
+use crate::statistics::linear::submatrix;
+use crate::watch::Watch;
+
+/// How many of the screen's best are refitted, and how good they must be against the best.
+const SHORTLIST: usize = 6;
+const WORTH: f64 = 0.5;
+/// The same where a column says little.
+const BENT_WORTH: f64 = 0.15;
+/// Where a column says little, a fit also begins this many times further out.
+const FURTHER: f64 = 2.5;
+/// By how much a clock that is off must explain more than an effect whose column looks like its own: forwards it looks just
+/// like a delay. Where the log may be late by as much, since its stamps scatter, by how much it may explain less.
+pub(super) const HANDICAP: f64 = 10.0;
+/// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
+/// windows by more than their columns say.
+const DOUBTED: f64 = 0.3;
+const ALIKE: f64 = 0.8;
+/// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
+/// that no candidate gives (with much data anything becomes significant there).
+const LEAST_SHARE: f64 = 0.03;
+/// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
+/// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
+/// differ by what the pixel lattice does when the picture moves under it.
+const LARGE: f64 = 0.1;
+
+/// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
+const SPARSE: f64 = 16.0;
+const SPARSE_TRIALS: usize = 4;
+
+/// A trial: candidate, fall of the deviance, and where it was fitted.
+pub(super) type Trial = (usize, f64, Evaluation);
+
+/// The one that was accepted.
+pub(super) struct Accepted {
+    pub(super) candidate: usize,
+    pub(super) trial: Evaluation,
+    pub(super) held_out: (f64, f64),
+}
+
+/// What trials are judged by.
+pub(super) struct Trials<'a> {
+    pub(super) candidates: &'a [Candidate],
+    pub(super) folds: &'a Folds,
+    pub(super) last: &'a Evaluation,
+    pub(super) found: &'a Screen,
+    pub(super) active: &'a [usize],
+}
+
+impl Trials<'_> {
+    /// Fits the shortlist and takes the best that also explains the runs left out.
+    pub(super) fn best(
+        &self,
+        cut: &mut dyn Cut,
+        shortlist: &[Hit],
+        switched: Option<Trial>,
+        refused: &mut Vec<usize>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Accepted>, Error> {
+        // half a law of motion is a matter of fits, whatever columns say
+        let small = switched.is_none();
+        let mut trials: Vec<Trial> = Vec::new();
+        if let Some((candidate, fall, trial)) = switched {
+            let left = trial.deviance();
+            let trial = self.followed(cut, candidate, trial);
+            trials.push((candidate, fall + left - trial.deviance(), trial));
+        }
+        for (place, hit) in shortlist.iter().enumerate() {
+            if watch.is_over(SEARCH) {
+                break;
+            }
+            watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
+            self.fit(cut, hit, &mut trials);
+        }
+        let large = LARGE * self.last.total.square;
+        let linear = cut.lattice() && small && shortlist.iter().all(|hit| hit.gain < large);
+        if linear {
+            trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
+        }
+        let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
+        self.handicap(&mut trials, cut.clock_doubt(), most);
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for (candidate, _, trial) in trials {
+            // a part of a whole step is none, however well columns would have it, and no column is a ceiling's beyond its own level
+            let own = &self.candidates[candidate];
+            let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Ceiling { .. });
+            let held_out = self.held_out(&trial, candidate, by_columns);
+            let before = self.last.under(&trial);
+            let share = 1.0 - trial.total.square / before.total.square;
+            let enough = share >= LEAST_SHARE || self.last.total.square < 1.5 * self.last.total.freedom;
+            if held_out.1 < held_out.0 && enough {
+                return Ok(Some(Accepted { candidate, trial, held_out }));
+            }
+            refused.push(candidate);
+        }
+        Ok(None)
+    }
+
+    /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
+    /// remains of a plant and nothing else is named, the likeliest is taken with which the rest is noise, if runs left out agree.
+    pub(super) fn sparse(&self, cut: &mut dyn Cut, refused: &[usize]) -> Result<Option<Accepted>, Error> {
+        let (explained, pictured) = (cut.explained(), cut.lattice());
+        let driven = !pictured || cut.free_pose();
+        if cut.outweighed() || !driven || !lacking(self.last, self.folds, explained, pictured) {
+            return Ok(None);
+        }
+        cut.remember();
+        let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
+        let mut trials: Vec<Trial> = Vec::new();
+        let hits = self.pure();
+        let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
+        for hit in open.filter(plants).take(SPARSE_TRIALS) {
+            self.fit(cut, hit, &mut trials);
+        }
+        trials.retain(|(_, fall, _)| *fall > SPARSE);
+        trials.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for (candidate, _, trial) in trials {
+            cut.afresh();
+            let settled = Evaluation::at(cut, &trial.point, &[], false)?;
+            let held_out = self.held_out(&trial, candidate, false);
+            if held_out.1 < held_out.0 && !lacking(&settled, self.folds, explained, pictured) {
+                return Ok(Some(Accepted { candidate, trial, held_out }));
+            }
+        }
+        cut.recall();
+        Ok(None)
+    }
+
+    /// What each could take away at most, best first: beside the discrepancy that is reckoned with, or in its place. What pushes all
+    /// along, a bias, passes for discrepancy and then for nothing.
+    fn pure(&self) -> Vec<Hit> {
+        let hard = self.last.hard();
+        let more = self.last.deviance() - hard.deviance();
+        let mut hits = self.found.hits.clone();
+        for pure in screen(&hard, self.candidates, self.active).hits {
+            match hits.iter_mut().find(|hit| hit.candidate == pure.candidate) {
+                Some(hit) if hit.gain >= pure.gain + more => {}
+                Some(hit) => *hit = Hit { gain: pure.gain + more, ..pure },
+                None => hits.push(Hit { gain: pure.gain + more, ..pure }),
+            }
+        }
+        hits.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        hits
+    }
+
+    fn fit(&self, cut: &mut dyn Cut, hit: &Hit, into: &mut Vec<Trial>) {
+        let mut beginnings = starts(self.candidates, self.last, hit);
+        let mut place = 0;
+        while let Some(x) = beginnings.get(place).copied() {
+            place += 1;
+            let mut point = self.last.point.clone();
+            point[hit.candidate] = x;
+            // a value that the unit refuses is no trial
+            let Ok(trial) = refit_closely(cut, self.candidates, &point, &with(self.active, hit.candidate))
+            else {
+                continue;
+            };
+            let best = into.iter().map(|trial| trial.2.deviance()).fold(self.last.deviance(), f64::min);
+            let trial = self.found_back(cut, hit.candidate, &point, trial);
+            let trial =
+                if trial.deviance() < best { self.followed(cut, hit.candidate, trial) } else { trial };
+            // the largest whole number that was looked for needn't be the largest that fits
+            if trial.deviance() < best && place == beginnings.len() {
+                beginnings.extend(self.candidates[hit.candidate].after(x));
+            }
+            // a composite likelihood's gain counts as much as its blocks agree
+            let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+            into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
+        }
+    }
+
+    /// Puts a fault of the log behind an effect that it looks like, or before it where a clock may be off by as much.
+    fn handicap(&self, trials: &mut [Trial], doubt: f64, most: f64) {
+        let of_log = |index: usize| self.candidates[index].side.is_of_log();
+        let effects: Vec<usize> =
+            trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
+        for (fault, fall, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
+            let late = stamped_late(&self.candidates[*fault], trial.point[*fault], doubt);
+            // clocks that have nothing to do with each other were set by the motion, and what that leaves is theirs
+            let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Stamps;
+            let by = match known_to_be_off {
+                true => -HANDICAP.max(DOUBTED * most),
+                false if late => -HANDICAP,
+                false => HANDICAP,
+            };
+            if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
+                *fall -= by;
+            }
+        }
+    }
+
+    /// Of the angle between the columns of two candidates.
+    fn cosine(&self, one: usize, other: usize) -> f64 {
+        let places = self.last.places(&[one, other]);
+        let gram = submatrix(&self.last.total.gram, &places);
+        if places.len() < 2 { 0.0 } else { gram[(0, 1)].abs() / (gram[(0, 0)] * gram[(1, 1)]).sqrt() }
+    }
+
+    fn gain(&self, index: usize) -> f64 {
+        self.found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
+    }
+
+    /// Held-out squares without and with a candidate.
+    fn held_out(&self, trial: &Evaluation, candidate: usize, linear: bool) -> (f64, f64) {
+        let more = with(self.active, candidate);
+        if linear {
+            return (self.last.held_out(self.folds, self.active), self.last.held_out(self.folds, &more));
+        }
+        let before = self.last.under(trial);
+        (before.held_out(self.folds, self.active), trial.held_out(self.folds, &more))
+    }
+}
+
+/// Whether a clock is off by no more than stamps that scatter let it be; without a scatter there is no such doubt, and of a clock that
+/// is known to be off it isn't the question.
+pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
+    candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
+}
+
+/// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
+/// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
+/// large it is, so below the threshold it still competes by its gain.
+pub(super) fn shortlist(
+    found: &Screen,
+    candidates: &[Candidate],
+    refused: &[usize],
+    threshold: f64,
+    outweighed: bool,
+) -> Vec<Hit> {
+    let mut hits: Vec<Hit> =
+        found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
+    if outweighed || !hits.iter().any(|hit| hit.statistic > threshold) {
+        hits.retain(|hit| hit.statistic > threshold);
+    }
+    let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
+    hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let best = hits.first().map_or(0.0, worth);
+    let least = |hit: &Hit| if candidates[hit.candidate].bends && !outweighed { BENT_WORTH } else { WORTH };
+    hits.retain(|hit| worth(hit) >= least(hit) * best);
+    hits.truncate(SHORTLIST);
+    hits
+}
+
+pub(super) fn with(active: &[usize], candidate: usize) -> Vec<usize> {
+    let mut all = active.to_vec();
+    all.push(candidate);
+    all
+}
+
+/// Coordinates from which a hit is fitted.
+fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
+    let candidate = &candidates[hit.candidate];
+    let x = last.point[hit.candidate];
+    if candidate.is_discrete() {
+        // the whole numbers around what the columns ask for
+        let wanted = x + hit.displacement;
+        let near = |at: &f64| (at - wanted).abs() <= 1.0;
+        let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
+        let some: Vec<f64> = all.iter().copied().filter(near).collect();
+        // who is wanted beyond the largest that is looked for begins there
+        let nearest = all.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
+        return if some.is_empty() { nearest.into_iter().collect() } else { some };
+    }
+    let by = last.probes[hit.column].by;
+    let wanted = match candidate.motion {
+        Motion::Ceiling { .. } => x + by,
+        _ => x + hit.displacement,
+    };
+    let mut all = vec![wanted.clamp(candidate.range.0, candidate.range.1)];
+    if candidate.bends {
+        all.push((x + FURTHER * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_is_doubted_only_where_stamps_scatter() {
+        let clock = Candidate {
+            name: crate::rigs::acrobot::candidates::CLOCK,
+            side: Side::Clock,
+            phrase: "",
+            motion: Motion::Switch,
+            off: 0.0,
+            steps: Vec::new(),
+            range: (-1.0, 1.0),
+            bends: false,
+        };
+        assert!(stamped_late(&clock, 1e-3, 2e-3) && stamped_late(&clock, -3e-5, 2e-3));
+        // early, late, and beyond the scatter; a clock known to be off is no question of scatter
+        for (x, doubt) in [(-3e-5, 0.0), (3e-5, 0.0), (3e-3, 2e-3), (1e-3, f64::INFINITY)] {
+            assert!(!stamped_late(&clock, x, doubt), "{x} {doubt}");
+        }
+        let actuator = Candidate { side: Side::Plant, ..clock };
+        assert!(!stamped_late(&actuator, 1e-3, 2e-3));
+    }
+}

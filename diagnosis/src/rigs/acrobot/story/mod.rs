@@ -1,0 +1,148 @@
+//! The diagnosis told: shape of the rest, hypothesis, number, what remains.
+
+use crate::diagnosis::{Effect, Gap, Unknown};
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::correction::Correction;
+use crate::rigs::acrobot::selection::Study;
+
+/// One study in sentences.
+pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{}: the nominal model leaves {} {} of {} (noise alone: {}).",
+        study.name,
+        brief(gap.before),
+        gap.unit,
+        gap.signal,
+        brief(gap.floor)
+    )];
+    for step in &study.steps {
+        let best: Vec<String> = step
+            .best
+            .iter()
+            .take(4)
+            .map(|hit| format!("{} ({:.1})", list[hit.candidate].name, hit.statistic))
+            .collect();
+        let looked = if best.is_empty() { "no candidate".into() } else { best.join(", ") };
+        match step.accepted {
+            Some(index) => lines.push(format!(
+                "The rest looks most like {looked} (in standard deviations; by chance the best of all would look so \
+                 with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
+                step.p_value,
+                list[index].name,
+                list[index].phrase,
+                fall(step.rest)
+            )),
+            None => lines.push(format!(
+                "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
+                 {:.3}. Nothing more is named.",
+                step.p_value
+            )),
+        }
+        for index in &step.dropped {
+            let why = match list[*index].side {
+                Side::Camera => "became superfluous, or is no larger than what honest renderers differ by,",
+                _ => "became superfluous",
+            };
+            lines.push(format!("{} {why} and was dropped.", list[*index].name));
+        }
+    }
+    match (gap.closed, left) {
+        (_, Some(left)) => lines.push(format!(
+            "But more than noise remains: {} - {}. {}.",
+            left.signal, left.shape, left.nearest
+        )),
+        (Some(closed), None) => lines.push(format!(
+            "By cross-validation (values fitted without each run in turn) the gap goes from {} to {} {}: {:.0} % of it is closed.",
+            brief(gap.before),
+            brief(gap.after),
+            gap.unit,
+            100.0 * closed
+        )),
+        (None, None) => lines.push("No gap stands above the noise here.".into()),
+    }
+    lines
+}
+
+/// How the rest falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+fn fall((before, after): (f64, f64)) -> String {
+    let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
+    if before == after {
+        return String::new();
+    }
+    format!(": the rest's mean square goes from {before} to {after} of the noise in use")
+}
+
+/// What torques found before the plant could follow the log.
+pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
+    let names: Vec<&str> = found.iter().map(|index| list[*index].name).collect();
+    format!(
+        "The nominal model leaves the log within most windows. So the torques that it lacks at the measured states were \
+         compared first. They name {}; with that it follows the log, and what comes now is compared in windows.",
+        names.join(", ")
+    )
+}
+
+/// An effect that was stopped by the range that is searched.
+pub fn of_end(effect: &Effect) -> String {
+    format!(
+        "{} = {} stands at the end of the range that is searched: it may lie beyond, and then its value and what was named beside it mend \
+         the difference.",
+        effect.name,
+        brief(effect.value)
+    )
+}
+
+/// Why what was fitted isn't named.
+pub fn of_widened(gap: &Gap) -> String {
+    format!(
+        "But with it runs that were left out lack more torque than without, {} {} instead of {}: it is withdrawn.",
+        brief(gap.after),
+        gap.unit,
+        brief(gap.before)
+    )
+}
+
+/// What is offered for a rest without a name, in a sentence.
+pub fn of_correction(correction: Option<&Correction>) -> String {
+    let Some(correction) = correction else {
+        return "No torque that is a simple function of angles and rates takes a fair part of it away on runs left out, so \
+                the amended model gets no correction for it."
+            .into();
+    };
+    let terms: Vec<String> = correction
+        .terms
+        .iter()
+        .map(|term| format!("{} = {}, {}", term.name, brief(term.value), term.phrase))
+        .collect();
+    let superseded = match correction.supersedes.as_slice() {
+        [] => String::new(),
+        names => format!(
+            "A correction alone does as well or better with no more numbers, so {} is not named: that stood for a part of the \
+             rest. ",
+            names.join(", ")
+        ),
+    };
+    format!(
+        "{superseded}The amended model gets {} for it, the residual unit: {}. On runs left out the lacking torque goes from {} to \
+         {} N·m with it (noise alone: {}): {:.0} % of what the model leaves without it.",
+        correction.label,
+        terms.join("; "),
+        brief(correction.gap.before),
+        brief(correction.gap.after),
+        brief(correction.gap.floor),
+        100.0 * correction.gap.closed
+    )
+}
+
+/// Three digits, without an exponent where a person would write none.
+pub fn brief(value: f64) -> String {
+    let whole = value == value.round() && value.abs() < 1e6;
+    match value.abs() {
+        _ if whole => format!("{value:.0}"),
+        100.0..1e6 => format!("{value:.0}"),
+        10.0..100.0 => format!("{value:.1}"),
+        1.0..10.0 => format!("{value:.2}"),
+        0.01..1.0 => format!("{value:.3}"),
+        _ => format!("{value:.2e}"),
+    }
+}

@@ -3,6 +3,8 @@
     python scripts/blind.py                          the slice
     python scripts/blind.py --count 300 --seed 7     300 sets of each part; hours
     python scripts/blind.py --count 40 --rivals      40 of each, and pySINDy and BIC searches beside ours on the same sets
+    python scripts/blind.py --count 300 --partition 3/16 --out /shared    a part on one of 16 machines; then, on any of them,
+    python scripts/blind.py --count 300 --join 16 --out /shared           their score
 
 The sets come from tests/hidden, which shares no code and no numerics with the product. Answers lie apart and are opened
 by the scorer afterwards. Prints the measures and the confusion table; exit status 1 if the slice got worse.
@@ -14,6 +16,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+
+import partition
 
 ROOT = Path(__file__).resolve().parent.parent
 # What the slice must keep. Each set is a fixed case, so a change of these numbers is a change of the diagnosis, not
@@ -50,12 +54,23 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the sets (default 1)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "blind", help="folder (default out/blind)")
     parser.add_argument("--rivals", action="store_true", help="diagnose the sets with pySINDy and by BIC, too, and compare")
+    partition.add_to(parser)
     arguments = parser.parse_args()
+    if arguments.rivals and (arguments.partition or arguments.join):
+        parser.error("--rivals: of all sets in one call, without --partition and --join")
     out = arguments.out.resolve()
+    asked = {"count": arguments.count, "seed": arguments.seed}
     sets, answers, diagnoses = out / "sets", out / "answers", out / "diagnoses"
     what = ["make", "--part", "all", "--count", arguments.count, "--jobs", os.cpu_count()] if arguments.count else ["slice"]
-    hidden(*what, "--seed", arguments.seed, "--out", sets, "--answers", answers)
-    hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope")
+    if arguments.join:
+        partition.require_all(out, arguments.join, asked)
+    else:
+        part = partition.passed_on(arguments)
+        hidden(*what, "--seed", arguments.seed, "--out", sets, "--answers", answers, *part)
+        hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope", *part)
+        if arguments.partition:
+            partition.finish(out, arguments.partition, asked)
+            return
     hidden("score", diagnoses, answers, "--out", out / "score.json", "--sets", sets)
     if arguments.rivals:
         for rival, call in RIVALS.items():

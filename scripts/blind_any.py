@@ -2,6 +2,8 @@
 
     python scripts/blind_any.py                        the slice
     python scripts/blind_any.py --count 20 --seed 7    20 random sets of each machine
+    python scripts/blind_any.py --count 20 --partition 3/16 --out /shared    a part on one of 16 machines; then, on any of them,
+    python scripts/blind_any.py --count 20 --join 16 --out /shared           their score
 
 The sets come from tests/hidden_any, which shares no code and no numerics with the product. Answers lie apart and are opened by the
 scorer afterwards. Prints a row a set and the measures; exit status 1 if the slice got worse.
@@ -12,6 +14,8 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+
+import partition
 
 ROOT = Path(__file__).resolve().parent.parent
 # What the slice must keep, and what it was when the gate was set. They say that nothing got worse, not that targets are met.
@@ -35,13 +39,22 @@ def main():
     parser.add_argument("--machine", nargs="*", help="only these machines")
     parser.add_argument("--seed", type=int, default=1, help="of the sets (default 1)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "blind-any", help="folder (default out/blind-any)")
+    partition.add_to(parser)
     arguments = parser.parse_args()
     out = arguments.out.resolve()
+    asked = {"count": arguments.count, "machine": arguments.machine, "seed": arguments.seed}
     sets, answers, diagnoses = out / "sets", out / "answers", out / "diagnoses"
     what = ["--count", arguments.count] if arguments.count else ["--slice"]
     machines = ["--machine", *arguments.machine] if arguments.machine else []
-    hidden("make", *what, *machines, "--seed", arguments.seed, "--out", sets, "--answers", answers)
-    hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope")
+    if arguments.join:
+        partition.require_all(out, arguments.join, asked)
+    else:
+        part = partition.passed_on(arguments)
+        hidden("make", *what, *machines, "--seed", arguments.seed, "--out", sets, "--answers", answers, *part)
+        hidden("diagnose", sets, diagnoses, "--command-line", ROOT / "target" / "release" / "acroscope", *part)
+        if arguments.partition:
+            partition.finish(out, arguments.partition, asked)
+            return
     hidden("score", diagnoses, answers, "--sets", sets, "--out", out / "score.json")
     if not arguments.count:
         found = list(failures(json.loads((out / "score.json").read_text())))

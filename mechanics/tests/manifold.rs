@@ -1,6 +1,6 @@
 //! Eq. (13), the linearisation along the manifold, and z.
 
-use mechanics::{MechanicsError, Place, Theta};
+use mechanics::{Linearisation, MechanicsError, Place, Theta};
 
 const PINNED: Theta = Theta { theta_2: 0.0, theta_7: 0.0, ..Theta::TABLE_2 };
 const OTHER: Theta = Theta { theta_1: 0.3, theta_5: 0.06, theta_8: 0.07, theta_10: 3.1, ..Theta::TABLE_2 };
@@ -124,7 +124,7 @@ fn law_equilibria_stay_and_the_manifold_is_tangent() {
 fn law_z_is_odd_grows_and_has_an_inverse() {
     for theta in [Theta::TABLE_2, PINNED, OTHER] {
         let place = Place::new(&theta).unwrap();
-        assert_eq!(place.z(0.0), 0.0);
+        assert_eq!(place.z(0.0).to_bits(), 0.0_f64.to_bits());
         assert!((place.end() - 2.6018).abs() < 1e-4);
         let mut last = -1.0;
         for k in 0..=2600 {
@@ -138,6 +138,7 @@ fn law_z_is_odd_grows_and_has_an_inverse() {
         }
         assert_eq!(place.z(3.0), place.z(place.end()));
         assert_eq!(place.slope(3.0), 0.0);
+        assert!((place.slope(place.end()) - place.slope(place.end() - 1e-9)).abs() < 1e-8); // d²z/dq₂² is below 10
         assert_eq!(place.q2(9.0), place.end());
     }
 }
@@ -146,8 +147,14 @@ fn law_z_is_odd_grows_and_has_an_inverse() {
 fn every_impossible_theta_is_refused_with_the_place() {
     let steep = Theta { theta_10: 5.0, ..Theta::TABLE_2 };
     assert_eq!(Place::new(&steep), Err(MechanicsError::NoManifold { ratio: 5.0 / 4.779 }));
+    let level = Theta { theta_10: 4.779, ..Theta::TABLE_2 }; // the manifold would end at q2 = pi/2
+    assert_eq!(Place::new(&level), Err(MechanicsError::NoManifold { ratio: 1.0 }));
     let weightless = Theta { theta_9: 0.0, theta_10: 0.0, ..Theta::TABLE_2 };
     assert!(matches!(weightless.manifold_q1(0.3), Err(MechanicsError::NoManifold { .. })));
+    // M of three equal entries is semi-definite: it can't be inverted either.
+    let equal = Theta { theta_1: 0.11, theta_2: 0.0, theta_7: 0.0, theta_8: 0.11, ..Theta::TABLE_2 };
+    let flat = MechanicsError::SingularInertia { q1: 0.0, q2: 0.0, determinant: 0.0 };
+    assert_eq!(Place::new(&equal), Err(flat));
     let light = Theta { theta_5: 0.01, ..Theta::TABLE_2 };
     assert!(matches!(Place::new(&light), Err(MechanicsError::SingularInertia { q1: 0.0, q2: 0.0, .. })));
     // Without coupling the poles of the links are θ₉/θ₁ and θ₁₀/θ₅; equal ones can't be moved apart.
@@ -157,4 +164,20 @@ fn every_impossible_theta_is_refused_with_the_place() {
     assert_eq!(point.p(), Err(MechanicsError::Uncontrollable { q2: 0.0 }));
     assert!(point.p().unwrap_err().to_string().contains("q2 = 0 rad"));
     assert!(Place::new(&twins).is_ok()); // z needs no controllability
+}
+
+#[test]
+fn every_rounded_determinant_counts_as_not_controllable() {
+    // For K = diag(k, 1) the determinant is b₁·b₂·(k − 1), and its two terms are b₁·b₂·k and b₁·b₂: a share of 1e-10 of
+    // their sum is the limit, 2e-10 in k, whatever the size of b.
+    for b in [1e-6, 1.0, 1e6] {
+        let apart =
+            |by: f64| Linearisation { q2: 0.3, stiffness: [[1.0 + by, 0.0], [0.0, 1.0]], input: [b, b] };
+        assert!(apart(2.5e-10).p().is_ok(), "b = {b}");
+        for by in [0.0, 1.5e-10, -1.5e-10] {
+            assert_eq!(apart(by).p(), Err(MechanicsError::Uncontrollable { q2: 0.3 }), "b = {b}, {by}");
+        }
+    }
+    let unmoved = Linearisation { q2: 0.3, stiffness: [[2.0, 0.0], [0.0, 1.0]], input: [0.0, 0.0] };
+    assert_eq!(unmoved.p(), Err(MechanicsError::Uncontrollable { q2: 0.3 }));
 }

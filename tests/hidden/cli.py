@@ -19,6 +19,14 @@ def _where(p):
     p.add_argument("--salt", default=sets.SALT, help="changes every random number (blind sets: a secret one)")
 
 
+def part(text):
+    """K/N, from 1: every Nth set, so that machines share a folder."""
+    k, n = (int(number) for number in text.split("/"))
+    if not 1 <= k <= n:
+        raise ValueError(text)
+    return k, n
+
+
 def _parser():
     top = argparse.ArgumentParser(prog="hidden", description="Independent maker and scorer of blind test data.")
     sub = top.add_subparsers(dest="command", required=True)
@@ -27,9 +35,11 @@ def _parser():
     p.add_argument("--count", type=int, default=20)
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--jobs", type=int, default=1)
+    p.add_argument("--partition", type=part, metavar="K/N", help="only every Nth set, from the Kth")
     _where(p)
     p = sub.add_parser("slice", help="some two dozen sets for CI")
     p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--partition", type=part, metavar="K/N", help="only every Nth set, from the Kth")
     _where(p)
     p = sub.add_parser("one", help="one set of your choice")
     p.add_argument("--effect", action="append", default=[], help=f"{', '.join(BY_NAME)}")
@@ -56,6 +66,7 @@ def _parser():
     p.add_argument("diagnoses")
     p.add_argument("--command-line", default="cargo acroscope", help="what comes before `diagnose SET --out DIR`")
     p.add_argument("--jobs", type=int, default=1, help="sets at once, one thread each (default 1, with all cores)")
+    p.add_argument("--partition", type=part, metavar="K/N", help="only the sets that were made with the same")
     p = sub.add_parser("follow", help="make the sets of the experiments that diagnoses of the part `classes` proposed")
     p.add_argument("diagnoses")
     p.add_argument("truths", help="answers of the sets that were diagnosed")
@@ -72,9 +83,13 @@ def _parser():
     return top
 
 
-def _manifest(out, rows):
+def _manifest_of(partition):
+    return "manifest-{}-of-{}.toml".format(*partition) if partition else "manifest.toml"
+
+
+def _manifest(out, rows, partition):
     text = ["# Sets made here, and extra arguments that a diagnosis of each has to be given."]
-    file = Path(out) / "manifest.toml"
+    file = Path(out) / _manifest_of(partition)
     known = {r["dir"]: r["args"] for r in tomllib.loads(file.read_text()).get("set", [])} if file.exists() else {}
     known |= {name: (["--without", "camera.k2"] if part == "unknown" else []) + more for name, part, more in rows}
     for name, args in sorted(known.items()):
@@ -94,6 +109,9 @@ def _apart(args):
 
 def _write_all(specs, args, jobs=1, earlier=()):
     _apart(args)
+    partition = getattr(args, "partition", None)
+    if partition:
+        specs = specs[partition[0] - 1 :: partition[1]]
     start, rows = time.time(), []
     if jobs > 1:
         from concurrent.futures import ProcessPoolExecutor
@@ -104,7 +122,7 @@ def _write_all(specs, args, jobs=1, earlier=()):
         for spec in specs:
             rows.append(_made(spec, args))
     rows = [(*row[:2], ["--after", str(folder)]) for row, folder in zip(rows, earlier)] if earlier else rows
-    _manifest(args.out, rows)
+    _manifest(args.out, rows, partition)
     print(f"{len(rows)} sets in {time.time() - start:.1f} s -> {args.out}")
 
 
@@ -140,8 +158,8 @@ def _one(args):
     _write_all([spec], args)
 
 
-def _rows(sets_folder):
-    return tomllib.loads((Path(sets_folder) / "manifest.toml").read_text()).get("set", [])
+def _rows(sets_folder, partition):
+    return tomllib.loads((Path(sets_folder) / _manifest_of(partition)).read_text()).get("set", [])
 
 
 def _diagnosed(row, args, threads):
@@ -160,7 +178,7 @@ def _diagnose(args):
     """One after the other with all cores each (seconds as the user sees them), or `--jobs` at once with one thread each."""
     from concurrent.futures import ThreadPoolExecutor
 
-    rows = _rows(args.sets)
+    rows = _rows(args.sets, args.partition)
     threads = {"RAYON_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"} if args.jobs > 1 else {}
     with ThreadPoolExecutor(args.jobs) as pool:
         list(pool.map(lambda row: _diagnosed(row, args, threads), rows))

@@ -31,6 +31,23 @@ def test_law_same_seed_same_bytes(tmp_path):
     assert files(a) != files(c)
 
 
+def test_law_parts_are_the_whole(tmp_path):
+    def made(out, *more):
+        sets, answers = tmp_path / out / "sets", tmp_path / out / "answers"
+        main(["make", "--part", "none", "--count", "3", "--seed", "5", "--out", str(sets), "--answers", str(answers), *more])
+        return {name: text for name, text in files(tmp_path / out).items() if "manifest" not in name}
+
+    whole = made("whole")
+    first = made("parts", "--partition", "1/2")
+    both = made("parts", "--partition", "2/2")
+    assert first.keys() < both.keys()
+    assert both == whole
+    listed = [(tmp_path / "parts/sets" / f"manifest-{k}-of-2.toml").read_text().count("[[set]]") for k in (1, 2)]
+    assert listed == [2, 1]
+    with pytest.raises(SystemExit):
+        made("parts", "--partition", "3/2")
+
+
 def test_law_form_of_a_visual_set(tmp_path):
     folder, answer = one(tmp_path, "--effect", "camera.T_delay", "--size", "0.02", "--effect", "camera.drop_rate", "--size", "0.05")
     head = tomllib.loads((folder / "dataset.toml").read_text())

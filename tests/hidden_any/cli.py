@@ -14,6 +14,19 @@ from .machines import ALL
 from .unit_python import environment
 
 
+def part(text):
+    """K/N, from 1: every Nth set, so that machines share a folder."""
+    k, n = (int(number) for number in text.split("/"))
+    if not 1 <= k <= n:
+        raise ValueError(text)
+    return k, n
+
+
+def listed_in(folder, partition):
+    """The file that names the sets of a part."""
+    return folder / "part-{}-of-{}.txt".format(*partition)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="hidden_any", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -23,12 +36,14 @@ def main():
     make.add_argument("--count", type=int, default=10, help="sets a machine, where no case is given")
     make.add_argument("--slice", action="store_true", help="the fixed cases of the tests")
     make.add_argument("--seed", type=int, default=1)
+    make.add_argument("--partition", type=part, metavar="K/N", help="only every Nth set, from the Kth")
     make.add_argument("--out", type=Path, required=True)
     make.add_argument("--answers", type=Path, required=True)
     diagnose = commands.add_parser("diagnose", help="runs a diagnosis on every set")
     diagnose.add_argument("sets", type=Path)
     diagnose.add_argument("out", type=Path)
     diagnose.add_argument("--command-line", default="acroscope")
+    diagnose.add_argument("--partition", type=part, metavar="K/N", help="only the sets that were made with the same")
     judge = commands.add_parser("score", help="judges diagnoses by the answers")
     judge.add_argument("diagnoses", type=Path)
     judge.add_argument("answers", type=Path)
@@ -58,15 +73,23 @@ def do_make(arguments):
     arguments.out.mkdir(parents=True, exist_ok=True)
     wanted = chosen(arguments)
     built = arguments.out / ".units"
+    if arguments.partition:
+        k, n = arguments.partition
+        wanted, built = wanted[k - 1 :: n], arguments.out / f".units-{k}-of-{n}"
     built.mkdir(exist_ok=True)
     units = {machine.name: machine.build(machine, built) for machine in {m.name: m for m, *_ in wanted}.values()}
     for machine, case, seed, name in wanted:
         answer = sets.make(machine, case, seed, arguments.out / name, arguments.answers, units)
         print(f"{name}  {answer['verdict']}", flush=True)
+    if arguments.partition:
+        listed_in(arguments.out, arguments.partition).write_text("".join(f"{name}\n" for *_, name in wanted))
 
 
 def do_diagnose(arguments):
     folders = sorted(folder for folder in arguments.sets.iterdir() if (folder / "dataset.toml").is_file())
+    if arguments.partition:
+        mine = listed_in(arguments.sets, arguments.partition).read_text().split()
+        folders = [folder for folder in folders if folder.name in mine]
     for folder in folders:
         began = time.monotonic()
         out = arguments.out / folder.name

@@ -22,7 +22,7 @@
 
 #![forbid(unsafe_code)]
 
-mod delay;
+pub mod delay;
 pub mod line;
 mod variables;
 

@@ -149,9 +149,30 @@ fn law_directional_derivatives_are_differences() {
 }
 
 #[test]
+fn law_the_start_is_saturated_and_gives_nothing_on_at_the_limit() {
+    let started =
+        |u: f64, saturation: f64| Rig::new(0.0, u, |variables| variables.effects.saturation = saturation);
+    for (u, saturation, y) in [(2.0, 0.5, 0.5), (-2.0, 0.5, -0.5), (0.4, 0.5, 0.4), (2.0, 0.0, 2.0)] {
+        assert_eq!(started(u, saturation).y(), y, "{u} with a saturation of {saturation}");
+    }
+    let by_u = |rig: Rig| rig.unit.derivative(&rig.variables, "y", "u");
+    assert_eq!(by_u(started(0.5, 0.5)), Some(0.0), "what reaches the limit has no way up");
+    assert_eq!(by_u(started(0.499, 0.5)), Some(1.0));
+}
+
+#[test]
 fn law_a_step_of_a_whole_experiment_is_legal() {
     let mut rig = Rig::new(-3.0, 0.0, |variables| busy(&mut variables.effects));
     let step = Step { from: -3.0, to: 1e9, input_rates: &[("u", 1e-9)] };
     rig.unit.step(&mut rig.variables, &step, &mut Silence).expect("legal");
     assert!((rig.y() - (0.9 * 0.7 + 0.01)).abs() < 1e-12, "settled at the saturation: {}", rig.y());
+}
+
+#[test]
+fn every_word_of_the_description_is_committed() {
+    let committed = include_str!("../../../modelDescriptions/signal_effects.xml");
+    assert!(
+        fmi2_export::description::Unit::of::<SignalEffects>().xml() == committed,
+        "stale: cargo xtask pack"
+    );
 }

@@ -6,6 +6,7 @@ mod common;
 use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::rigs::acrobot::model::Model;
+use diagnosis::rigs::acrobot::residual::Tracked;
 use diagnosis::rigs::acrobot::residual::plant::PlantCut;
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ fn scatter(name: &str, value: &str) -> (f64, bool) {
     let model = Model::load(&data, &common::units()).expect("it is shipped");
     let list: Arc<Vec<Candidate>> = Arc::new(candidates(&model, &[], &|_| Vec::new()));
     let rows = PlantCut::new(&data, &model, list.clone()).expect("the unit runs");
-    let mut rows = rows.expect("there are windows");
+    let mut rows = Tracked::new(rows.expect("there are windows"));
     let mut point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     rows.begin(&point).expect("the unit runs");
     let seen = rows.scatter();

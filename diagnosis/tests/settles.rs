@@ -7,6 +7,7 @@ use diagnosis::Watch;
 use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::rigs::acrobot::model::Model;
+use diagnosis::rigs::acrobot::residual::Tracked;
 use diagnosis::rigs::acrobot::residual::plant::PlantCut;
 use diagnosis::rigs::acrobot::selection::study;
 use std::sync::Arc;
@@ -22,8 +23,8 @@ fn law_a_ceiling_that_cuts_nothing_is_dropped_and_the_others_are_fitted() {
     let list: Arc<Vec<Candidate>> = Arc::new(candidates(&model, &[], &ceilings));
     let place = |name| list.iter().position(|candidate| candidate.name == name).expect("it is listed");
     let (hidden, dead) = (place("plant.I_rotor"), place("plant.tau_max"));
-    let mut rows =
-        PlantCut::new(&data, &model, list.clone()).expect("the unit runs").expect("there are windows");
+    let rows = PlantCut::new(&data, &model, list.clone()).expect("the unit runs");
+    let mut rows = Tracked::new(rows.expect("there are windows"));
     let mut start: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     (start[hidden], start[dead]) = (0.002, 0.01);
     let found = study(&mut rows, &list, &start, &[hidden, dead], &mut Watch::new(&mut |_| {}, None))

@@ -15,6 +15,7 @@ pub mod wiring;
 
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
@@ -147,7 +148,7 @@ pub struct Offer {
 /// # Errors
 /// A unit failed or isn't there.
 pub fn left(
-    cut: &mut dyn Forced,
+    cut: &mut Tracked<dyn Forced>,
     point: &[f64],
     there: &Evaluation,
     correction: &Correction,
@@ -181,13 +182,13 @@ pub fn left(
 /// # Errors
 /// A unit failed or isn't there.
 pub fn offer(
-    cut: &mut dyn Forced,
+    cut: &mut Tracked<dyn Forced>,
     point: &[f64],
     runs: &[String],
     units: &UnitPath,
     name: &str,
 ) -> Result<Offer, Error> {
-    let mut blocks = cut.linearise(point, &[], false)?;
+    let mut blocks = cut.linearise(point, &[])?;
     let states = cut.states(point)?;
     let entries = dictionary::entries();
     let covered = dictionary::covered(&states);

@@ -11,7 +11,7 @@ use crate::rigs::acrobot::residual::chain::Chain;
 use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::trajectory::{PREROLL, State};
-use crate::rigs::acrobot::residual::{Block, Cut, Probe};
+use crate::rigs::acrobot::residual::{Block, Probe, Tracked};
 use crate::statistics::linear::{Reduced, reduce};
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub struct Cuts<'a> {
     logs: Logs,
     repeats: f64,
     /// With how many times the rows that are compared stand for.
-    all: Vec<(Box<dyn Cut>, f64)>,
+    all: Vec<(Box<Tracked>, f64)>,
 }
 
 impl<'a> Cuts<'a> {
@@ -46,14 +46,14 @@ impl<'a> Cuts<'a> {
     ) -> Result<Self, Error> {
         let data = &trial.data;
         let filmed = question.members.iter().any(|member| list[member.candidate].side == Side::Camera);
-        let mut all: Vec<(Box<dyn Cut>, f64)> = Vec::new();
+        let mut all: Vec<(Box<Tracked>, f64)> = Vec::new();
         if !logs.encoders && filmed {
             let chain = Chain::new(data, model, list.clone())?;
-            all.extend(chain.map(|cut| (Box::new(cut) as Box<dyn Cut>, 1.0)));
+            all.extend(chain.map(|cut| (Box::new(Tracked::new(cut)) as Box<Tracked>, 1.0)));
         } else {
             let read = if logs.encoders { None } else { Some(read(&trial, model)) };
             let plant = PlantCut::new(read.as_ref().unwrap_or(data), model, list.clone())?;
-            all.extend(plant.map(|cut| (Box::new(cut) as Box<dyn Cut>, 1.0)));
+            all.extend(plant.map(|cut| (Box::new(Tracked::new(cut)) as Box<Tracked>, 1.0)));
         }
         if logs.encoders && logs.picture && filmed {
             let sigma = MOTION_SHARE * question.noise.of("plant.q1", true);
@@ -62,7 +62,7 @@ impl<'a> Cuts<'a> {
                 data.runs.iter().filter_map(|run| run.camera.as_ref()).map(|log| log.len()).sum();
             if let Some(cut) = ImageCut::new(data, model, list.clone(), pose, FRAMES)? {
                 let share = frames as f64 / cut.frames.len() as f64;
-                all.push((Box::new(cut), share));
+                all.push((Box::new(Tracked::new(cut)), share));
             }
         }
         if all.is_empty() {
@@ -109,7 +109,7 @@ impl<'a> Cuts<'a> {
         let mut sum = Reduced::zero(probes.len());
         let late = self.late(point, probes);
         for (cut, share) in &mut self.all {
-            let mut blocks = cut.linearise(point, probes, false)?;
+            let mut blocks = cut.linearise(point, probes)?;
             if !late.is_empty() {
                 torque_columns(cut.as_mut(), point, &late, &mut blocks)?;
             }
@@ -132,14 +132,14 @@ impl<'a> Cuts<'a> {
 
 /// Columns of the logged torque by whole sizes: a torque that jumps has no tangent.
 fn torque_columns(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     point: &[f64],
     late: &[(usize, Probe)],
     blocks: &mut [Block],
 ) -> Result<(), Error> {
     let whole: Vec<Probe> = late.iter().map(|(_, probe)| *probe).collect();
     let torque = cut.signals().iter().position(|signal| signal.name == "plant.tau_applied");
-    let other = cut.linearise(point, &whole, true)?;
+    let other = cut.chord(point, &whole)?;
     let cells = other.iter().flat_map(|block| &block.cells);
     for (cell, other) in blocks.iter_mut().flat_map(|block| &mut block.cells).zip(cells) {
         for row in (0..cell.signal.len()).filter(|row| Some(cell.signal[*row]) == torque) {

@@ -10,7 +10,7 @@ const LOUDER: f64 = 1.05;
 const CHANCE: f64 = 6.6;
 
 pub(super) fn told_apart(
-    rows: &mut PlantCut,
+    rows: &mut Tracked<PlantCut>,
     data: &DataSet,
     model: &Model,
     list: &[Candidate],
@@ -21,24 +21,25 @@ pub(super) fn told_apart(
     if study.outweighed || study.last.softness > 0.0 {
         return;
     }
-    rows.remember();
+    let kept = rows.nuisances.clone();
     for (effect, class) in part.classes.iter_mut().filter(|(effect, class)| open(*effect, class, list)) {
         let members = class.iter().filter(|other| is_member(*effect, other, list));
         for member in members.cloned().collect::<Vec<_>>() {
             // a member that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
+            rows.restore(&kept);
             if let Ok(Some(told)) = judged(rows, data, model, list, study, (*effect, &member), watch) {
                 *class = told;
                 break;
             }
         }
-        rows.recall();
+        rows.restore(&kept);
     }
 }
 
 /// The class as long windows see it from one member's model; nothing where they show that this model lacks something, as they
 /// do with a wrong member.
 fn judged(
-    rows: &mut PlantCut,
+    rows: &mut Tracked<PlantCut>,
     data: &DataSet,
     model: &Model,
     list: &[Candidate],
@@ -51,12 +52,11 @@ fn judged(
     point[member.candidate] = if member.candidate == effect { study.last.point[effect] } else { member.x };
     let seated = |index: &usize| if *index == effect { member.candidate } else { *index };
     let active: Vec<usize> = study.active.iter().map(seated).collect();
-    rows.recall();
-    rows.linearise(&point, &[], false)?;
+    rows.linearise(&point, &[])?;
     let Some(mut long) = rows.longer(data, model, &point)? else { return Ok(None) };
     let fit = refit(&mut long, list, &point, &active)?;
     let probes = all_probes(list, &fit.point, &|candidate| long.sees(candidate), &active);
-    let last = Evaluation::at(&mut long, &fit.point, &probes, false)?;
+    let last = Evaluation::at(&mut long, &fit.point, &probes)?;
     let louder = last.sigmas.iter().zip(&study.last.sigmas).any(|(now, before)| *now > LOUDER * before);
     if louder || discrepancy(&last) > CHANCE {
         return Ok(None);

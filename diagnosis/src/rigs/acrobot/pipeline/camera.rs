@@ -28,17 +28,17 @@ pub(super) fn camera_part(
         None => Pose::Free,
     };
     let chained = matches!(pose, Pose::Free);
-    let mut chain = if chained { Chain::new(data, model, list.clone())? } else { None };
+    let mut chain = if chained { Chain::new(data, model, list.clone())?.map(Tracked::new) } else { None };
     let mut image = match chain {
         Some(_) => None,
-        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?,
+        None => ImageCut::new(data, model, list.clone(), pose, options.frames)?.map(Tracked::new),
     };
     if chain.is_some() || image.is_some() {
         watch.stage("camera: frames rendered again at the measured pose");
     }
     let parted = match (&mut chain, &mut image) {
         (Some(chain), _) => {
-            with_noise(chain, |chain| &chain.image, list, point, watch).and_then(|mut part| {
+            with_noise(chain, |chain| &mut chain.image, list, point, watch).and_then(|mut part| {
                 if watch.known().is_none() {
                     averaged(chain, list, &mut part)?;
                 }

@@ -46,10 +46,10 @@ pub(super) fn correct(
     let point = &part.study.last.point;
     let found = cut(data, model, list, part, point).and_then(|cut| {
         let Some(mut cut) = cut else { return Ok(None) };
-        let scattering = cut.explained() > model.heft() * ROUNDING;
+        let scattering = cut.policy().explained > model.heft() * ROUNDING;
         // each begins from the data again
         let mut at = |point: &[f64]| {
-            cut.afresh();
+            cut.reset();
             offer(cut.as_mut(), point, &runs, units, &name)
         };
         // how stamps scatter is known best beside all effects; else this waits until somebody asks
@@ -120,11 +120,12 @@ fn cut(
     list: &Arc<Vec<Candidate>>,
     part: &Part,
     point: &[f64],
-) -> Result<Option<Box<dyn Forced>>, Error> {
+) -> Result<Option<Box<Tracked<dyn Forced>>>, Error> {
     if part.study.outweighed {
-        return Ok(Weak::new(data, model, list.clone())?.map(|cut| Box::new(cut) as Box<dyn Forced>));
+        return Ok(Weak::new(data, model, list.clone())?
+            .map(|cut| Box::new(Tracked::new(cut)) as Box<Tracked<dyn Forced>>));
     }
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else { return Ok(None) };
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())?.map(Tracked::new) else { return Ok(None) };
     rows.begin(point)?;
     Ok(Some(Box::new(rows)))
 }

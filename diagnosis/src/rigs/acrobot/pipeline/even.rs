@@ -19,9 +19,9 @@ pub(super) fn evened(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) 
 /// Deviance of the nominal model for each row, and their number. A log that can't be judged is no better one.
 fn each_row(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Option<(f64, f64)> {
     let point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
-    let mut rows = PlantCut::new(data, model, list.clone()).ok()??;
+    let mut rows = Tracked::new(PlantCut::new(data, model, list.clone()).ok()??);
     rows.begin(&point).ok()?;
-    let there = Evaluation::at(&mut rows, &point, &[], false).ok()?;
+    let there = Evaluation::at(&mut rows, &point, &[]).ok()?;
     let cells = there.blocks.iter().flat_map(|block| &block.cells);
     let count = cells.map(|cell| cell.residual.len()).sum::<usize>() as f64;
     (count > 0.0).then(|| (there.deviance() / count, count))

@@ -218,11 +218,13 @@ impl Judge<'_> {
         outweighed: bool,
         noise: &[f64],
     ) -> Result<(Sums, Option<(Vec<Logged>, f64)>), Error> {
-        let Some(mut rows) = PlantCut::new(self.data, self.model, self.list.clone())? else {
+        let Some(mut rows) = PlantCut::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
+        else {
             return Ok((Sums::default(), None));
         };
         if outweighed {
-            let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())? else {
+            let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
+            else {
                 return Ok((Sums::default(), None));
             };
             return Ok((self.torques(&mut weak, point, correction, noise)?, None));
@@ -230,9 +232,9 @@ impl Judge<'_> {
         rows.begin(&self.off())?;
         let sums = self.at_the_log(self.torques(&mut rows, point, correction, noise)?)?;
         rows.begin(point)?;
-        rows.linearise(point, &[], false)?;
+        rows.linearise(point, &[])?;
         let sigma = noise[..2].iter().fold(0.0, |a: f64, b| a.max(*b));
-        Ok((sums, pose_of(self.data, &rows, point, sigma)?))
+        Ok((sums, pose_of(self.data, &mut rows, point, sigma)?))
     }
 
     /// The same sums, with what the nominal model lacks at the logged states where it has run away from the log.
@@ -241,8 +243,10 @@ impl Judge<'_> {
         if mean(sums.before) < FAR_ABOVE * FAR_ABOVE * mean(sums.floor) {
             return Ok(sums);
         }
-        let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())? else { return Ok(sums) };
-        let seen = Evaluation::at(&mut weak, &self.off(), &[], false)?;
+        let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())?.map(Tracked::new) else {
+            return Ok(sums);
+        };
+        let seen = Evaluation::at(&mut weak, &self.off(), &[])?;
         let seen = torques(&seen.blocks, &[], &[], &vec![0; seen.blocks.len()]);
         let square: f64 = seen.iter().flat_map(|torque| torque.torque).map(|x| x * x).sum();
         let shown = square / (2.0 * seen.len() as f64).max(1.0);
@@ -250,21 +254,21 @@ impl Judge<'_> {
         Ok(if ran_away { Sums { before: (shown * sums.before.1, sums.before.1), ..sums } } else { sums })
     }
 
-    fn torques<C: Forced>(
+    fn torques<C: Forced + 'static>(
         &self,
-        cut: &mut C,
+        cut: &mut Tracked<C>,
         point: &[f64],
         correction: Option<&Correction>,
         noise: &[f64],
     ) -> Result<Sums, Error> {
-        let nominal = Evaluation::at(cut, &self.off(), &[], false)?;
+        let nominal = Evaluation::at(cut, &self.off(), &[])?;
         let mut there = point.to_vec();
         for name in correction.iter().flat_map(|correction| &correction.supersedes) {
             let own = self.list.iter().position(|candidate| candidate.name == name);
             own.into_iter().for_each(|index| there[index] = self.list[index].off);
         }
-        cut.afresh();
-        let last = Evaluation::at(cut, &there, &[], false)?;
+        cut.reset();
+        let last = Evaluation::at(cut, &there, &[])?;
         let folds = vec![0; last.blocks.len()];
         let sums =
             Of::Torques.sums(&nominal, &last, &Shifted { places: &[], shifts: &[], folds: &folds }, noise);
@@ -289,18 +293,18 @@ impl Judge<'_> {
             Some(_) => None,
             None => ImageCut::new(self.data, self.model, self.list.clone(), pose, self.frames)?,
         };
-        let mut cut: Box<dyn Cut> = match (chain, image) {
-            (Some(chain), _) => Box::new(chain),
-            (_, Some(image)) => Box::new(image),
+        let mut cut: Box<Tracked> = match (chain, image) {
+            (Some(chain), _) => Box::new(Tracked::new(chain)),
+            (_, Some(image)) => Box::new(Tracked::new(image)),
             _ => return Ok(Sums::default()),
         };
-        let judged = |cut: &mut dyn Cut, point: &[f64]| {
-            let first = Evaluation::at(cut, point, &[], false)?;
+        let judged = |cut: &mut Tracked, point: &[f64]| {
+            let first = Evaluation::at(cut, point, &[])?;
             // the look itself has put frames elsewhere
-            if cut.free_pose() { Evaluation::at(cut, point, &[], false) } else { Ok(first) }
+            if cut.policy().free_pose { Evaluation::at(cut, point, &[]) } else { Ok(first) }
         };
         let nominal = judged(cut.as_mut(), &self.off())?;
-        cut.afresh();
+        cut.reset();
         let last = judged(cut.as_mut(), point)?;
         let folds = vec![0; last.blocks.len().max(nominal.blocks.len())];
         Ok(of.sums(&nominal, &last, &Shifted { places: &[], shifts: &[], folds: &folds }, noise))

@@ -16,7 +16,7 @@ const PASSES: usize = 3;
 const MOVED: f64 = 0.5;
 
 /// Puts the values of the plant where looks about the fit want them on average, and notes by how much these differ.
-pub(super) fn averaged(cut: &mut dyn Cut, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
+pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
     let continuous = |index: &usize| !list[*index].is_discrete();
     let free: Vec<usize> = part.study.active.iter().copied().filter(continuous).collect();
     let Some(covariance) = part.study.last.covariance(&free) else { return Ok(()) };
@@ -80,7 +80,7 @@ impl Value {
 
 /// What looks about the fit want the values to be; `None` where one has lost the motion.
 fn wanted(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     list: &[Candidate],
     study: &Study,
     free: &[usize],

@@ -24,7 +24,7 @@ use crate::rigs::acrobot::plausibility;
 use crate::rigs::acrobot::residual::image::Noise;
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
 use crate::rigs::acrobot::residual::trajectory::Motion as Logged;
-use crate::rigs::acrobot::residual::{Cut, Signal};
+use crate::rigs::acrobot::residual::{Cut, Signal, Tracked};
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, study};
 use crate::watch::{Listener, Watch};
 use apart::told_apart;
@@ -269,7 +269,7 @@ fn clear_zeros(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notice
 }
 
 fn part(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     list: &[Candidate],
     point: &[f64],
     known: &[usize],
@@ -286,7 +286,7 @@ fn part(
 
 /// What was found on a cut, with all that could stand in the place of each effect.
 fn classed(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     list: &[Candidate],
     study: Study,
     torque: bool,

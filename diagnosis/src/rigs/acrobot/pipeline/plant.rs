@@ -33,7 +33,7 @@ pub(super) fn plant_part(
     notices: &mut Vec<Notice>,
     watch: &mut Watch<'_>,
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())? else {
+    let Some(mut rows) = PlantCut::new(data, model, list.clone())?.map(Tracked::new) else {
         notices.extend(data.runs.iter().filter_map(not_compared));
         return Ok(logged_poses(data));
     };
@@ -48,7 +48,7 @@ pub(super) fn plant_part(
     let mut coarse = None;
     if rows.led() > MOSTLY_LED
         && !switch_leads(&mut rows, list, point)?
-        && let Some(mut weak) = Weak::new(data, model, list.clone())?
+        && let Some(mut weak) = Weak::new(data, model, list.clone())?.map(Tracked::new)
     {
         let part = part(&mut weak, list, point, &[], true, watch)?;
         point.clone_from(&part.study.last.point);
@@ -63,7 +63,7 @@ pub(super) fn plant_part(
             false => part,
         },
         Some(part_before) => {
-            rows.linearise(point, &[], false)?;
+            rows.linearise(point, &[])?;
             let fine = study(&mut rows, list, point, &start, watch)?;
             if went_astray(&fine, rows.signals(), &start, list) {
                 part_before
@@ -97,8 +97,8 @@ pub(super) fn plant_part(
     if data.runs.iter().all(|run| run.camera.is_none()) {
         return Ok(None);
     }
-    rows.linearise(point, &[], false)?;
-    pose_of(data, &rows, point, sigma)
+    rows.linearise(point, &[])?;
+    pose_of(data, &mut rows, point, sigma)
 }
 
 /// The motions as they were logged, and how well they are known, rad; `None` where there are none.
@@ -111,7 +111,7 @@ pub(super) fn logged_poses(data: &DataSet) -> Option<(Vec<Logged>, f64)> {
 /// after `linearise` at the same point.
 pub(super) fn pose_of(
     data: &DataSet,
-    rows: &PlantCut,
+    rows: &mut Tracked<PlantCut>,
     point: &[f64],
     sigma: f64,
 ) -> Result<Option<(Vec<Logged>, f64)>, Error> {
@@ -137,7 +137,7 @@ fn not_compared(run: &Run) -> Option<Notice> {
 /// Where torques show nothing certain, as few rows hardly tell an acceleration, the likeliest of what they resemble is tried: it
 /// counts if with it the plant follows the log by itself.
 fn hinted(
-    rows: &mut PlantCut,
+    rows: &mut Tracked<PlantCut>,
     list: &Arc<Vec<Candidate>>,
     hits: &[Hit],
     point: &[f64],
@@ -151,17 +151,17 @@ fn hinted(
         let few = rows.windows().0 <= FEW;
         let follows = few || rows.follows(&there, MOSTLY_LED).unwrap_or(false);
         // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
-        if !follows || rows.linearise(&there, &[], false).is_err() {
+        if !follows || rows.linearise(&there, &[]).is_err() {
             continue;
         }
         let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
         if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED).unwrap_or(false) {
-            rows.linearise(&fine.last.point, &[], false)?;
+            rows.linearise(&fine.last.point, &[])?;
             return classed(rows, list, fine, true, watch).map(Some);
         }
     }
-    rows.afresh();
-    rows.linearise(point, &[], false)?;
+    rows.reset();
+    rows.linearise(point, &[])?;
     Ok(None)
 }
 
@@ -198,7 +198,12 @@ fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candid
 
 /// Whether the plant follows the log by itself with what torques showed, or with the first of it alone: the last may be what differences
 /// of angles are wrong by. If so, leaves no more than that on.
-fn leading(rows: &mut PlantCut, list: &[Candidate], point: &mut Vec<f64>, found: &mut Vec<usize>) -> bool {
+fn leading(
+    rows: &mut Tracked<PlantCut>,
+    list: &[Candidate],
+    point: &mut Vec<f64>,
+    found: &mut Vec<usize>,
+) -> bool {
     let mut there = point.clone();
     for most in (found.len().min(1)..=found.len()).rev() {
         found[most..].iter().for_each(|index| there[*index] = list[*index].off);
@@ -214,7 +219,7 @@ fn leading(rows: &mut PlantCut, list: &[Candidate], point: &mut Vec<f64>, found:
 
 /// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
 /// model.
-fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
+fn switch_leads(rows: &mut Tracked<PlantCut>, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
     let (mut leads, most) = (false, SWITCHED * rows.led());
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
         let mut other = point.to_vec();
@@ -222,8 +227,8 @@ fn switch_leads(rows: &mut PlantCut, list: &[Candidate], point: &[f64]) -> Resul
         leads |= matches!(rows.follows(&other, most), Ok(true));
     }
     if leads {
-        rows.afresh();
-        rows.linearise(point, &[], false)?;
+        rows.reset();
+        rows.linearise(point, &[])?;
     }
     Ok(leads)
 }

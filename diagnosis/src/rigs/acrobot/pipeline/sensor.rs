@@ -16,9 +16,9 @@ const NEAR: i32 = 5;
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
 /// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
-pub(super) fn with_noise<C: Cut + Clone>(
-    cut: &mut C,
-    image: fn(&C) -> &ImageCut,
+pub(super) fn with_noise<C: Cut + Clone + 'static>(
+    cut: &mut Tracked<C>,
+    image: fn(&mut C) -> &mut ImageCut,
     list: &[Candidate],
     point: &[f64],
     watch: &mut Watch<'_>,
@@ -31,8 +31,8 @@ pub(super) fn with_noise<C: Cut + Clone>(
 }
 
 struct Sensor<'a, C: Cut> {
-    cut: &'a mut C,
-    image: fn(&C) -> &ImageCut,
+    cut: &'a mut Tracked<C>,
+    image: fn(&mut C) -> &mut ImageCut,
     list: &'a [Candidate],
     /// Where everything begins.
     point: &'a [f64],
@@ -40,7 +40,7 @@ struct Sensor<'a, C: Cut> {
     sensor: usize,
 }
 
-impl<C: Cut + Clone> Sensor<'_, C> {
+impl<C: Cut + Clone + 'static> Sensor<'_, C> {
     fn part(mut self, watch: &mut Watch<'_>) -> Result<Part, Error> {
         let Self { image, list, point, sensor, .. } = self;
         // asked at most once, of frames that no fit has led elsewhere
@@ -84,7 +84,7 @@ impl<C: Cut + Clone> Sensor<'_, C> {
     /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong, and no
     /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
     fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
-        self.cut.linearise(self.point, &[], false)?;
+        self.cut.linearise(self.point, &[])?;
         let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
         let first = self.likely(early, FEW, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
@@ -100,8 +100,8 @@ impl<C: Cut + Clone> Sensor<'_, C> {
         let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
         for steps in -NEAR..=NEAR {
             there[self.sensor] = (guess.value + 0.5 * f64::from(steps) * guess.error).max(0.0);
-            self.cut.afresh();
-            let off = off_on_average(&Evaluation::at(self.cut, &there, &[], false)?);
+            self.cut.reset();
+            let off = off_on_average(&Evaluation::at(self.cut, &there, &[])?);
             if off < best.0 {
                 best = (off, there[self.sensor]);
             }
@@ -117,7 +117,7 @@ impl<C: Cut + Clone> Sensor<'_, C> {
     fn noisy(&mut self, guess: f64, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         let mut start = self.point.to_vec();
         start[self.sensor] = guess;
-        self.cut.afresh();
+        self.cut.reset();
         let enough = &mut |active: &[usize], _: &mut Watch<'_>| Ok(active.len() >= most);
         let study = study_until(self.cut, self.list, &start, &[], watch, enough)?;
         if study.active.len() >= most {
@@ -134,9 +134,10 @@ impl<C: Cut + Clone> Sensor<'_, C> {
     /// The noise by which circle 1 scatters about a model.
     fn scatter(&mut self, point: &[f64]) -> Result<Option<Noise>, Error> {
         // fits of alternatives have left the frames elsewhere
-        self.cut.back();
-        self.cut.linearise(point, &[], true)?;
-        (self.image)(self.cut).noise(point)
+        self.cut.restore_linearised();
+        self.cut.chord(point, &[])?;
+        let at = self.cut.nuisances.clone();
+        (self.image)(self.cut).noise(point, &at)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::model::Model;
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::weak::Weak;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -120,9 +120,9 @@ fn scaled(log: &mut Table, name: &str, by: f64) {
 
 /// The torque that the nominal model typically lacks, and what noise gives, N·m: medians, since no way of counting mends an event.
 fn lacking(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Result<Option<(f64, f64)>, Error> {
-    let Some(mut weak) = Weak::new(data, model, list.clone())? else { return Ok(None) };
+    let Some(mut weak) = Weak::new(data, model, list.clone())?.map(Tracked::new) else { return Ok(None) };
     let nominal: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
-    let blocks = weak.linearise(&nominal, &[], true)?;
+    let blocks = weak.chord(&nominal, &[])?;
     let cells = || blocks.iter().flat_map(|block| &block.cells);
     let sizes = cells().flat_map(|cell| cell.residual.iter().map(|torque| torque.abs())).collect();
     let floors = cells().flat_map(|cell| cell.floor.iter().copied()).collect();

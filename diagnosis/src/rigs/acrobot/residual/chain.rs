@@ -7,7 +7,7 @@
 
 use super::image::{HONEST_ANGLE, ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
-use super::{Block, Cut, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
@@ -34,6 +34,8 @@ pub struct Chain {
     plant: PlantCut,
     candidates: Arc<Vec<Candidate>>,
     signals: Vec<Signal>,
+    /// Nuisances after a first look at the nominal model.
+    first: Nuisances,
 }
 
 impl Chain {
@@ -71,9 +73,10 @@ impl Chain {
             signal.honest = if image.read { READ_ANGLE } else { HONEST_ANGLE };
         }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
-        let mut chain = Self { image, plant, candidates, signals };
-        let first = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
-        chain.linearise(&off, &first, false)?;
+        let first = Nuisances { frames: Some(image.state()), ..plant.initial() };
+        let mut chain = Self { image, plant, candidates, signals, first };
+        let probes = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
+        chain.first = chain.linearise(&off, &probes, &chain.first.clone())?.nuisances;
         chain.image.forget();
         Ok(Some(chain))
     }
@@ -81,7 +84,7 @@ impl Chain {
     /// Puts the frames where the plant that was fitted to them has them, if that is within what a picture can tell:
     /// a pose read off one picture follows the pixel lattice, and rendered there, areas come out a little wrong.
     fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
-        let motions = self.plant.motion(point, 1.0 / 120.0)?;
+        let motions = self.plant.motion_now(point, 1.0 / 120.0)?;
         let (delay, interval) = (self.image.delay(point), self.image.interval());
         let mut rows = vec![0; read.len()];
         for frame in &mut self.image.frames {
@@ -135,38 +138,28 @@ impl Chain {
     }
 }
 
-impl Cut for Chain {
-    fn name(&self) -> &'static str {
-        "torque in, picture out"
+impl Chain {
+    fn begin_from(&mut self, from: &Nuisances) {
+        self.image.begin_from(from);
+        self.plant.begin_from(from);
     }
 
-    fn signals(&self) -> &[Signal] {
-        &self.signals
-    }
-
-    fn sees(&self, candidate: &Candidate) -> bool {
-        matches!(candidate.side, Side::Plant | Side::Camera)
-    }
-
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        let mut blocks = self.image.linearise(point, probes, quick)?;
-        let poses = self.poses(&blocks, probes);
+    /// Gives the plant the poses that the images tell, and answers them.
+    fn hand_on(&mut self, blocks: &mut Vec<Block>, point: &[f64], probes: &[Probe]) -> Vec<Vec<[f64; 2]>> {
+        let poses = self.poses(blocks, probes);
         // a frame of two angles is its pose, and says nothing beyond
-        for block in &mut blocks {
+        for block in blocks.iter_mut() {
             block.cells.retain(|cell| cell.residual.len() > cell.hard.ncols());
         }
         blocks.retain(|block| !block.cells.is_empty());
-        let read = if quick { Vec::new() } else { poses.angles.clone() };
+        let read = poses.angles.clone();
         let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
-        let more = self.plant.linearise(point, probes, quick)?;
-        // only where a new look begins: frames that move change the lattice, and comparisons with it
-        if !quick && !probes.is_empty() {
-            self.smooth(point, &read)?;
-        }
-        if !quick {
-            self.image.mark();
-        }
+        read
+    }
+
+    /// What both say, with signals counted on.
+    fn both(&self, mut blocks: Vec<Block>, more: Vec<Block>, in_vain: bool) -> Linearised {
         let offset = self.image.signals().len();
         blocks.extend(more.into_iter().map(|block| {
             Block {
@@ -182,49 +175,52 @@ impl Cut for Chain {
                 ..block
             }
         }));
-        Ok(blocks)
+        let nuisances =
+            Nuisances { windows: Some(self.plant.state()), frames: Some(self.image.state()), in_vain };
+        Linearised { blocks, nuisances, unseen: self.image.unseen() }
+    }
+}
+
+impl Cut for Chain {
+    fn name(&self) -> &'static str {
+        "torque in, picture out"
     }
 
-    fn lattice(&self) -> bool {
-        true
+    fn signals(&self) -> &[Signal] {
+        &self.signals
     }
 
-    fn unseen(&self) -> usize {
-        self.image.unseen()
+    fn sees(&self, candidate: &Candidate) -> bool {
+        matches!(candidate.side, Side::Plant | Side::Camera)
     }
 
-    fn free_pose(&self) -> bool {
-        true
+    fn policy(&self) -> Policy {
+        let plant = self.plant.policy();
+        Policy { lattice: true, free_pose: true, reads_angles: self.image.read, clock_doubt: 0.0, ..plant }
     }
 
-    fn reads_angles(&self) -> bool {
-        self.image.read
+    fn initial(&self) -> Nuisances {
+        self.first.clone()
     }
 
-    fn back(&mut self) {
-        self.image.back();
-        self.plant.back();
+    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let mut blocks = self.image.settle(at, probes)?;
+        let read = self.hand_on(&mut blocks, at, probes);
+        let (more, in_vain) = self.plant.settle_all(at, probes, from.in_vain)?;
+        // only where a new look begins: frames that move change the lattice, and comparisons with it
+        if !probes.is_empty() {
+            self.smooth(at, &read)?;
+        }
+        self.image.mark();
+        Ok(self.both(blocks, more, in_vain))
     }
 
-    fn remember(&mut self) {
-        self.image.remember();
-        self.plant.remember();
-    }
-
-    fn recall(&mut self) {
-        self.image.recall();
-        self.plant.recall();
-    }
-
-    fn afresh(&mut self) {
-        self.plant.afresh();
-    }
-
-    fn explained(&self) -> f64 {
-        self.plant.explained()
-    }
-
-    fn discrepancy_unit(&self) -> &'static str {
-        "N·m"
+    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let mut blocks = self.image.step(at, probes)?;
+        self.hand_on(&mut blocks, at, probes);
+        let more = self.plant.step_all(at, probes)?;
+        Ok(self.both(blocks, more, from.in_vain))
     }
 }

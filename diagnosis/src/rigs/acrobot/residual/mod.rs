@@ -15,17 +15,21 @@ pub mod chain;
 pub mod forced;
 pub mod image;
 pub mod logged;
+mod nuisances;
 pub mod picture;
 pub mod plant;
 mod settings;
 mod smooth;
 pub mod torque;
+mod tracked;
 pub mod trajectory;
 pub mod weak;
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::statistics::linear::Cell;
+pub use nuisances::Nuisances;
+pub use tracked::Tracked;
 
 /// A column that is wanted: candidate and displacement of its coordinate, over which the secant is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +72,51 @@ pub struct Block {
     pub state: [f64; 4],
 }
 
-/// One cut of the loop.
+/// How results of a cut are to be judged: what it is by its logs and its unit, the same at every point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Policy {
+    /// Images are compared, whose pixel lattice moves with every refit.
+    pub lattice: bool,
+    /// Poses are read off the images themselves.
+    pub free_pose: bool,
+    /// Poses are angles that were logged without their circles.
+    pub reads_angles: bool,
+    /// A linearisation needs no nuisances, so that another one gives the same.
+    pub steady: bool,
+    /// What the model lacks outweighs noise, so that gains must be judged by how well blocks agree.
+    pub outweighed: bool,
+    /// By how much the log may be late before an effect that looks like it stands before its clock, s.
+    pub clock_doubt: f64,
+    /// Size of the discrepancy that scattering timestamps of the torque explain, in its own unit.
+    pub explained: f64,
+}
+
+impl Policy {
+    /// Logs of a plant that is followed to within their noise.
+    pub const USUAL: Self = Self {
+        lattice: false,
+        free_pose: false,
+        reads_angles: false,
+        steady: false,
+        outweighed: false,
+        clock_doubt: 0.0,
+        explained: 0.0,
+    };
+}
+
+/// What a linearisation or a chord step finds at a point.
+#[derive(Debug)]
+pub struct Linearised {
+    /// Residuals with the sensitivities of nuisances and candidates.
+    pub blocks: Vec<Block>,
+    /// Where the nuisances are there.
+    pub nuisances: Nuisances,
+    /// Frames in which the data show what the model's camera doesn't find.
+    pub unseen: usize,
+}
+
+/// One cut of the loop. Nuisances belong to the caller: a call begins from those that it is given and answers where they are at the
+/// point, so that nothing is to be saved or restored in a cut.
 pub trait Cut: Send + Sync {
     /// What it compares, for people.
     fn name(&self) -> &'static str;
@@ -76,62 +124,19 @@ pub trait Cut: Send + Sync {
     fn signals(&self) -> &[Signal];
     /// Whether moving a candidate can change anything here.
     fn sees(&self, candidate: &Candidate) -> bool;
-    /// Residuals at a point and the columns of the probes there. `quick` leaves the nuisances where an earlier call
-    /// found them, with their columns: enough while a fit goes on, since the projection takes care of the rest.
+    /// How its results are judged.
+    fn policy(&self) -> Policy;
+    /// The nuisances as the data alone have them.
+    fn initial(&self) -> Nuisances;
+    /// Residuals at a point, with nuisances settled there, and the sensitivities to the probes.
     ///
     /// # Errors
     /// A unit failed.
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error>;
-    /// Puts the nuisances back to where the last look that was not quick left them, so that a fit that went astray
-    /// doesn't spoil the next one.
-    fn back(&mut self);
-    /// Remembers the nuisances as they are now, for `recall`.
-    fn remember(&mut self) {}
-    /// Puts the nuisances where they were when they were remembered: looks at other models may have led them far away, to
-    /// where a machine that moves fast doesn't find back.
-    fn recall(&mut self) {}
-    /// Holds the nuisances as they are now, for `release`: where each look settles them anew, a refused one must leave no trace.
-    fn hold(&mut self) {}
-    /// Puts them where they were when they were held.
-    fn release(&mut self) {}
-    /// Whether nuisances were left that a full look may settle better.
-    fn hopeful(&self) -> bool {
-        true
-    }
-    /// Whether pictures are compared, whose pixel lattice moves with every refit.
-    fn lattice(&self) -> bool {
-        false
-    }
-    /// By how much the log may be late before an effect that looks like it stands before its clock, s.
-    fn clock_doubt(&self) -> f64 {
-        0.0
-    }
-    /// Frames in which the data show what the model's camera didn't find at the last look.
-    fn unseen(&self) -> usize {
-        0
-    }
-    /// Whether poses are read off the pictures themselves.
-    fn free_pose(&self) -> bool {
-        false
-    }
-    /// Whether poses are angles that were logged without their circles.
-    fn reads_angles(&self) -> bool {
-        false
-    }
-    /// Whether a look leaves nothing behind, so that looking again gives the same.
-    fn steady(&self) -> bool {
-        false
-    }
-    /// Forgets the nuisances: the next look begins from the data again.
-    fn afresh(&mut self) {}
-    /// Whether what the model lacks outweighs noise here, so that gains must be judged by how well blocks agree.
-    fn outweighed(&self) -> bool {
-        false
-    }
-    /// Size of the discrepancy that scattering time stamps of the torque explain.
-    fn explained(&self) -> f64 {
-        0.0
-    }
-    /// What a size of 1 of the model discrepancy means, for people.
-    fn discrepancy_unit(&self) -> &'static str;
+    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error>;
+    /// The same by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
+    /// projection takes care of the rest.
+    ///
+    /// # Errors
+    /// A unit failed.
+    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error>;
 }

@@ -16,7 +16,7 @@ use super::plant::zeros;
 use super::settings::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::trajectory::State;
-use super::{Block, Cut, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -237,7 +237,15 @@ impl Cut for Weak {
         matches!(candidate.side, Side::Plant | Side::Zero)
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], _quick: bool) -> Result<Vec<Block>, Error> {
+    fn policy(&self) -> Policy {
+        Policy { steady: true, outweighed: true, explained: self.explained, ..Policy::USUAL }
+    }
+
+    fn initial(&self) -> Nuisances {
+        Nuisances::default()
+    }
+
+    fn linearise(&mut self, point: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
         let base = self.given(point, None)?;
         let mut columns: Vec<Option<Given>> = Vec::with_capacity(probes.len());
         for probe in probes {
@@ -284,25 +292,11 @@ impl Cut for Weak {
             }
         }
         count_less(&mut blocks);
-        Ok(blocks)
+        Ok(Linearised { blocks, nuisances: from.clone(), unseen: 0 })
     }
 
-    fn back(&mut self) {}
-
-    fn steady(&self) -> bool {
-        true
-    }
-
-    fn outweighed(&self) -> bool {
-        true
-    }
-
-    fn explained(&self) -> f64 {
-        self.explained
-    }
-
-    fn discrepancy_unit(&self) -> &'static str {
-        "N·m"
+    fn chord(&mut self, point: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.linearise(point, probes, from)
     }
 }
 

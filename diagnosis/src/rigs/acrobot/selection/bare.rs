@@ -5,7 +5,7 @@ use super::evaluation::{Evaluation, all_probes};
 use super::screen::{Screen, screen};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 
 /// The share of what an effect promises that another may miss to be fitted.
 const FORLORN: f64 = 0.3;
@@ -35,7 +35,7 @@ impl Bare {
     /// # Errors
     /// A unit failed.
     pub(super) fn of(
-        cut: &mut dyn Cut,
+        cut: &mut Tracked,
         candidates: &[Candidate],
         last: &Evaluation,
         active: &[usize],
@@ -44,9 +44,9 @@ impl Bare {
         let mut point = last.point.clone();
         point[effect] = candidates[effect].off;
         let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
-        cut.back();
+        cut.restore_linearised();
         let probes = all_probes(candidates, &point, &|candidate| cut.sees(candidate), &others);
-        let at = Evaluation::at(cut, &point, &probes, true)?;
+        let at = Evaluation::chord(cut, &point, &probes)?;
         let found = screen(&at, candidates, &others);
         Ok(Self { at, found })
     }

@@ -10,7 +10,7 @@ use super::refit::{own_fit, refit, refit_towards, settled};
 use super::starts::starts;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::{Cut, Probe};
+use crate::rigs::acrobot::residual::{Nuisances, Probe, Tracked};
 use crate::statistics::linear::{solve, submatrix};
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
@@ -57,7 +57,7 @@ pub struct Alternative {
 /// # Errors
 /// A unit failed at the final model.
 pub fn alternatives(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &[usize],
@@ -67,16 +67,15 @@ pub fn alternatives(
 ) -> Result<Vec<Alternative>, Error> {
     let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
     let (x, own) = own_fit(cut, candidates, last, active, effect)?;
-    cut.remember();
-    let unseen = cut.unseen();
     let seat = Seat {
-        unseen,
+        unseen: cut.unseen,
+        nuisances: cut.nuisances.clone(),
         candidates,
         last,
         others,
         effect,
         temper: temper(last, active, effect, candidates),
-        offsets: if cut.lattice() { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
+        offsets: if cut.policy().lattice { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
         own,
     };
     let mut all = vec![(effect, x, 0.0)];
@@ -106,7 +105,7 @@ pub fn alternatives(
             Opinion::Fit => all.extend(seat.fitted(cut, index)?),
         }
     }
-    cut.recall();
+    cut.restore(&seat.nuisances);
     let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
     let mut alternatives: Vec<Alternative> = all
         .into_iter()
@@ -128,6 +127,8 @@ struct Seat<'a> {
     offsets: DMatrix<f64>,
     /// Deviance of its own fit.
     own: f64,
+    /// Nuisances of its own fit.
+    nuisances: Nuisances,
     /// Frames that the camera lost there, and the data have.
     unseen: usize,
 }
@@ -145,7 +146,7 @@ impl Seat<'_> {
     }
 
     /// Loss by another's column, less what is not known of columns. What bends is believed only if seen from either fit.
-    fn along_columns(&self, cut: &mut dyn Cut, index: usize, replaced: &Replaced, strength: f64) -> f64 {
+    fn along_columns(&self, cut: &mut Tracked, index: usize, replaced: &Replaced, strength: f64) -> f64 {
         let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
         let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
         let allowed = |loss: f64| {
@@ -167,14 +168,14 @@ impl Seat<'_> {
     }
 
     /// What frames weigh that the camera lost at the last look, and the data have.
-    fn lost(&self, cut: &dyn Cut) -> f64 {
-        UNSEEN * cut.unseen().saturating_sub(self.unseen) as f64
+    fn lost(&self, cut: &Tracked) -> f64 {
+        UNSEEN * cut.unseen.saturating_sub(self.unseen) as f64
     }
 
     /// Fits another through the units: candidate, coordinate and loss.
-    fn fitted(&self, cut: &mut dyn Cut, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
+    fn fitted(&self, cut: &mut Tracked, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
         let candidate = &self.candidates[index];
-        cut.recall();
+        cut.restore(&self.nuisances);
         let mut set = self.others.clone();
         set.push(index);
         let mut best: Option<Evaluation> = None;
@@ -191,8 +192,8 @@ impl Seat<'_> {
         }
         let Some(fit) = best.filter(|fit| fit.point[index] != candidate.off) else { return Ok(None) };
         let fit = if fit.deviance() > enough { fit } else { settled(cut, fit)? };
-        let lost = match cut.lattice() {
-            true => Evaluation::at(cut, &fit.point, &[], true).map_or(0.0, |_| self.lost(cut)),
+        let lost = match cut.policy().lattice {
+            true => Evaluation::chord(cut, &fit.point, &[]).map_or(0.0, |_| self.lost(cut)),
             false => 0.0,
         };
         Ok(Some((index, fit.point[index], fit.deviance() - self.own + lost)))
@@ -207,16 +208,16 @@ fn blurs(candidate: &Candidate) -> bool {
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
 /// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
 /// times only, and a plant leaves pictures alone. A ceiling's column is that of another level.
-fn by_columns(cut: &dyn Cut, candidates: &[Candidate], effect: usize, index: usize) -> bool {
+fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
         candidate.side == Side::Camera && candidate.name != "camera.T_delay"
     };
     let ceiling = |index: usize| matches!(candidates[index].motion, Motion::Ceiling { .. });
     let smooth = |index: usize| !candidates[index].is_discrete() && !ceiling(index);
-    cut.lattice()
-        && !cut.reads_angles()
-        && (pictured(effect) || pictured(index) || !cut.free_pose())
+    cut.policy().lattice
+        && !cut.policy().reads_angles
+        && (pictured(effect) || pictured(index) || !cut.policy().free_pose)
         && smooth(effect)
         && smooth(index)
 }
@@ -292,7 +293,7 @@ struct Place<'a> {
 /// What `other` gains in the place of a candidate, as seen from that candidate's own fit. A column that carries noise of the
 /// lattice looks better than it is where it is fitted itself, and worse from elsewhere.
 fn seen_from(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
     from: &Place,
@@ -314,7 +315,7 @@ fn seen_from(
         let by = candidates[from.effect].off - fit.point[from.effect];
         probes.push(Probe { candidate: from.effect, by });
     }
-    let there = Evaluation::at(cut, &fit.point, &probes, true)?;
+    let there = Evaluation::chord(cut, &fit.point, &probes)?;
     Ok(linear_loss(&there, from.others, from.effect, other, candidates).map(|replaced| -replaced.loss))
 }
 

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::residual::{Block, Cut, Probe, Signal};
+use crate::rigs::acrobot::residual::{Block, Probe, Signal, Tracked};
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -76,15 +76,22 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Judges a point.
+    /// Linearises at a point, from where the last linearisation had the nuisances, and judges it.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn at(cut: &mut dyn Cut, point: &[f64], probes: &[Probe], quick: bool) -> Result<Self, Error> {
-        if !quick {
-            cut.back();
-        }
-        let blocks = cut.linearise(point, probes, quick)?;
+    pub fn at(cut: &mut Tracked, point: &[f64], probes: &[Probe]) -> Result<Self, Error> {
+        cut.restore_linearised();
+        let blocks = cut.linearise(point, probes)?;
+        Ok(Self::of(blocks, point, probes, cut.signals()))
+    }
+
+    /// Judges a point by a chord step.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn chord(cut: &mut Tracked, point: &[f64], probes: &[Probe]) -> Result<Self, Error> {
+        let blocks = cut.chord(point, probes)?;
         Ok(Self::of(blocks, point, probes, cut.signals()))
     }
 

@@ -6,7 +6,7 @@ use super::evidence::{TORQUE_EVIDENCE, discrepancy};
 use super::refit::refit;
 use super::trials::{Trials, with};
 use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 
 /// A ceiling is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
 const PACES: [f64; 4] = [1.03, 1.01, 1.003, 1.001];
@@ -17,13 +17,13 @@ impl Trials<'_> {
     /// A fit that fled, leaving more than without the candidate, begun anew from where it began or from where it ended.
     pub(super) fn found_back(
         &self,
-        cut: &mut dyn Cut,
+        cut: &mut Tracked,
         candidate: usize,
         from: &[f64],
         trial: Evaluation,
     ) -> Evaluation {
         let last = self.last.deviance();
-        if cut.lattice() || cut.steady() || trial.deviance() <= last {
+        if cut.policy().lattice || cut.policy().steady || trial.deviance() <= last {
             return trial;
         }
         let again = self.begun_anew(cut, candidate, from, last);
@@ -32,9 +32,9 @@ impl Trials<'_> {
 
     /// A fit of what bends that leaves a torque lacking, begun anew where it ended, and a ceiling where looks lead it, for as long as each
     /// pace of that takes half of what lacks away.
-    pub(super) fn followed(&self, cut: &mut dyn Cut, candidate: usize, trial: Evaluation) -> Evaluation {
-        if cut.lattice()
-            || cut.steady()
+    pub(super) fn followed(&self, cut: &mut Tracked, candidate: usize, trial: Evaluation) -> Evaluation {
+        if cut.policy().lattice
+            || cut.policy().steady
             || !self.candidates[candidate].bends
             || discrepancy(&trial) < TORQUE_EVIDENCE
         {
@@ -63,14 +63,14 @@ impl Trials<'_> {
 
     /// Where looks that begin from the data lead a ceiling. Far from where it belongs it leaves a window or two that nothing follows, and
     /// their columns lead nowhere.
-    fn walked(&self, cut: &mut dyn Cut, candidate: usize, from: &[f64], pace: f64) -> Option<Vec<f64>> {
-        cut.back();
-        cut.remember();
+    fn walked(&self, cut: &mut Tracked, candidate: usize, from: &[f64], pace: f64) -> Option<Vec<f64>> {
+        cut.restore_linearised();
+        let kept = cut.nuisances.clone();
         let mut look = |factor: f64| {
             let mut there = from.to_vec();
             there[candidate] *= factor;
-            cut.afresh();
-            let seen = Evaluation::at(cut, &there, &[], false);
+            cut.reset();
+            let seen = Evaluation::at(cut, &there, &[]);
             (seen.map_or(f64::INFINITY, |seen| seen.deviance()), there)
         };
         let here = look(1.0);
@@ -84,7 +84,7 @@ impl Trials<'_> {
                 best = there;
             }
         }
-        cut.recall();
+        cut.restore(&kept);
         (best.0 < here.0).then_some(best.1)
     }
 
@@ -92,19 +92,19 @@ impl Trials<'_> {
     /// the candidate may not find back by the columns that they had there, and a fit then flees from where the candidate belongs.
     fn begun_anew(
         &self,
-        cut: &mut dyn Cut,
+        cut: &mut Tracked,
         candidate: usize,
         point: &[f64],
         enough: f64,
     ) -> Option<Evaluation> {
         // what the fit that fled did to nuisances is not worth remembering
-        cut.back();
-        cut.remember();
-        cut.afresh();
-        let there = Evaluation::at(cut, point, &[], false).ok();
+        cut.restore_linearised();
+        let kept = cut.nuisances.clone();
+        cut.reset();
+        let there = Evaluation::at(cut, point, &[]).ok();
         let better = there.is_some_and(|there| there.deviance() < enough);
         let fit = better.then(|| refit(cut, self.candidates, point, &with(self.active, candidate)).ok());
-        cut.recall();
+        cut.restore(&kept);
         fit.flatten().filter(|fit| fit.deviance() < enough)
     }
 }

@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::residual::{Cut, Probe};
+use crate::rigs::acrobot::residual::{Probe, Tracked};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
 /// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
@@ -45,7 +45,7 @@ const REACH: f64 = 5.0;
 /// # Errors
 /// A unit failed even at the point to begin with.
 pub fn refit(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     active: &[usize],
@@ -59,7 +59,7 @@ pub fn refit(
 /// # Errors
 /// A unit failed even at the point to begin with.
 pub fn refit_closely(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     active: &[usize],
@@ -72,7 +72,7 @@ pub fn refit_closely(
 /// # Errors
 /// A unit failed even at the point to begin with.
 pub(super) fn refit_towards(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     active: &[usize],
@@ -82,24 +82,26 @@ pub(super) fn refit_towards(
 }
 
 fn fitted(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     active: &[usize],
     enough: f64,
-    doubted: fn(&dyn Cut, &Evaluation) -> bool,
+    doubted: fn(&Tracked, &Evaluation) -> bool,
 ) -> Result<Evaluation, Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-    cut.back();
-    let mut best = judge(cut, candidates, start, &free, true)?;
+    cut.restore_linearised();
+    let mut best = chord(cut, candidates, start, &free)?;
     let sticks = free.iter().any(|index| candidates[*index].sticks());
     // columns and start states of another friction hold for no window in which the arm sticks
-    let quick = cut.lattice() || !sticks || !doubted(cut, &best);
-    if !quick {
-        best = judge(cut, candidates, start, &free, false)?;
-        cut.hold();
+    let chords = cut.policy().lattice || !sticks || !doubted(cut, &best);
+    let judge = if chords { chord } else { linearised };
+    if !chords {
+        best = linearised(cut, candidates, start, &free)?;
     }
-    let shorter = if cut.lattice() { SHORTER_SEEN } else { SHORTER };
+    // where each step settles them anew, a refused one must leave no trace
+    let mut settled = cut.nuisances.clone();
+    let shorter = if cut.policy().lattice { SHORTER_SEEN } else { SHORTER };
     let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
     for _ in 0..ROUNDS {
         let Some((next, promise)) = propose(&best, candidates, &free, damping, stride) else { break };
@@ -109,25 +111,23 @@ fn fitted(
         }
         // columns are wanted only of a step that is taken
         let lower = |bare: Evaluation| bare.deviance() < best.deviance();
-        let taken = !cut.steady() || judge(cut, candidates, &next, &[], quick).is_ok_and(lower);
-        let trial = if taken { judge(cut, candidates, &next, &free, quick).ok() } else { None };
+        let taken = !cut.policy().steady || judge(cut, candidates, &next, &[]).is_ok_and(lower);
+        let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
         match trial {
             Some(trial) if trial.deviance() < best.deviance() => {
                 let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * promise;
                 stride = if straight && damping == 0.0 { STRETCH * stride } else { 1.0 };
                 best = trial;
                 damping *= 0.1;
-                if !quick {
-                    cut.hold();
-                }
+                settled = cut.nuisances.clone();
             }
             _ if promise < REFUSED && stride == 1.0 => break,
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
-                if quick {
-                    cut.back();
+                if chords {
+                    cut.restore_linearised();
                 } else {
-                    cut.release();
+                    cut.restore(&settled);
                 }
                 if stride > 1.0 {
                     stride = 1.0;
@@ -140,8 +140,8 @@ fn fitted(
             }
         }
     }
-    if !quick {
-        cut.release();
+    if !chords {
+        cut.restore(&settled);
     }
     Ok(best)
 }
@@ -149,16 +149,16 @@ fn fitted(
 /// The coordinate of the effect and the deviance of its own fit: where the last look's columns promise little more, it is that
 /// look, less what they promise.
 pub(super) fn own_fit(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &[usize],
     effect: usize,
 ) -> Result<(f64, f64), Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-    let promise = last.promise(&free).filter(|promise| !cut.lattice() && *promise < REFUSED);
+    let promise = last.promise(&free).filter(|promise| !cut.policy().lattice && *promise < REFUSED);
     if let Some(promise) = promise {
-        cut.back();
+        cut.restore_linearised();
         return Ok((last.point[effect], last.deviance() - promise));
     }
     let fit = refit_closely(cut, candidates, &last.point, active)?;
@@ -167,22 +167,34 @@ pub(super) fn own_fit(
 }
 
 /// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
-pub(super) fn settled(cut: &mut dyn Cut, fit: Evaluation) -> Result<Evaluation, Error> {
-    if cut.lattice() { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[], false) }
+pub(super) fn settled(cut: &mut Tracked, fit: Evaluation) -> Result<Evaluation, Error> {
+    if cut.policy().lattice { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[]) }
 }
 
-fn judge(
-    cut: &mut dyn Cut,
+/// A chord step to a point, with the sensitivities of the free values.
+fn chord(
+    cut: &mut Tracked,
     candidates: &[Candidate],
     point: &[f64],
     free: &[usize],
-    quick: bool,
 ) -> Result<Evaluation, Error> {
-    let probes: Vec<Probe> = free
-        .iter()
-        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) })
-        .collect();
-    Evaluation::at(cut, point, &probes, quick)
+    Evaluation::chord(cut, point, &derivatives(candidates, point, free))
+}
+
+/// A linearisation at a point, with the sensitivities of the free values.
+fn linearised(
+    cut: &mut Tracked,
+    candidates: &[Candidate],
+    point: &[f64],
+    free: &[usize],
+) -> Result<Evaluation, Error> {
+    Evaluation::at(cut, point, &derivatives(candidates, point, free))
+}
+
+fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<Probe> {
+    let derivative =
+        |index: &usize| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) };
+    free.iter().map(derivative).collect()
 }
 
 /// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
@@ -239,10 +251,10 @@ fn some_ran_away(best: &Evaluation) -> bool {
 }
 
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
-fn some_doubted(cut: &dyn Cut, best: &Evaluation) -> bool {
+fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
     let mut sigmas = cut.signals().iter().zip(&best.sigmas);
     let fine = sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < FINE);
-    if !fine || !cut.hopeful() {
+    if !fine || cut.nuisances.in_vain {
         return false;
     }
     let doubted = |block: &&Reduced| block.square > block.freedom + DOUBT * (2.0 * block.freedom).sqrt();

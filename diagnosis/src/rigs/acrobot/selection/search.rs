@@ -10,7 +10,7 @@ use super::{ALPHA, Alternative, Step, Study};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::floor;
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::watch::Watch;
 
 /// What ends early where time is up.
@@ -36,7 +36,7 @@ const AGAIN: usize = 3;
 /// # Errors
 /// A unit failed at the nominal model.
 pub fn study(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     known: &[usize],
@@ -53,7 +53,7 @@ pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool
 /// # Errors
 /// A unit failed at the nominal model.
 pub fn study_until(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     start: &[f64],
     known: &[usize],
@@ -70,7 +70,7 @@ pub fn study_until(
 }
 
 struct Search<'a> {
-    cut: &'a mut dyn Cut,
+    cut: &'a mut Tracked,
     candidates: &'a [Candidate],
     folds: Folds,
     active: Vec<usize>,
@@ -92,7 +92,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn begin(
-        cut: &'a mut dyn Cut,
+        cut: &'a mut Tracked,
         candidates: &'a [Candidate],
         start: &[f64],
         known: &[usize],
@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
         let mut last = nominal.clone();
         if !known.is_empty() {
             let mut point = start.to_vec();
-            cut.afresh();
+            cut.reset();
             settle(cut, candidates, &mut active, &mut point)?;
             last = look(cut, candidates, &point, &active)?;
         }
@@ -166,9 +166,9 @@ impl<'a> Search<'a> {
     /// The likeliest of what isn't on yet, if it is worth a name.
     fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
-        let cut: &mut dyn Cut = *cut;
+        let cut: &mut Tracked = *cut;
         let threshold = found.null.threshold(ALPHA);
-        let shortlist = shortlist(found, candidates, refused, threshold, cut.outweighed());
+        let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().outweighed);
         let switched = switched(cut, candidates, last, active, refused, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };
         match set.best(cut, &shortlist, switched, refused, watch)? {
@@ -183,13 +183,13 @@ impl<'a> Search<'a> {
         self.class = None;
         self.active.push(candidate);
         // windows that had to be led may follow the log by themselves now
-        self.cut.afresh();
+        self.cut.reset();
         step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
         self.last = look(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.again()?);
         step.rest.1 = rest(&self.last);
-        let compared = !self.cut.lattice() || self.cut.free_pose();
-        let astray = compared && !self.cut.outweighed() && self.last.deviance() > before.2 + ASTRAY;
+        let compared = !self.cut.policy().lattice || self.cut.policy().free_pose;
+        let astray = compared && !self.cut.policy().outweighed && self.last.deviance() > before.2 + ASTRAY;
         // what went with one that didn't stay itself comes back
         let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
         if !astray && !for_nothing {
@@ -198,7 +198,7 @@ impl<'a> Search<'a> {
             (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);
             self.refused.push(candidate);
             self.active = before.0;
-            self.cut.afresh();
+            self.cut.reset();
             self.last = look(self.cut, self.candidates, &before.1, &self.active)?;
         }
         Ok(())
@@ -241,7 +241,7 @@ impl<'a> Search<'a> {
             let continuous = |index: &usize| !self.candidates[*index].is_discrete();
             let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
             let settled = self.last.promise(&free).is_none_or(|promise| promise < UNSETTLED);
-            if settled || !self.cut.free_pose() {
+            if settled || !self.cut.policy().free_pose {
                 break;
             }
             let mut point = self.last.point.clone();
@@ -255,8 +255,8 @@ impl<'a> Search<'a> {
         let cut = self.cut;
         Study {
             name: cut.name(),
-            explained: cut.explained(),
-            outweighed: cut.outweighed(),
+            explained: cut.policy().explained,
+            outweighed: cut.policy().outweighed,
             seen: seen(cut, self.candidates),
             noise: floor::of(&self.nominal, &self.last, cut.signals()),
             active: self.active,
@@ -270,7 +270,7 @@ impl<'a> Search<'a> {
     }
 }
 
-fn seen(cut: &dyn Cut, candidates: &[Candidate]) -> Vec<usize> {
+fn seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
     (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect()
 }
 
@@ -279,15 +279,15 @@ fn seen(cut: &dyn Cut, candidates: &[Candidate]) -> Vec<usize> {
 /// # Errors
 /// A unit failed.
 pub fn look(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     point: &[f64],
     active: &[usize],
 ) -> Result<Evaluation, Error> {
     let probes = all_probes(candidates, point, &|candidate| cut.sees(candidate), active);
-    let first = Evaluation::at(cut, point, &probes, false)?;
+    let first = Evaluation::at(cut, point, &probes)?;
     // the look itself has put frames elsewhere
-    if cut.free_pose() { Evaluation::at(cut, point, &probes, false) } else { Ok(first) }
+    if cut.policy().free_pose { Evaluation::at(cut, point, &probes) } else { Ok(first) }
 }
 
 /// Mean square of the whitened rest.

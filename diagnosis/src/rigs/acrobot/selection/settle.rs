@@ -7,7 +7,7 @@ use super::refit::refit_closely;
 use super::trials::{HANDICAP, stamped_late};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::watch::Watch;
 
 /// An active effect below this many standard errors is dropped again.
@@ -37,7 +37,7 @@ pub(super) enum Opinion {
 /// place `before`, and lost it again.
 #[allow(clippy::too_many_arguments)] // one stage of the search: a struct would only rename its locals
 pub(super) fn second_opinion(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &mut Vec<usize>,
@@ -47,8 +47,9 @@ pub(super) fn second_opinion(
     watch: &mut Watch<'_>,
 ) -> Result<Opinion, Error> {
     let others = alternatives(cut, candidates, last, active, candidate, steps, watch)?;
+    let kept = cut.nuisances.clone();
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
-    let late = stamped_late(&candidates[candidate], last.point[candidate], cut.clock_doubt());
+    let late = stamped_late(&candidates[candidate], last.point[candidate], cut.policy().clock_doubt);
     let better = if late { HANDICAP } else { BETTER };
     let first = others.first().filter(|best| !before.contains(&best.candidate));
     let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + better) else {
@@ -63,7 +64,7 @@ pub(super) fn second_opinion(
     match settle(cut, candidates, &mut swapped, &mut point) {
         Ok(dropped) if !dropped.contains(&best.candidate) => {}
         _ => {
-            cut.recall();
+            cut.restore(&kept);
             return Ok(Opinion::Stays(others));
         }
     }
@@ -73,7 +74,7 @@ pub(super) fn second_opinion(
 
 /// Nuisances and values in turns, until no value moves much. Answers who was dropped.
 pub(super) fn settle(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     active: &mut Vec<usize>,
     point: &mut Vec<f64>,
@@ -81,7 +82,7 @@ pub(super) fn settle(
     let mut all = Vec::new();
     for _ in 0..SETTLE {
         // the nuisances first, since a fit leaves them where the last look found them
-        Evaluation::at(cut, point, &[], false)?;
+        Evaluation::at(cut, point, &[])?;
         let before = point.clone();
         let (dropped, tiny) = prune(cut, candidates, active, point)?;
         all.extend(dropped);
@@ -95,7 +96,7 @@ pub(super) fn settle(
 /// The last value that nothing shows, be it taken away as a whole: a ceiling that cuts nothing any more, which stands in the way of all
 /// others. A delay shows nothing in small either, where torques are held from step to step.
 fn idle(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     fit: &Evaluation,
     free: &[usize],
@@ -103,7 +104,7 @@ fn idle(
     for index in free.iter().copied().rev().filter(|index| !fit.shows(*index)) {
         let mut without = fit.point.clone();
         without[index] = candidates[index].off;
-        if Evaluation::at(cut, &without, &[], true)?.deviance() < fit.deviance() + IDLE {
+        if Evaluation::chord(cut, &without, &[])?.deviance() < fit.deviance() + IDLE {
             return Ok(Some(index));
         }
     }
@@ -113,7 +114,7 @@ fn idle(
 /// Drops what is superfluous or at the end of its range, the weakest first, and fits the rest again. Answers who was dropped, and for each
 /// candidate by how much it may still move to count as settled.
 fn prune(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     active: &mut Vec<usize>,
     point: &mut Vec<f64>,

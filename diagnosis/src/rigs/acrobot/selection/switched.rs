@@ -5,7 +5,7 @@ use super::refit::ran_away;
 use super::trials::Trial;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Cuts, Motion};
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 use std::cmp::Ordering;
 
 /// Fall of the deviance that a switch must bring.
@@ -28,7 +28,7 @@ const FAR: f64 = 8.0;
 /// # Errors
 /// A unit failed at the model that is there.
 pub(super) fn switched(
-    cut: &mut dyn Cut,
+    cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
     active: &[usize],
@@ -36,8 +36,8 @@ pub(super) fn switched(
     in_vain: &mut Vec<usize>,
 ) -> Result<Option<Trial>, Error> {
     let mut best: Option<Trial> = None;
-    let pictured = cut.lattice();
-    if last.softness == 0.0 || cut.outweighed() || (pictured && !cut.free_pose()) {
+    let pictured = cut.policy().lattice;
+    if last.softness == 0.0 || cut.policy().outweighed || (pictured && !cut.policy().free_pose) {
         return Ok(None);
     }
     // a machine that ran away from its ceiling: no tangent says anything of such a window
@@ -53,8 +53,8 @@ pub(super) fn switched(
             continue;
         }
         let nearest = tried(cut, candidate, last, index);
-        cut.afresh();
-        Evaluation::at(cut, &last.point, &[], false)?;
+        cut.reset();
+        Evaluation::at(cut, &last.point, &[])?;
         let Some(trial) = nearest.filter(|trial| trial.deviance() < last.deviance()) else {
             in_vain.push(index);
             continue;
@@ -70,13 +70,13 @@ pub(super) fn switched(
 }
 
 /// Of all values of a candidate the one with which windows, begun anew, must be led least.
-fn tried(cut: &mut dyn Cut, candidate: &Candidate, last: &Evaluation, index: usize) -> Option<Evaluation> {
+fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usize) -> Option<Evaluation> {
     let mut look = |x: f64| {
         let mut point = last.point.clone();
         point[index] = x;
-        cut.afresh();
+        cut.reset();
         // a value that the unit refuses is no trial
-        Evaluation::at(cut, &point, &[], false).ok()
+        Evaluation::at(cut, &point, &[]).ok()
     };
     let steps = candidate.steps.iter().map(|step| candidate.off + step);
     if !matches!(candidate.motion, Motion::Ceiling { .. }) {

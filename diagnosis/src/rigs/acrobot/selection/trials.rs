@@ -7,7 +7,7 @@ use super::screen::{Hit, Screen, screen};
 use super::search::SEARCH;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::Cut;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::statistics::linear::submatrix;
 use crate::watch::Watch;
 
@@ -60,7 +60,7 @@ impl Trials<'_> {
     /// Fits the shortlist and takes the best that also explains the runs left out.
     pub(super) fn best(
         &self,
-        cut: &mut dyn Cut,
+        cut: &mut Tracked,
         shortlist: &[Hit],
         switched: Option<Trial>,
         refused: &mut Vec<usize>,
@@ -82,12 +82,12 @@ impl Trials<'_> {
             self.fit(cut, hit, &mut trials);
         }
         let large = LARGE * self.last.total.square;
-        let linear = cut.lattice() && small && shortlist.iter().all(|hit| hit.gain < large);
+        let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
         if linear {
             trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
         }
         let most = trials.iter().map(|trial| trial.1).fold(0.0, f64::max);
-        self.handicap(&mut trials, cut.clock_doubt(), most);
+        self.handicap(&mut trials, cut.policy().clock_doubt, most);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
             // a part of a whole step is none, however well columns would have it, and no column is a ceiling's beyond its own level
@@ -107,13 +107,13 @@ impl Trials<'_> {
 
     /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
     /// remains of a plant and nothing else is named, the likeliest is taken with which the rest is noise, if runs left out agree.
-    pub(super) fn sparse(&self, cut: &mut dyn Cut, refused: &[usize]) -> Result<Option<Accepted>, Error> {
-        let (explained, pictured) = (cut.explained(), cut.lattice());
-        let driven = !pictured || cut.free_pose();
-        if cut.outweighed() || !driven || !lacking(self.last, self.folds, explained, pictured) {
+    pub(super) fn sparse(&self, cut: &mut Tracked, refused: &[usize]) -> Result<Option<Accepted>, Error> {
+        let (explained, pictured) = (cut.policy().explained, cut.policy().lattice);
+        let driven = !pictured || cut.policy().free_pose;
+        if cut.policy().outweighed || !driven || !lacking(self.last, self.folds, explained, pictured) {
             return Ok(None);
         }
-        cut.remember();
+        let kept = cut.nuisances.clone();
         let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
         let hits = self.pure();
@@ -124,14 +124,14 @@ impl Trials<'_> {
         trials.retain(|(_, fall, _)| *fall > SPARSE);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
-            cut.afresh();
-            let settled = Evaluation::at(cut, &trial.point, &[], false)?;
+            cut.reset();
+            let settled = Evaluation::at(cut, &trial.point, &[])?;
             let held_out = self.held_out(&trial, candidate, false);
             if held_out.1 < held_out.0 && !lacking(&settled, self.folds, explained, pictured) {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
         }
-        cut.recall();
+        cut.restore(&kept);
         Ok(None)
     }
 
@@ -152,7 +152,7 @@ impl Trials<'_> {
         hits
     }
 
-    fn fit(&self, cut: &mut dyn Cut, hit: &Hit, into: &mut Vec<Trial>) {
+    fn fit(&self, cut: &mut Tracked, hit: &Hit, into: &mut Vec<Trial>) {
         let mut beginnings = starts(self.candidates, self.last, hit);
         let mut place = 0;
         while let Some(x) = beginnings.get(place).copied() {
@@ -173,7 +173,7 @@ impl Trials<'_> {
                 beginnings.extend(self.candidates[hit.candidate].after(x));
             }
             // a composite likelihood's gain counts as much as its blocks agree
-            let temper = if cut.outweighed() { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+            let temper = if cut.policy().outweighed { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
         }
     }

@@ -9,7 +9,7 @@
 use super::picture::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot, Studio};
 use super::settings::settings;
 use super::trajectory::Motion;
-use super::{Block, Cut, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -83,6 +83,19 @@ type Followed = (Vec<Setting>, f64);
 /// Poses, and what they have followed.
 type Poses = (Vec<Shot>, Option<Followed>);
 
+/// Where the poses of all frames are, and where the last linearisation had them.
+#[derive(Debug, Clone)]
+pub struct ImageState {
+    now: Poses,
+    linearised: Poses,
+}
+
+impl ImageState {
+    pub(super) fn linearised(&self) -> Self {
+        Self { now: self.linearised.clone(), linearised: self.linearised.clone() }
+    }
+}
+
 /// Motion in, picture out.
 #[derive(Clone)]
 pub struct ImageCut {
@@ -108,10 +121,10 @@ pub struct ImageCut {
     pub read: bool,
     /// Frames in which the camera didn't find its circles, where the data's did.
     unseen: usize,
-    /// Poses, and what they had followed, at the last look that was not quick.
-    looked: Option<Poses>,
-    /// The same, when it was asked for.
-    remembered: Option<Poses>,
+    /// Poses, and what they had followed, at the last linearisation.
+    linearised: Poses,
+    /// Poses as the data have them.
+    first: Arc<ImageState>,
 }
 
 impl ImageCut {
@@ -161,6 +174,7 @@ impl ImageCut {
         let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
         let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
         let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
+        let poses: Poses = (frames.iter().map(|frame| frame.shot).collect(), None);
         Ok(Some(Self {
             candidates,
             frames,
@@ -176,8 +190,8 @@ impl ImageCut {
             followed: None,
             read,
             unseen: 0,
-            looked: None,
-            remembered: None,
+            first: Arc::new(ImageState { now: poses.clone(), linearised: poses.clone() }),
+            linearised: poses,
             studio,
         }))
     }
@@ -192,9 +206,33 @@ impl ImageCut {
         self.studio.interval()
     }
 
-    /// Poses as they are now are those to come back to.
-    pub fn mark(&mut self) {
-        self.looked = Some(self.poses());
+    /// Poses as they are now are those of a linearisation.
+    pub(super) fn mark(&mut self) {
+        self.linearised = self.poses();
+    }
+
+    /// Puts the frames where nuisances have them.
+    pub(super) fn begin_from(&mut self, from: &Nuisances) {
+        let state = from.frames.as_ref().unwrap_or(&self.first).clone();
+        let (shots, followed) = &state.now;
+        self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
+        self.followed.clone_from(followed);
+        self.linearised.clone_from(&state.linearised);
+    }
+
+    /// Where the frames are.
+    pub(super) fn state(&self) -> Arc<ImageState> {
+        Arc::new(ImageState { now: self.poses(), linearised: self.linearised.clone() })
+    }
+
+    /// Frames in which the data show what the model's camera didn't find at the last step.
+    pub(super) fn unseen(&self) -> usize {
+        self.unseen
+    }
+
+    fn found(&self, blocks: Vec<Block>, from: &Nuisances) -> Linearised {
+        let nuisances = Nuisances { frames: Some(self.state()), ..from.clone() };
+        Linearised { blocks, nuisances, unseen: self.unseen }
     }
 
     fn poses(&self) -> Poses {
@@ -253,33 +291,27 @@ impl ImageCut {
     }
 }
 
-impl Cut for ImageCut {
-    fn name(&self) -> &'static str {
-        match self.pose {
-            Pose::Logged(..) => "camera: motion in, picture out",
-            Pose::Led | Pose::Free => "camera: picture alone, pose free",
-        }
-    }
-
-    fn signals(&self) -> &[Signal] {
-        &self.signals
-    }
-
-    fn sees(&self, candidate: &Candidate) -> bool {
-        let free = !matches!(self.pose, Pose::Logged(..));
-        let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
-        seen && !(free && candidate.name == "camera.T_delay")
-    }
-
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
+impl ImageCut {
+    /// A linearisation from where the frames are.
+    pub(super) fn settle(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
         self.place(point);
-        if !quick && self.studio.interlaced() {
+        if self.studio.interlaced() {
             self.order(point)?;
         }
         self.follow(point)?;
-        if !quick {
-            self.mark();
-        }
+        self.mark();
+        self.compare(point, probes)
+    }
+
+    /// A chord step from where the frames are.
+    pub(super) fn step(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+        self.place(point);
+        self.follow(point)?;
+        self.compare(point, probes)
+    }
+
+    /// Residuals and sensitivities at the poses as they are.
+    fn compare(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
         let base = self.base(point)?;
         let mut columns = Vec::with_capacity(probes.len());
         for probe in probes {
@@ -354,34 +386,43 @@ impl Cut for ImageCut {
         }
         Ok(blocks)
     }
+}
 
-    fn lattice(&self) -> bool {
-        true
-    }
-
-    fn unseen(&self) -> usize {
-        self.unseen
-    }
-
-    fn back(&mut self) {
-        if let Some((shots, followed)) = &self.looked {
-            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
-            self.followed.clone_from(followed);
+impl Cut for ImageCut {
+    fn name(&self) -> &'static str {
+        match self.pose {
+            Pose::Logged(..) => "camera: motion in, picture out",
+            Pose::Led | Pose::Free => "camera: picture alone, pose free",
         }
     }
 
-    fn remember(&mut self) {
-        self.remembered = Some(self.poses());
+    fn signals(&self) -> &[Signal] {
+        &self.signals
     }
 
-    fn recall(&mut self) {
-        if let Some((shots, followed)) = &self.remembered {
-            self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
-            self.followed.clone_from(followed);
-        }
+    fn sees(&self, candidate: &Candidate) -> bool {
+        let free = !matches!(self.pose, Pose::Logged(..));
+        let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
+        seen && !(free && candidate.name == "camera.T_delay")
     }
 
-    fn discrepancy_unit(&self) -> &'static str {
-        "px"
+    fn policy(&self) -> Policy {
+        Policy { lattice: true, ..Policy::USUAL }
+    }
+
+    fn initial(&self) -> Nuisances {
+        Nuisances { frames: Some(self.first.clone()), ..Nuisances::default() }
+    }
+
+    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let blocks = self.settle(at, probes)?;
+        Ok(self.found(blocks, from))
+    }
+
+    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let blocks = self.step(at, probes)?;
+        Ok(self.found(blocks, from))
     }
 }

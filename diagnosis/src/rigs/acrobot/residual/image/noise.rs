@@ -5,7 +5,7 @@
 //! many pixels of the rim lie near the threshold. So the frames are made again with noise, and the noise is sought that
 //! scatters them as much as the measured ones. Neighbouring frames are subtracted: what changes slowly is no noise.
 
-use super::ImageCut;
+use super::{ImageCut, Nuisances};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
@@ -56,11 +56,13 @@ pub struct Noise {
 type Scatter = [(f64, f64); 3];
 
 impl ImageCut {
-    /// Compares the scatter of circle 1 with what the camera at `point` gives; `None` where too few frames are measured.
+    /// Compares the scatter of circle 1 with what the camera at `point` gives, poses being `at` where a step left them; `None` where
+    /// too few frames are measured.
     ///
     /// # Errors
     /// The camera unit failed.
-    pub fn noise(&self, point: &[f64]) -> Result<Option<Noise>, Error> {
+    pub fn noise(&mut self, point: &[f64], at: &Nuisances) -> Result<Option<Noise>, Error> {
+        self.begin_from(at);
         let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::Scatter) else {
             return Ok(None);
         };

@@ -91,7 +91,7 @@ impl ImageCut {
             frame.shot.end = back(&frame.shot.end, -later);
             frame.shot.before = back(&frame.shot.before, -later);
         }
-        let blocks = self.linearise(point, &[], true)?;
+        let blocks = self.compare(point, &[])?;
         let smooth = self.smoothed(&blocks);
         let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
         if size < STILL * STILL * smooth.len() as f64 {

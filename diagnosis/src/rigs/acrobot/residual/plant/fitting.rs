@@ -7,7 +7,7 @@ const REACH: State = [1e-2, 1e-2, 0.3, 0.3];
 const HELD: [f64; 3] = [0.3, 0.03, 0.003];
 
 /// A window, simulated.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct Fit {
     pub(super) start: State,
     pub(super) leads: Vec<f64>,
@@ -151,34 +151,65 @@ impl PlantCut {
         Ok(())
     }
 
-    pub(super) fn window(
-        &self,
-        window: &Window,
-        point: &[f64],
-        probes: &[Probe],
-        quick: bool,
-    ) -> Result<Look, Error> {
+    /// Settles a window's nuisances at a point.
+    pub(super) fn linearised(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<Look, Error> {
+        let settings = self.settings(point, None)?;
+        let layout = Layout::of(self, window);
+        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let (fit, free) = self.settled(window, &layout, &settings, begin)?;
+        self.compared(window, &layout, point, probes, fit, free)
+    }
+
+    /// A chord step of a window, by the sensitivities of its last linearisation; without any, it is linearised.
+    pub(super) fn stepped(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<Look, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
         let mut begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let known = window.kept.as_ref().filter(|kept| kept.hard.nrows() == layout.len());
+        let (fit, free) = match known {
+            Some(kept) => {
+                (begin.cell.hard, begin.cell.soft) = (kept.hard.clone(), kept.soft.clone());
+                (self.chord(window, &layout, &settings, window.is_led(), begin)?, None)
+            }
+            None => self.settled(window, &layout, &settings, begin)?,
+        };
+        self.compared(window, &layout, point, probes, fit, free)
+    }
+
+    /// A window's nuisances settled from `begin`, and, if there was one, the fit without leads.
+    fn settled(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        mut begin: Fit,
+    ) -> Result<(Fit, Option<Fit>), Error> {
         let (mut fit, mut free) = (begin.clone(), None);
-        if let Some(kept) = window.kept.as_ref().filter(|kept| quick && kept.hard.nrows() == layout.len()) {
-            (fit.cell.hard, fit.cell.soft) = (kept.hard.clone(), kept.soft.clone());
-            fit = self.chord(window, &layout, &settings, window.is_led(), fit)?;
-        } else {
-            let led_before = window.is_led();
-            if !led_before {
-                // before the fit is settled: leading begins with these columns again
-                self.nuisance_columns(window, &layout, &settings, false, &mut begin)?;
-                fit = self.settle(window, &layout, &settings, false, begin.clone())?;
-                free = Some(fit.clone());
-            }
-            if led_before || self.astray(&layout, &fit) {
-                // from the first guess again: a state that was fitted without leads may be far away
-                fit = self.settle(window, &layout, &settings, true, begin)?;
-            }
-            self.nuisance_columns(window, &layout, &settings, true, &mut fit)?;
+        let led_before = window.is_led();
+        if !led_before {
+            // before the fit is settled: leading begins with these columns again
+            self.nuisance_columns(window, layout, settings, false, &mut begin)?;
+            fit = self.settle(window, layout, settings, false, begin.clone())?;
+            free = Some(fit.clone());
         }
+        if led_before || self.astray(layout, &fit) {
+            // from the first guess again: a state that was fitted without leads may be far away
+            fit = self.settle(window, layout, settings, true, begin)?;
+        }
+        self.nuisance_columns(window, layout, settings, true, &mut fit)?;
+        Ok((fit, free))
+    }
+
+    /// What a fit leaves, with the sensitivities to the probes.
+    fn compared(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        point: &[f64],
+        probes: &[Probe],
+        fit: Fit,
+        free: Option<Fit>,
+    ) -> Result<Look, Error> {
         let Fit { start, leads, base, mut cell, .. } = fit;
         // the model itself has no leads: what they did is part of the rest
         let missing = &cell.soft * DVector::from_column_slice(&leads);
@@ -189,7 +220,7 @@ impl PlantCut {
         for (place, probe) in probes.iter().enumerate() {
             let candidate = &self.candidates[probe.candidate];
             if candidate.side != Side::Plant && self.sees(candidate) {
-                let column = self.seen_column(window, &layout, &base, place, probe.candidate);
+                let column = self.seen_column(window, layout, &base, place, probe.candidate);
                 (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
             } else if self.sees(candidate) {
                 let probe = self.gentle(*probe);
@@ -201,7 +232,7 @@ impl PlantCut {
             }
         }
         cell.columns = columns;
-        self.stamps(&layout, &base, &mut cell);
+        self.stamps(layout, &base, &mut cell);
         let mut state = [0.0; 4];
         for row in &base {
             for (sum, value) in state.iter_mut().zip(row) {

@@ -9,20 +9,14 @@ const LED: f64 = 4.0;
 /// Parts in which windows are asked whether they must be led.
 const LOOKS: usize = 8;
 impl PlantCut {
-    /// Share of windows in which the plant must be led to stay with the log.
-    pub fn led(&self) -> f64 {
-        let led = self.windows.iter().filter(|window| window.is_led()).count();
-        led as f64 / self.windows.len().max(1) as f64
-    }
-
     /// Whether the share of windows in which the plant must be led stays within `most` at a point, all windows begun
     /// anew. Answers the question alone, without leading: that is what a look there costs most.
     ///
     /// # Errors
     /// The unit failed.
     pub fn follows(&mut self, point: &[f64], most: f64) -> Result<bool, Error> {
-        self.mend(point);
-        self.afresh();
+        self.correct_log(point);
+        self.begin_anew();
         let settings = self.settings(point, None)?;
         let total = self.windows.len();
         let (mut led, mut seen) = (0, 0);
@@ -59,7 +53,7 @@ impl PlantCut {
 
     /// Where another scatter of the stamps changes whether the plant must be led, looks again from the beginning;
     /// elsewhere that would find the same once more.
-    pub(super) fn lead_again(&mut self, point: &[f64]) -> Result<(), Error> {
+    pub(super) fn lead_again(&mut self, point: &[f64], in_vain: bool) -> Result<bool, Error> {
         let changed = |place: &usize| {
             let window = &self.windows[*place];
             let layout = Layout::of(self, window);
@@ -70,7 +64,23 @@ impl PlantCut {
             let window = &mut self.windows[*place];
             window.begin(&self.runs[window.run]);
         }
-        self.look(&places, point, &[], false)?;
-        Ok(())
+        self.settle_some(&places, point, &[], in_vain).map(|(_, in_vain)| in_vain)
+    }
+}
+
+impl Tracked<PlantCut> {
+    /// Share of windows in which the plant must be led to stay with the log.
+    pub fn led(&self) -> f64 {
+        let windows = self.nuisances.windows.iter().flat_map(|windows| windows.iter());
+        windows.filter(|window| window.is_led()).count() as f64 / self.windows().0.max(1) as f64
+    }
+
+    /// As [`PlantCut::follows`]; windows begin from the data afterwards.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn follows(&mut self, point: &[f64], most: f64) -> Result<bool, Error> {
+        self.reset();
+        PlantCut::follows(self, point, most)
     }
 }

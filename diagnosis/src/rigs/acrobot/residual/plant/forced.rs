@@ -65,7 +65,8 @@ impl PlantCut {
 }
 
 impl Forced for PlantCut {
-    fn states(&self, point: &[f64]) -> Result<Vec<Vec<State>>, Error> {
+    fn states(&mut self, point: &[f64], at: &Nuisances) -> Result<Vec<Vec<State>>, Error> {
+        self.begin_from(at);
         let settings = self.settings(point, None)?;
         self.windows
             .par_iter()
@@ -81,7 +82,13 @@ impl Forced for PlantCut {
             .collect()
     }
 
-    fn pushed(&self, point: &[f64], torques: &[Vec<Vec<Pair>>]) -> Result<Vec<DMatrix<f64>>, Error> {
+    fn pushed(
+        &mut self,
+        point: &[f64],
+        at: &Nuisances,
+        torques: &[Vec<Vec<Pair>>],
+    ) -> Result<Vec<DMatrix<f64>>, Error> {
+        self.begin_from(at);
         let settings = self.settings(point, None)?;
         self.windows
             .par_iter()

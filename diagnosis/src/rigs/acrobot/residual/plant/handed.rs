@@ -44,18 +44,19 @@ fn doubted(look: &Look, usual: f64) -> bool {
 
 impl PlantCut {
     /// Looks again at windows that are lost or doubted, those of a run in their order. `found` is what was found at `places`.
-    /// Answers whether doubts are worth having: not where nobody who was doubted got a better start.
+    /// Answers whether doubts are worth having: not where nobody who was doubted got a better start, now or `in_vain` before.
     pub(super) fn handed(
         &self,
         places: &[usize],
         point: &[f64],
         probes: &[Probe],
         found: &mut [Result<Look, Error>],
+        in_vain: bool,
     ) -> Result<bool, Error> {
         let (mut doubts, mut helped) = (0, 0);
         let settings = self.settings(point, None)?;
         let sticks = |(candidate, x): (&Candidate, &f64)| candidate.sticks() && candidate.value(*x) > 0.0;
-        let asked = self.hopeful && self.candidates.iter().zip(point).any(sticks);
+        let asked = !in_vain && self.candidates.iter().zip(point).any(sticks);
         let usual = if asked { usual(found) } else { f64::INFINITY };
         let many = found.iter().flatten().filter(|look| doubted(look, usual)).count();
         let usual = if many as f64 <= FEW * found.len() as f64 { usual } else { f64::INFINITY };
@@ -77,7 +78,7 @@ impl PlantCut {
             };
             let Some(begun) = begun else { continue };
             // what begins anew and fails leaves what there was
-            let Ok(again) = self.window(&here.begun_at(begun), point, probes, false) else { continue };
+            let Ok(again) = self.linearised(&here.begun_at(begun), point, probes) else { continue };
             if squares(&again) < squares(look) {
                 found[index] = Ok(again);
             }

@@ -27,20 +27,21 @@ const EVENLY: f64 = 0.3;
 const STILL: f64 = 0.5;
 
 impl PlantCut {
-    /// Takes a full look at a point, finds how much the stamps scatter, and settles the windows with that.
+    /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that. Answers where they are then.
     ///
     /// # Errors
     /// The unit failed.
-    pub fn begin(&mut self, point: &[f64]) -> Result<(), Error> {
+    pub fn find_jitter(&mut self, point: &[f64], from: &Nuisances) -> Result<Nuisances, Error> {
+        self.begin_from(from);
         // stamps that stand unevenly may scatter by as much: a plant that was led along such rows would hide it
         let uneven = (self.runs.iter())
             .filter_map(|run| run.plant.as_ref())
             .map(|log| unevenness(&log.time))
             .fold(UNIT, f64::max);
         self.jitter = uneven;
-        let unit = self.linearise(point, &[], false);
+        let unit = self.settle_all(point, &[], from.in_vain);
         self.jitter = 0.0;
-        let unit = unit?;
+        let (unit, mut in_vain) = unit?;
         let judged = |size: f64| {
             let mut blocks = unit.clone();
             for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
@@ -72,13 +73,13 @@ impl PlantCut {
             self.jitter = 0.0;
         }
         if self.jitter > 0.0 || uneven > UNIT {
-            self.lead_again(point)?;
+            in_vain = self.lead_again(point, in_vain)?;
         }
         self.windows.iter_mut().for_each(|window| window.free = None);
-        Ok(())
+        Ok(self.nuisances(in_vain))
     }
 
-    /// By how much the stamps scatter, s: found by `begin`.
+    /// By how much the stamps scatter, s: found by `find_jitter`.
     pub fn scatter(&self) -> f64 {
         self.jitter
     }
@@ -87,26 +88,6 @@ impl PlantCut {
     fn spacing(&self) -> f64 {
         let logs = self.runs.iter().filter_map(|run| run.plant.as_ref());
         logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Whether the stamps scatter by as much with effects on as they seemed to before, when what was missing may have passed for it.
-    /// If not, the windows are settled with what they scatter by now.
-    ///
-    /// # Errors
-    /// The unit failed.
-    pub fn still_scatters(&mut self, point: &[f64]) -> Result<bool, Error> {
-        let before = self.jitter;
-        if before == 0.0 {
-            return Ok(true);
-        }
-        self.begin(point)?;
-        if self.jitter < STILL * before {
-            return Ok(false);
-        }
-        self.jitter = before;
-        self.afresh();
-        self.linearise(point, &[], false)?;
-        Ok(true)
     }
 
     /// Puts the stamps' columns before the leads.
@@ -146,6 +127,39 @@ impl PlantCut {
         let (sum, count) =
             squares.fold((0.0, 0.0), |(sum, count), (square, one)| (sum + square, count + one));
         sum / f64::max(count, 1.0)
+    }
+}
+
+impl Tracked<PlantCut> {
+    /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn begin(&mut self, point: &[f64]) -> Result<(), Error> {
+        let from = self.nuisances.clone();
+        let found = self.find_jitter(point, &from)?;
+        self.restore(&found);
+        Ok(())
+    }
+
+    /// Whether the stamps scatter by as much with effects on as they seemed to before, when what was missing may have passed for it.
+    /// If not, the windows are settled with what they scatter by now.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn still_scatters(&mut self, point: &[f64]) -> Result<bool, Error> {
+        let before = self.jitter;
+        if before == 0.0 {
+            return Ok(true);
+        }
+        self.begin(point)?;
+        if self.jitter < STILL * before {
+            return Ok(false);
+        }
+        self.jitter = before;
+        self.reset();
+        self.linearise(point, &[])?;
+        Ok(true)
     }
 }
 

@@ -1,11 +1,11 @@
-//! What is mended in the log itself before it is compared: its clock, and the zeros of its angles.
+//! What is corrected in the log itself before it is compared: its clock, and the zeros of its angles.
 
 use super::*;
 use crate::rigs::acrobot::candidates::ZEROS;
 
 impl PlantCut {
-    /// Mends the log as a point says.
-    pub(super) fn mend(&mut self, point: &[f64]) {
+    /// Corrects the log as a point says.
+    pub(super) fn correct_log(&mut self, point: &[f64]) {
         if let Some(clock) = self.clock {
             self.shift(point[clock]);
         }

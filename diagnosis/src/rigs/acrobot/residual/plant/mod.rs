@@ -2,7 +2,7 @@
 
 use super::settings::settings;
 use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
-use super::{Block, Cut, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -30,6 +30,7 @@ use log::steered;
 pub use log::zeros;
 pub use through::Poses;
 use through::Through;
+pub use window::WindowState;
 use window::{Kept, Span, Window, cut_run, lost, most, thin};
 
 /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
@@ -80,8 +81,10 @@ pub struct PlantCut {
     jitter: f64,
     /// By how much the log may be late, s: no bound where runs were found to have clocks of their own.
     doubt: f64,
-    /// No full look has doubted windows in vain yet: beginning them anew may help.
-    hopeful: bool,
+    /// Torque that the scatter of its timestamps explains, N·m.
+    explained: f64,
+    /// Start states as the data alone have them.
+    first: Arc<Vec<WindowState>>,
     /// Windows that the logs were cut into, before they were thinned.
     cut: usize,
     /// How heavy the arm is.
@@ -142,6 +145,9 @@ impl PlantCut {
             .iter()
             .position(|candidate| candidate.side == Side::Clock)
             .filter(|_| runs.iter().any(steered));
+        let part = windows.first().map_or(WINDOW, |window| window.edges[1] - window.edges[0]);
+        let explained = jitter::torque_scatter(&runs, part);
+        let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
             bench: model.plant.clone(),
@@ -155,7 +161,8 @@ impl PlantCut {
             clock,
             zeros: [0.0; 2],
             jitter: 0.0,
-            hopeful: true,
+            explained,
+            first,
             doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
             cut,
             heft,
@@ -171,33 +178,79 @@ impl PlantCut {
         settings(&self.bench, &self.candidates, Side::Plant, point, moved)
     }
 
-    /// Looks at some windows.
-    fn look(
+    /// Puts windows where nuisances have them.
+    pub(super) fn begin_from(&mut self, from: &Nuisances) {
+        match &from.windows {
+            Some(states) => {
+                self.windows.iter_mut().zip(&**states).for_each(|(window, state)| window.put(state))
+            }
+            None => self.begin_anew(),
+        }
+    }
+
+    /// Begins windows from the data.
+    fn begin_anew(&mut self) {
+        let runs = self.runs.clone();
+        self.windows.iter_mut().for_each(|window| window.begin(&runs[window.run]));
+    }
+
+    /// Where the windows are.
+    pub(super) fn state(&self) -> Arc<Vec<WindowState>> {
+        Arc::new(self.windows.iter().map(Window::state).collect())
+    }
+
+    fn nuisances(&self, in_vain: bool) -> Nuisances {
+        Nuisances { windows: Some(self.state()), frames: None, in_vain }
+    }
+
+    /// Linearises all windows from where they are. Answers, too, whether doubts of windows were in vain.
+    pub(super) fn settle_all(
+        &mut self,
+        point: &[f64],
+        probes: &[Probe],
+        in_vain: bool,
+    ) -> Result<(Vec<Block>, bool), Error> {
+        self.correct_log(point);
+        let all: Vec<usize> = (0..self.windows.len()).collect();
+        self.settle_some(&all, point, probes, in_vain)
+    }
+
+    /// Linearises some windows.
+    fn settle_some(
         &mut self,
         places: &[usize],
         point: &[f64],
         probes: &[Probe],
-        quick: bool,
-    ) -> Result<Vec<Block>, Error> {
-        let look = |place: &usize| self.window(&self.windows[*place], point, probes, quick);
+        in_vain: bool,
+    ) -> Result<(Vec<Block>, bool), Error> {
+        let look = |place: &usize| self.linearised(&self.windows[*place], point, probes);
         let mut done: Vec<_> = places.par_iter().map(look).collect();
-        if !quick {
-            self.hopeful &= self.handed(places, point, probes, &mut done)?;
-        }
+        let in_vain = !self.handed(places, point, probes, &mut done, in_vain)? || in_vain;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
             let Look { start, leads, block, free } = result?;
             let window = &mut self.windows[*place];
-            if !quick {
-                window.free = free;
-                window.kept = block.cells.first().map(|cell| {
-                    let count = cell.soft.ncols() - cell.discrepancy;
-                    let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
-                    Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft }
-                });
-            }
-            window.start = start;
-            window.leads = leads;
+            window.free = free.map(Arc::new);
+            window.kept = block.cells.first().map(|cell| {
+                let count = cell.soft.ncols() - cell.discrepancy;
+                let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
+                Arc::new(Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft })
+            });
+            (window.start, window.leads) = (start, leads);
+            blocks.push(block);
+        }
+        Ok((blocks, in_vain))
+    }
+
+    /// A chord step of all windows from where they are.
+    pub(super) fn step_all(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+        self.correct_log(point);
+        let look = |window: &Window| self.stepped(window, point, probes);
+        let done: Vec<_> = self.windows.par_iter().map(look).collect();
+        let mut blocks = Vec::with_capacity(done.len());
+        for (window, result) in self.windows.iter_mut().zip(done) {
+            let Look { start, leads, block, .. } = result?;
+            (window.start, window.leads) = (start, leads);
             blocks.push(block);
         }
         Ok(blocks)
@@ -270,22 +323,18 @@ impl PlantCut {
             .collect()
     }
 
-    /// Keeps at most so many windows, evenly spread.
-    pub fn thin(&mut self, most: usize) {
-        let every = self.windows.len().div_ceil(most.max(1)).max(1);
-        let mut place = 0;
-        self.windows.retain(|_| {
-            place += 1;
-            (place - 1) % every == 0
-        });
-    }
-
     /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
-    /// next). Call after `linearise` at the same point.
+    /// next), with nuisances `at` where a linearisation at the point left them.
     ///
     /// # Errors
     /// The unit failed.
-    pub fn motion(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
+    pub fn motion(&mut self, point: &[f64], every: f64, at: &Nuisances) -> Result<Vec<Motion>, Error> {
+        self.begin_from(at);
+        self.motion_now(point, every)
+    }
+
+    /// The same with windows where they are.
+    pub(super) fn motion_now(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
         let settings = self.settings(point, None)?;
         let mut motions = vec![Motion::default(); self.runs.len()];
         let stretches: Vec<_> = self
@@ -339,56 +388,23 @@ impl Cut for PlantCut {
         }
     }
 
-    fn clock_doubt(&self) -> f64 {
-        self.doubt
+    fn policy(&self) -> Policy {
+        Policy { clock_doubt: self.doubt, explained: self.explained, ..Policy::USUAL }
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], quick: bool) -> Result<Vec<Block>, Error> {
-        self.mend(point);
-        let all: Vec<usize> = (0..self.windows.len()).collect();
-        self.look(&all, point, probes, quick)
+    fn initial(&self) -> Nuisances {
+        Nuisances { windows: Some(self.first.clone()), ..Nuisances::default() }
     }
 
-    fn back(&mut self) {
-        for window in &mut self.windows {
-            if let Some(kept) = &window.kept {
-                window.start = kept.start;
-                window.leads.clone_from(&kept.leads);
-            }
-        }
+    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let (blocks, in_vain) = self.settle_all(at, probes, from.in_vain)?;
+        Ok(Linearised { blocks, nuisances: self.nuisances(in_vain), unseen: 0 })
     }
 
-    fn remember(&mut self) {
-        self.windows.iter_mut().for_each(Window::remember);
-    }
-
-    fn recall(&mut self) {
-        self.windows.iter_mut().for_each(Window::recall);
-    }
-
-    fn hopeful(&self) -> bool {
-        self.hopeful
-    }
-
-    fn hold(&mut self) {
-        self.windows.iter_mut().for_each(Window::hold);
-    }
-
-    fn release(&mut self) {
-        self.windows.iter_mut().for_each(Window::release);
-    }
-
-    fn afresh(&mut self) {
-        let runs = self.runs.clone();
-        self.windows.iter_mut().for_each(|window| window.begin(&runs[window.run]));
-    }
-
-    fn explained(&self) -> f64 {
-        let part = self.windows.first().map_or(WINDOW, |window| window.edges[1] - window.edges[0]);
-        jitter::torque_scatter(&self.runs, part)
-    }
-
-    fn discrepancy_unit(&self) -> &'static str {
-        "N·m"
+    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.begin_from(from);
+        let blocks = self.step_all(at, probes)?;
+        Ok(Linearised { blocks, nuisances: self.nuisances(from.in_vain), unseen: 0 })
     }
 }

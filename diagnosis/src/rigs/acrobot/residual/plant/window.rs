@@ -15,8 +15,8 @@ const APART: f64 = 1.5;
 /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
 const GENTLE: f64 = 0.03;
 
-/// What a full look found of a window's nuisances.
-#[derive(Clone)]
+/// What a linearisation found of a window's nuisances.
+#[derive(Debug, Clone)]
 pub(super) struct Kept {
     pub(super) start: State,
     pub(super) leads: Vec<f64>,
@@ -79,8 +79,29 @@ pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
     });
 }
 
-/// A window's nuisances.
-type Nuisances = (State, Vec<f64>, Option<Kept>, Option<super::fitting::Fit>);
+/// Where a window's nuisances are.
+#[derive(Debug, Clone)]
+pub struct WindowState {
+    start: State,
+    leads: Vec<f64>,
+    kept: Option<Arc<Kept>>,
+    free: Option<Arc<super::fitting::Fit>>,
+}
+
+impl WindowState {
+    /// Where the last linearisation had them.
+    pub(in crate::rigs::acrobot::residual) fn linearised(&self) -> Self {
+        match &self.kept {
+            Some(kept) => Self { start: kept.start, leads: kept.leads.clone(), ..self.clone() },
+            None => self.clone(),
+        }
+    }
+
+    /// Whether the plant must be led along the log in it.
+    pub(super) fn is_led(&self) -> bool {
+        self.leads.iter().any(|lead| *lead != 0.0)
+    }
+}
 
 #[derive(Clone)]
 pub(super) struct Window {
@@ -95,12 +116,10 @@ pub(super) struct Window {
     pub(super) edges: Vec<f64>,
     /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
     pub(super) leads: Vec<f64>,
-    /// Start, leads and columns of the nuisances, from the last full look.
-    pub(super) kept: Option<Kept>,
-    /// The fit without leads of the last full look: by it the window was led, or not.
-    pub(super) free: Option<super::fitting::Fit>,
-    remembered: Option<Nuisances>,
-    held: Option<Nuisances>,
+    /// Start, leads and columns of the nuisances, from the last linearisation.
+    pub(super) kept: Option<Arc<Kept>>,
+    /// The fit without leads of the last linearisation: by it the window was led, or not.
+    pub(super) free: Option<Arc<super::fitting::Fit>>,
     /// It was lost, and is begun anew: its fit tries harder.
     pub(super) again: bool,
 }
@@ -118,8 +137,6 @@ impl Window {
             leads: vec![0.0; self.leads.len()],
             kept: None,
             free: None,
-            remembered: None,
-            held: None,
             again: true,
         }
     }
@@ -136,28 +153,14 @@ impl Window {
         self.free = None;
     }
 
-    fn nuisances(&self) -> Nuisances {
-        (self.start, self.leads.clone(), self.kept.clone(), self.free.clone())
+    pub(super) fn state(&self) -> WindowState {
+        let (kept, free) = (self.kept.clone(), self.free.clone());
+        WindowState { start: self.start, leads: self.leads.clone(), kept, free }
     }
 
-    pub(super) fn remember(&mut self) {
-        self.remembered = Some(self.nuisances());
-    }
-
-    pub(super) fn recall(&mut self) {
-        if let Some(known) = &self.remembered {
-            (self.start, self.leads, self.kept, self.free) = known.clone();
-        }
-    }
-
-    pub(super) fn hold(&mut self) {
-        self.held = Some(self.nuisances());
-    }
-
-    pub(super) fn release(&mut self) {
-        if let Some(known) = &self.held {
-            (self.start, self.leads, self.kept, self.free) = known.clone();
-        }
+    pub(super) fn put(&mut self, state: &WindowState) {
+        let WindowState { start, leads, kept, free } = state.clone();
+        (self.start, self.leads, self.kept, self.free) = (start, leads, kept, free);
     }
 
     pub(super) fn is_led(&self) -> bool {
@@ -244,8 +247,6 @@ pub(super) fn cut_run(
                 leads: vec![0.0; 2 * PARTS],
                 kept: None,
                 free: None,
-                remembered: None,
-                held: None,
                 again: false,
             });
         }

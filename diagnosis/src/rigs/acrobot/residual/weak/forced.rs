@@ -30,7 +30,7 @@ impl Weak {
 }
 
 impl Forced for Weak {
-    fn states(&self, _point: &[f64]) -> Result<Vec<Vec<State>>, Error> {
+    fn states(&mut self, _point: &[f64], _at: &Nuisances) -> Result<Vec<Vec<State>>, Error> {
         Ok(self
             .stretches
             .iter()
@@ -38,7 +38,12 @@ impl Forced for Weak {
             .collect())
     }
 
-    fn pushed(&self, point: &[f64], torques: &[Vec<Vec<Pair>>]) -> Result<Vec<DMatrix<f64>>, Error> {
+    fn pushed(
+        &mut self,
+        point: &[f64],
+        _at: &Nuisances,
+        torques: &[Vec<Vec<Pair>>],
+    ) -> Result<Vec<DMatrix<f64>>, Error> {
         let settings = settings(&self.bench, &self.candidates, Side::Plant, point, None)?;
         self.stretches
             .par_iter()

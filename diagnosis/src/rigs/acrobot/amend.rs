@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Effect;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, name};
 use crate::rigs::acrobot::correction::{Correction, wiring};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
@@ -31,7 +31,7 @@ pub fn amended(
                 .map_err(failed)?;
         }
     }
-    for effect in effects.iter().filter(|effect| effect.name == "camera.drop_rate") {
+    for effect in effects.iter().filter(|effect| effect.name == name(Attribute::LostFrames)) {
         scenario.set(&effect.name, &format!("{:?}", effect.value)).map_err(failed)?;
     }
     if let Some(correction) = correction {

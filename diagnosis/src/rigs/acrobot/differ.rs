@@ -51,6 +51,7 @@ mod tests {
             steps: vec![0.002],
             range: (0.5, 8.0),
             bends: false,
+            attributes: &[],
         }
     }
 

@@ -24,6 +24,7 @@ mod floor;
 mod gap;
 mod imitation;
 pub mod model;
+mod parameters;
 pub(crate) mod pipeline;
 mod places;
 pub(crate) mod plausibility;

@@ -3,16 +3,16 @@
 use crate::error::{Error, Notice};
 use crate::opened::{model, open, text};
 use crate::rigs::acrobot::bench::Bench;
+use crate::rigs::acrobot::candidates::{Attribute, name, names};
 use crate::rigs::acrobot::correction::wiring::strip;
 use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::parameters::{self, MOUNT};
 use orchestrator::scenario::Given;
 use orchestrator::{Kind, Place, Scenario, Simulation, UnitPath, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-const ROLL: &str = "camera.roll";
-const MOUNT: &str = "camera.mount";
 /// Inertias of links, kg·m², of the arms that steps were chosen with: from a bench-top arm's forearm to the paper's acrobot.
 const USUAL: (f64, f64) = (0.02, 0.12);
 
@@ -46,7 +46,7 @@ impl Model {
         }
         // a mount that is said to be turned is one that the vision knows of; what is no angle is refused under its own name
         let angle = |roll: &String| roll.parse::<f64>().is_ok_and(f64::is_finite);
-        let roll = data.manifest.set.get(ROLL).map(text).filter(angle);
+        let roll = data.manifest.set.get(name(Attribute::CameraRoll)).map(text).filter(angle);
         if let (Some(roll), None) = (roll, data.manifest.set.get(MOUNT)) {
             scenario.set(MOUNT, &roll).map_err(|error| set_error(MOUNT, error.to_string()))?;
         }
@@ -99,7 +99,7 @@ impl Model {
 
     /// What a user should know of the nominal model.
     pub fn notices(&self, data: &DataSet) -> Vec<Notice> {
-        let limit = self.number("plant.q2_max").filter(|limit| data.contact(*limit) > *limit);
+        let limit = self.number(parameters::STOP).filter(|limit| data.contact(*limit) > *limit);
         let beyond = limit.map(|limit| Notice {
             file: "dataset.toml".into(),
             line: 0,
@@ -123,7 +123,7 @@ impl Model {
     /// How heavy the arm is against those that steps of torques are given for: 1 where the inertia of its lighter link is within
     /// `USUAL`. The same machine with all inertias, torques and weights a thousandth moves in the same way.
     pub fn heft(&self) -> f64 {
-        let inertias = ["plant.theta_1", "plant.theta_5"].iter().filter_map(|name| self.number(name));
+        let inertias = names(Attribute::LinkInertia).filter_map(|name| self.number(name));
         let least = inertias.fold(f64::INFINITY, f64::min);
         if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }
     }
@@ -145,12 +145,12 @@ impl Model {
 
     /// Frames a second, or fields where the camera is interlaced.
     pub fn frame_rate(&self) -> f64 {
-        self.number("camera.omega_cam").unwrap_or(30.0) * if self.interlaced() { 2.0 } else { 1.0 }
+        self.number(parameters::FRAME_RATE).unwrap_or(30.0) * if self.interlaced() { 2.0 } else { 1.0 }
     }
 
     /// The camera's frames are fields of half the rows.
     pub fn interlaced(&self) -> bool {
-        self.number("camera.interlaced").is_some_and(|value| value > 0.5)
+        self.number(parameters::INTERLACED).is_some_and(|value| value > 0.5)
     }
 
     /// Units of all variables that have one.

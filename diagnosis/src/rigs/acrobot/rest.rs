@@ -1,7 +1,7 @@
 //! Is what is left noise? And if not, what does it look like?
 
 use crate::diagnosis::Unknown;
-use crate::rigs::acrobot::candidates::{CLOCK, Candidate, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, place};
 use crate::rigs::acrobot::gap::led;
 use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
@@ -140,10 +140,11 @@ const DRIFTING: f64 = 4.5;
 
 /// Clocks that drift apart: by how much the log's, or the picture's delay, moves along the runs.
 pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
-    let stamps =
-        [(CLOCK, "time stamps of the plant's log"), ("camera.T_delay", "time stamps of the picture")];
-    stamps.into_iter().find_map(|(name, signal)| {
-        let index = candidates.iter().position(|candidate| candidate.name == name)?;
+    let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
+    let delay = place(candidates, Attribute::ImageDelay);
+    let stamps = [(clock, "timestamps of the plant's log"), (delay, "timestamps of the image")];
+    stamps.into_iter().find_map(|(index, signal)| {
+        let index = index?;
         let (rate, clear) = steadiness(&study.last, index, &study.active)?.drift;
         let told = || Unknown {
             signal: signal.to_owned(),

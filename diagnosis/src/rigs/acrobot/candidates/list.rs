@@ -1,6 +1,10 @@
 //! The list. To add a candidate, add an entry.
 
-use super::{Cuts, Entry, Motion, Side};
+use super::{Attribute, Cuts, Entry, Motion, Side};
+use Attribute::{
+    Bias, CameraRoll, Exposure, Friction, Gain, Ground, ImageDelay, InActuator, JointWeight, LinkInertia,
+    LostFrames, OverTime, Retards, Rolls, SensorNoise, Sticks,
+};
 
 const fn real(
     name: &'static str,
@@ -9,23 +13,60 @@ const fn real(
     range: (f64, f64),
     phrase: &'static str,
 ) -> Entry {
-    Entry { name, side, motion: Motion::Real { steps, range }, bends: false, phrase }
+    Entry {
+        name,
+        side,
+        motion: Motion::Real { steps, range },
+        bends: false,
+        phrase,
+        attributes: &[],
+        twin: None,
+    }
 }
 
 const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
-    Entry { name, side: Side::Plant, motion: Motion::Load { steps, range }, bends: false, phrase }
+    Entry {
+        name,
+        side: Side::Plant,
+        motion: Motion::Load { steps, range },
+        bends: false,
+        phrase,
+        attributes: &[],
+        twin: None,
+    }
 }
 
 const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
-    Entry { name, side: Side::Plant, motion: Motion::Share { steps, range }, bends: false, phrase }
+    Entry {
+        name,
+        side: Side::Plant,
+        motion: Motion::Share { steps, range },
+        bends: false,
+        phrase,
+        attributes: &[],
+        twin: None,
+    }
 }
 
 const fn bent(entry: Entry) -> Entry {
     Entry { bends: true, ..entry }
 }
 
+const fn is(attributes: &'static [Attribute], entry: Entry) -> Entry {
+    Entry { attributes, ..entry }
+}
+
+/// Says the same as a term of a correction.
+const fn twin(term: &'static str, entry: Entry) -> Entry {
+    Entry { twin: Some(term), ..entry }
+}
+
 /// All torques of the actuator go with it.
 pub const GAIN: &str = "plant.k_tau";
+/// How long an image is exposed, in frame intervals.
+pub const EXPOSURE: &str = "camera.E_t";
+/// Passes of the mask that blurs an image.
+pub const DEFOCUS: &str = "camera.N";
 /// Not a variable of a unit: how late the plant's log is stamped, s.
 pub const CLOCK: &str = "plant log's clock";
 /// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
@@ -48,26 +89,26 @@ const THOUSANDTH: &[f64] = &[0.001];
 /// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
 #[rustfmt::skip]
 pub const LIST: &[Entry] = &[
-    load("plant.b_roll", &[5e-4], FAST, "viscous friction of the first link (rolling)"),
-    load("plant.b_joint", &[2e-4], FAST, "viscous friction at the joint"),
-    bent(load("plant.fc_roll", &[5e-4], FAST, "Coulomb friction of the first link (rolling)")),
-    bent(load("plant.fc_joint", &[5e-4], FAST, "Coulomb friction at the joint")),
+    is(&[Friction], twin("damp_roll", load("plant.b_roll", &[5e-4], FAST, "viscous friction of the first link (rolling)"))),
+    is(&[Friction], twin("damp_joint", load("plant.b_joint", &[2e-4], FAST, "viscous friction at the joint"))),
+    is(&[Friction, Sticks], twin("stick_roll", bent(load("plant.fc_roll", &[5e-4], FAST, "Coulomb friction of the first link (rolling)")))),
+    is(&[Friction, Sticks], twin("stick_joint", bent(load("plant.fc_joint", &[5e-4], FAST, "Coulomb friction at the joint")))),
     load("plant.I_rotor", &[2e-5], ROTOR, "rotor inertia at the joint"),
-    Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, phrase: "torque saturation" },
-    Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, phrase: "limit on the rate of the torque" },
-    real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator"),
-    real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator"),
-    load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"),
-    share(GAIN, THOUSANDTH, PART, "torque gain"),
-    real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"),
-    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, phrase: "velocity terms of the equations of motion" },
-    share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link"),
-    share("plant.theta_2", THOUSANDTH, PART, "inertia coupling of rolling and first link"),
-    share("plant.theta_5", THOUSANDTH, PART, "inertia of the second link"),
-    share("plant.theta_7", THOUSANDTH, PART, "inertia coupling of rolling and second link"),
+    is(&[InActuator], Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, attributes: &[], twin: None, phrase: "torque saturation" }),
+    is(&[InActuator, OverTime], Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, attributes: &[], twin: None, phrase: "limit on the rate of the torque" }),
+    is(&[InActuator, OverTime, Retards], real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator")),
+    is(&[InActuator, OverTime, Retards], real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator")),
+    is(&[Bias], twin("bias_joint", load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"))),
+    is(&[Gain], share(GAIN, THOUSANDTH, PART, "torque gain")),
+    is(&[Ground], twin("bias_roll", real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"))),
+    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, attributes: &[], twin: None, phrase: "velocity terms of the equations of motion" },
+    is(&[LinkInertia], share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link")),
+    is(&[Rolls], share("plant.theta_2", THOUSANDTH, PART, "inertia coupling of rolling and first link")),
+    is(&[LinkInertia], share("plant.theta_5", THOUSANDTH, PART, "inertia of the second link")),
+    is(&[Rolls], share("plant.theta_7", THOUSANDTH, PART, "inertia coupling of rolling and second link")),
     share("plant.theta_8", THOUSANDTH, PART, "inertia coupling of the links"),
-    share("plant.theta_9", THOUSANDTH, PART, "gravity torque of the first link"),
-    share("plant.theta_10", THOUSANDTH, PART, "gravity torque of the second link"),
+    twin("spring_roll", share("plant.theta_9", THOUSANDTH, PART, "gravity torque of the first link")),
+    is(&[JointWeight], twin("spring_joint", share("plant.theta_10", THOUSANDTH, PART, "gravity torque of the second link"))),
     real("camera.k1", Side::Camera, &[0.04], (-2.0, 2.0), "radial distortion of the lens"),
     real("camera.k2", Side::Camera, &[0.04], (-4.0, 4.0), "fifth-order radial distortion of the lens"),
     real("camera.p1", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along u"),
@@ -75,19 +116,19 @@ pub const LIST: &[Entry] = &[
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
     real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
     real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
-    Entry { name: "camera.N", side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, bends: true, phrase: "defocus" },
-    real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis"),
+    Entry { name: DEFOCUS, side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, bends: true, attributes: &[], twin: None, phrase: "defocus" },
+    is(&[CameraRoll], real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis")),
     real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
     real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),
     real("camera.u0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along u"),
     real("camera.v0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along v"),
     real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
-    bent(real("camera.E_t", Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time")),
+    is(&[Exposure], bent(real(EXPOSURE, Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time"))),
     real(CLOCK, Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
     real(ZEROS[0], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle"),
     real(ZEROS[1], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle"),
     // below 0 only to tell a clock that is off: no camera is that quick
-    real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results"),
-    real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames"),
-    real("camera.sigma", Side::Scatter, &[8.0], (0.0, 200.0), "noise of the sensor"),
+    is(&[ImageDelay], real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results")),
+    is(&[LostFrames], real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames")),
+    is(&[SensorNoise], real("camera.sigma", Side::Scatter, &[8.0], (0.0, 200.0), "noise of the sensor")),
 ];

@@ -3,13 +3,13 @@
 //! The list (in `list.rs`) is data: a name, how the parameter moves, and a phrase a person would use. Nothing here
 //! says what a candidate does; its signature comes from moving it in the unit itself.
 
+mod attributes;
 mod list;
 
-pub use list::{CLOCK, GAIN, LIST, ZEROS};
+pub use attributes::{Attribute, name, names, place, variable};
+pub use list::{CLOCK, DEFOCUS, EXPOSURE, GAIN, LIST, ZEROS};
 
 use crate::rigs::acrobot::model::Model;
-
-const SLOPE: &str = "plant.slope";
 
 /// Which cut of the loop shows a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +99,10 @@ pub struct Entry {
     pub bends: bool,
     /// What a person would call it.
     pub phrase: &'static str,
+    /// What code asks of it.
+    pub attributes: &'static [Attribute],
+    /// The term of a correction that says the same.
+    pub twin: Option<&'static str>,
 }
 
 /// A candidate of one diagnosis: an entry with the nominal model's off value.
@@ -122,6 +126,8 @@ pub struct Candidate {
     pub range: (f64, f64),
     /// Its size changes what it does, not only how much.
     pub bends: bool,
+    /// What code asks of it.
+    pub attributes: &'static [Attribute],
 }
 
 impl Candidate {
@@ -143,7 +149,7 @@ impl Candidate {
 
     /// Coulomb friction: with it the arm rests until it is pushed hard enough.
     pub fn sticks(&self) -> bool {
-        self.bends && matches!(self.motion, Motion::Load { .. })
+        self.is(Attribute::Sticks)
     }
 
     /// The whole number after the largest that is looked for, or after one beyond it.
@@ -185,7 +191,7 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
             continue;
         }
         // a rolling arm's upright is where the ground says; a pinned arm has no ground, and its zeros were set by hand
-        let other = if pinned(model) { entry.name == SLOPE } else { entry.side == Side::Zero };
+        let other = if pinned(model) { entry.is(Attribute::Ground) } else { entry.side == Side::Zero };
         if other {
             continue;
         }
@@ -226,15 +232,15 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         }
         // a nominal value that no search would come to is none to be pulled back
         let range = (range.0.min(off), range.1.max(off));
-        let Entry { name, side, motion, bends, phrase } = *entry;
-        found.push(Candidate { name, side, phrase, motion, off, steps, range, bends });
+        let Entry { name, side, motion, bends, phrase, attributes, .. } = *entry;
+        found.push(Candidate { name, side, phrase, motion, off, steps, range, bends, attributes });
     }
     found
 }
 
 /// The arm turns about a fixed pin instead of rolling.
 fn pinned(model: &Model) -> bool {
-    ["plant.theta_2", "plant.theta_7"].iter().all(|name| model.number(name) == Some(0.0))
+    names(Attribute::Rolls).all(|name| model.number(name) == Some(0.0))
 }
 
 #[cfg(test)]
@@ -262,6 +268,7 @@ mod tests {
             steps: vec![-1.0],
             range: (0.0, 1.0),
             bends: true,
+            attributes: &[],
         };
         // an end of an interval
         assert_eq!(switch.value(-1e-9).to_string(), "0");
@@ -279,6 +286,7 @@ mod tests {
             steps: vec![0.5],
             range: (0.0, f64::INFINITY),
             bends: true,
+            attributes: &[],
         };
         assert_eq!([0.0, -1e-9, 0.5, 4.0].map(|x| ceiling.value(x)), [0.0, 0.0, 2.0, 0.25]);
         assert_eq!(ceiling.derivative_step(0.5), 0.001);
@@ -336,6 +344,7 @@ mod tests {
             steps: vec![0.1],
             range: (0.0, 1.0),
             bends: false,
+            attributes: &[],
         };
         for off in [0.0, 0.2] {
             let ends = [0.0, 0.5, 1.0].map(|x| lag(Side::Plant, off).is_at_its_end(x));

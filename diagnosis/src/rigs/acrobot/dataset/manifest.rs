@@ -3,6 +3,8 @@
 use super::stated::Stated;
 use super::{CAMERA_COLUMNS, CONTROLLER_COLUMNS, PLANT_COLUMNS};
 use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Attribute, name};
+use crate::rigs::acrobot::parameters;
 use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -82,19 +84,21 @@ impl Manifest {
 
     /// Width and height of the picture, px: those of `[set]`, or the camera's own.
     pub fn picture(&self) -> (f64, f64) {
-        (self.number("camera.width", 512.0), self.number("camera.height", 512.0))
+        (self.number(parameters::WIDTH, 512.0), self.number(parameters::HEIGHT, 512.0))
     }
 
     /// Nominal time between frames, s.
     pub fn interval(&self) -> f64 {
-        1.0 / self.number("camera.omega_cam", 30.0)
+        1.0 / self.number(parameters::FRAME_RATE, 30.0)
     }
 
     /// Height of circle 1, the drum's centre, over the middle of the picture, px; `None` where the mount is turned.
     pub fn ground(&self) -> Option<f64> {
-        let turned = ["camera.roll", "camera.mount"].iter().any(|name| self.number(name, 0.0).abs() > TURNED);
-        let world = self.number("camera.ground", -8.0) + self.number("camera.R", 1.0);
-        (!turned).then(|| world * self.picture().0 / self.number("camera.field_of_view", 20.0))
+        let turned = [name(Attribute::CameraRoll), parameters::MOUNT]
+            .iter()
+            .any(|name| self.number(name, 0.0).abs() > TURNED);
+        let world = self.number(parameters::GROUND, -8.0) + self.number(parameters::DRUM, 1.0);
+        (!turned).then(|| world * self.picture().0 / self.number(parameters::FIELD_OF_VIEW, 20.0))
     }
 }
 

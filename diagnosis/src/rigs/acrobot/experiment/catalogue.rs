@@ -95,6 +95,8 @@ const RAMP: Profile = Profile::Points(&[(0.0, 0.0), (1.0, 0.0), (6.0, 0.45), (14
 const SWING: Profile = Profile::Sweep { size: 0.2, from: 0.08, to: 0.5 };
 const FAST_SWING: Profile = Profile::Sweep { size: 0.12, from: 0.3, to: 0.9 };
 
+use crate::rigs::acrobot::candidates::{DEFOCUS, EXPOSURE};
+use crate::rigs::acrobot::parameters::{FIELD_OF_VIEW, FRAME_RATE};
 use Change::{Desired, Hang, Plus, Rate, Times, Turned};
 
 /// No experiment but the control of the predictions: what the data at hand should have told.
@@ -112,12 +114,12 @@ pub const CATALOGUE: &[Experiment] = &[
     Experiment { name: "small steps", rig: Rig::Rolling, cost: 1, changes: &[Desired(SMALL)], what: "Repeat with small steps of z_desired, 0.1 each." },
     Experiment { name: "faster steps, logged often", rig: Rig::Rolling, cost: 2, changes: &[Desired(FAST), Rate(200.0)], what: "Repeat with faster steps of z_desired, up to 0.4, each in 0.8 s, and log the joint angles 200 times a second." },
     Experiment { name: "swing, logged often", rig: Rig::Rolling, cost: 2, changes: &[Desired(SWING), Rate(200.0)], what: "Swing: let z_desired be a sinusoid whose frequency rises from 0.08 to 0.5 Hz, and log the joint angles 200 times a second." },
-    Experiment { name: "exposure halved", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 0.5)], what: "Halve the exposure and repeat the runs." },
-    Experiment { name: "exposure doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.E_t", 2.0)], what: "Double the exposure and repeat the runs." },
-    Experiment { name: "frame rate doubled", rig: Rig::Any, cost: 1, changes: &[Times("camera.omega_cam", 2.0)], what: "Double the frames a second of the camera and repeat the runs." },
-    Experiment { name: "refocused", rig: Rig::Any, cost: 2, changes: &[Plus("camera.N", 1.0)], what: "Refocus the camera one pass of the mask (camera.N) off its focus and repeat the runs." },
-    Experiment { name: "camera nearer", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 0.85)], what: "Move the camera nearer, until it sees 0.85 of the width that it saw, and repeat the runs." },
-    Experiment { name: "camera farther", rig: Rig::Any, cost: 2, changes: &[Times("camera.field_of_view", 1.2)], what: "Move the camera farther away, until it sees 1.2 of the width that it saw, and repeat the runs." },
+    Experiment { name: "exposure halved", rig: Rig::Any, cost: 1, changes: &[Times(EXPOSURE, 0.5)], what: "Halve the exposure and repeat the runs." },
+    Experiment { name: "exposure doubled", rig: Rig::Any, cost: 1, changes: &[Times(EXPOSURE, 2.0)], what: "Double the exposure and repeat the runs." },
+    Experiment { name: "frame rate doubled", rig: Rig::Any, cost: 1, changes: &[Times(FRAME_RATE, 2.0)], what: "Double the frames a second of the camera and repeat the runs." },
+    Experiment { name: "refocused", rig: Rig::Any, cost: 2, changes: &[Plus(DEFOCUS, 1.0)], what: "Refocus the camera one pass of the mask (camera.N) off its focus and repeat the runs." },
+    Experiment { name: "camera nearer", rig: Rig::Any, cost: 2, changes: &[Times(FIELD_OF_VIEW, 0.85)], what: "Move the camera nearer, until it sees 0.85 of the width that it saw, and repeat the runs." },
+    Experiment { name: "camera farther", rig: Rig::Any, cost: 2, changes: &[Times(FIELD_OF_VIEW, 1.2)], what: "Move the camera farther away, until it sees 1.2 of the width that it saw, and repeat the runs." },
     Experiment { name: "mount turned by 90 degrees", rig: Rig::Any, cost: 2, changes: &[Turned(PI_HALF)], what: "Turn the camera mount by 90 degrees about its axis (camera.roll = pi/2), tell the vision so (camera.mount), and repeat the runs." },
     Experiment { name: "mount turned by 40 degrees", rig: Rig::Any, cost: 3, changes: &[Turned(0.7)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), tell the vision so (camera.mount), and repeat the runs." },
     Experiment { name: "mount turned by 40 degrees, ramps", rig: Rig::Rolling, cost: 3, changes: &[Turned(0.7), Desired(RAMP)], what: "Turn the camera mount by 40 degrees about its axis (camera.roll = 0.7), tell the vision so (camera.mount), and make slow ramps of z_desired from one end of the range to the other." },

@@ -4,7 +4,7 @@ use super::scenario::Logs;
 use super::simulate::Trial;
 use super::{Member, Question};
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::chain::Chain;
@@ -155,7 +155,7 @@ fn torque_columns(
 /// rendering.
 fn read(trial: &Trial, model: &Model) -> DataSet {
     let mut data = trial.data.clone();
-    let delay = model.number("camera.T_delay").unwrap_or(0.0);
+    let delay = model.number(name(Attribute::ImageDelay)).unwrap_or(0.0);
     for run in &mut data.runs {
         let Some(camera) = &run.camera else { continue };
         let seen = camera.time.iter().map(|time| time - delay);

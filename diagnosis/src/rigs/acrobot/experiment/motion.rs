@@ -3,6 +3,7 @@
 use super::catalogue::{LENGTH, Rig};
 use super::scenario::{feed, refused};
 use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::model::Model;
 use orchestrator::Scenario;
@@ -111,7 +112,7 @@ pub fn repeated(data: &DataSet, rig: Rig) -> Tables {
 
 /// An arm at rest, driven by a sum of sines; at link 1 only if the lab has a motor there.
 pub fn hanging(data: &DataSet, model: &Model) -> Tables {
-    let weight = model.number("plant.theta_10").unwrap_or(1.0).abs();
+    let weight = model.number(name(Attribute::JointWeight)).unwrap_or(1.0).abs();
     let shoulder = data.runs.iter().any(|run| moved(run.controller.as_ref(), "tau_1") > 0.0);
     // frequencies without a common divisor, phases that keep the begin gentle
     let sines = |size: f64, lines: [f64; 5]| -> Vec<(f64, f64)> {

@@ -4,8 +4,10 @@ use super::catalogue::{Change, Experiment, LENGTH, Log, Profile, Rig};
 use super::motion::{self, Tables};
 use super::simulate::rate;
 use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Attribute, Entry, LIST, Motion, name};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use orchestrator::scenario::{Placed, Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Scenario};
 
@@ -55,7 +57,7 @@ pub struct Prepared {
 
 /// Joint and first link of a pinned arm have no drum: R = 0 makes these vanish.
 pub fn rig(model: &Model) -> Rig {
-    match model.number("plant.theta_2") {
+    match model.number(name(Attribute::Rolls)) {
         Some(0.0) => Rig::Pinned,
         _ => Rig::Rolling,
     }
@@ -77,8 +79,9 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
             Change::Desired(profile) => moved = Some(Tables::desired(data, points(profile))),
             Change::Hang => moved = Some(motion::hanging(data, model)),
             Change::Turned(by) => {
-                set.extend([("camera.roll", number(model, "camera.roll")? + by)]);
-                set.extend([("camera.mount", number(model, "camera.mount")? + by)]);
+                for name in [name(Attribute::CameraRoll), parameters::MOUNT] {
+                    set.push((name, number(model, name)? + by));
+                }
             }
             Change::Times(name, factor) => set.push((name, number(model, name)? * factor)),
             Change::Plus(name, by) => set.push((name, number(model, name)? + by)),
@@ -101,7 +104,8 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     tables.put(&mut scenario, now.picture)?;
     let set: Vec<(String, f64)> = set.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     for (name, value) in &set {
-        let text = if *name == "camera.N" { format!("{value:.0}") } else { format!("{value:?}") };
+        let counted = |entry: &Entry| entry.name == name && matches!(entry.motion, Motion::Count { .. });
+        let text = if LIST.iter().any(counted) { format!("{value:.0}") } else { format!("{value:?}") };
         scenario.set(name, &text).map_err(refused)?;
     }
     scenario.description = entry.what.to_owned();

@@ -18,7 +18,7 @@ use super::simulate::simulate;
 use super::{Member, Question};
 use crate::error::Error;
 use crate::rigs::acrobot::amend::written;
-use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Probe;
 use crate::statistics::linear::{solve, submatrix};
@@ -49,8 +49,9 @@ impl<'a> Bench<'a> {
         let mut head = question.data.clone();
         head.runs = Vec::new();
         let mut set: Vec<(String, f64)> = prepared.set.clone();
-        if question.model.number("camera.sigma").is_some() {
-            set.push(("camera.sigma".into(), 0.0));
+        let noise = name(Attribute::SensorNoise);
+        if question.model.number(noise).is_some() {
+            set.push((noise.into(), 0.0));
         }
         let typed = |name: &str, value: f64| match question.list.iter().find(|c| c.name == name) {
             Some(candidate) if candidate.is_discrete() => toml::Value::Integer(value as i64),

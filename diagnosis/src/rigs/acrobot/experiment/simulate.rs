@@ -3,6 +3,7 @@
 
 use super::scenario::{Logs, Prepared, record, refused};
 use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Manifest, Run, Table};
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
@@ -45,7 +46,7 @@ pub fn simulate(
         .map(|name| format!("plant.{name}"))
         .to_vec();
     if filmed {
-        scenario.set("camera.sigma", "0.0").map_err(refused)?;
+        scenario.set(name(Attribute::SensorNoise), "0.0").map_err(refused)?;
         names.extend(COLUMNS.iter().chain(&["valid", "frame"]).map(|name| format!("camera.{name}")));
     }
     if controlled {

@@ -1,11 +1,11 @@
 //! The plant log's clock: cleared before anything is named.
 
 use super::*;
+use crate::rigs::acrobot::candidates::Attribute::{Exposure, ImageDelay, Retards};
+use crate::rigs::acrobot::candidates::place;
 use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::selection::steadiness;
 
-const DELAY: &str = "camera.T_delay";
-const EXPOSURE: &str = "camera.E_t";
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
 pub(super) const MISSES: f64 = 3.0;
 /// Standard errors of the clock that a delay or an exposure must be larger than.
@@ -17,9 +17,8 @@ const BLURRED: f64 = 2.0;
 /// their clock to some ten microseconds only, a picture its delay to some microseconds.
 fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     let Compared { parts, point, .. } = compared;
-    let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
-    let delay =
-        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
+    let clock = own_clock(list)?;
+    let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
     let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
     let (by, error) =
         parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
@@ -32,11 +31,16 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     Some(point[clock] + (shift * weights.1 - by * weights.0) / (weights.0 + weights.1))
 }
 
+/// Where the clock of the plant's log stands in the list.
+fn own_clock(list: &[Candidate]) -> Option<usize> {
+    list.iter().position(|candidate| candidate.side == Side::Clock)
+}
+
 /// By how much a picture is late, s, and the standard error of that.
 fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)> {
     let late = |other: &&Alternative| other.candidate == delay && other.loss < CLASS;
     let (effect, by) = part.classes.iter().find_map(|(effect, class)| {
-        let own = [DELAY, EXPOSURE].contains(&list[*effect].name);
+        let own = list[*effect].is(ImageDelay) || list[*effect].is(Exposure);
         let by = class.iter().find(late).map(|other| other.x - list[delay].off);
         own.then_some((*effect, by?))
     })?;
@@ -66,8 +70,7 @@ const CLOSE: f64 = 0.1;
 
 /// Whether pictures are late by as much as the plant's log: then that was right, and an actuator lags.
 pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
-    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
-    let (Some(clock), Some(delay)) = (place(CLOCK), place(DELAY)) else { return false };
+    let (Some(clock), Some(delay)) = (own_clock(list), place(list, ImageDelay)) else { return false };
     let late = compared.point[clock];
     let seen = compared.parts.iter().filter(|part| !part.torque);
     let seen = seen.filter_map(|part| seen_late(part, list, delay)).map(|(by, _)| by);
@@ -77,15 +80,14 @@ pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
-    let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
     if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
         // the pictures' clock is free, so that of an exposure its blur alone is known
         let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
         let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
-        let doubt = place(EXPOSURE).and_then(|index| Some((index, beside(index)?.sqrt())));
+        let doubt = place(list, Exposure).and_then(|index| Some((index, beside(index)?.sqrt())));
         return doubt.into_iter().collect();
     }
-    let unsure = place(CLOCK).and_then(|clock| {
+    let unsure = own_clock(list).and_then(|clock| {
         let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
         known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= BLURRED * alone)
     });
@@ -93,8 +95,8 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     // an offset that shows, but not clearly enough to be taken, may be there
     let error = error.max(shift.abs());
     let twice = 2.0 * model.frame_rate();
-    let of = |name, each: f64| place(name).map(|index| (index, each * error));
-    [of(DELAY, 1.0), of(EXPOSURE, twice)].into_iter().flatten().collect()
+    let of = |attribute, each: f64| place(list, attribute).map(|index| (index, each * error));
+    [of(ImageDelay, 1.0), of(Exposure, twice)].into_iter().flatten().collect()
 }
 
 /// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
@@ -148,10 +150,9 @@ impl Clocks {
         parts: &mut [Part],
         point: &mut [f64],
     ) -> Vec<Notice> {
-        let place = |name: &str| list.iter().position(|candidate| candidate.name == name);
         let mut gone = Vec::new();
         let mut late = 0.0;
-        if let Some(clock) = place(CLOCK).filter(|index| point[*index] != 0.0) {
+        if let Some(clock) = own_clock(list).filter(|index| point[*index] != 0.0) {
             late = point[clock];
             gone.push(clock);
         }
@@ -162,10 +163,10 @@ impl Clocks {
             // one that was found, that is: nothing is the same as a clock that is off by less than SAME
             let found = |index: &usize| point[*index] != list[*index].off;
             let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
-            let actuator = ["plant.tau_delay", "plant.T_act"].into_iter().filter_map(place).find(same);
+            let actuator = (0..list.len()).find(|index| list[*index].is(Retards) && same(index));
             // an exposure may well be shorter than it is said to be, but no result comes before its picture
             let before =
-                list[shown].name == DELAY && (actuator.is_some() || !exposed_for_less(list, parts, shown));
+                list[shown].is(ImageDelay) && (actuator.is_some() || !exposed_for_less(list, parts, shown));
             if actuator.is_some() || before {
                 late = if late == 0.0 { by } else { late };
                 gone.push(shown);
@@ -228,7 +229,7 @@ impl Clocks {
 /// Runs whose logs have clocks of their own, and by how much they are late against all: where that explains more than
 /// any effect, and clearly more than one clock for all.
 fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
-    let clock = list.iter().position(|candidate| candidate.name == CLOCK)?;
+    let clock = own_clock(list)?;
     let of_log = |index: usize| list[index].side.is_of_log();
     let study = &compared.parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?.study;
     if study.outweighed {
@@ -254,7 +255,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
 fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> bool {
     let shorter = |other: &Alternative| {
         let candidate = &list[other.candidate];
-        candidate.name == EXPOSURE && other.loss < CLASS && other.x < candidate.off
+        candidate.is(Exposure) && other.loss < CLASS && other.x < candidate.off
     };
     let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
     let mut found = false;
@@ -267,15 +268,14 @@ fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> boo
 
 /// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
 fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
-    let delay =
-        list.iter().position(|candidate| candidate.name == DELAY && candidate.side == Side::Camera)?;
+    let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
     if point[delay] < 0.0 {
         return Some((delay, -point[delay]));
     }
     let shown = |(effect, class): &(usize, Vec<Alternative>)| {
         let other =
             class.iter().find(|other| other.candidate == delay && other.loss < CLASS && other.x < 0.0)?;
-        (list[*effect].name == "camera.E_t").then_some((*effect, -other.x))
+        list[*effect].is(Exposure).then_some((*effect, -other.x))
     };
     parts.iter().flat_map(|part| &part.classes).find_map(shown)
 }

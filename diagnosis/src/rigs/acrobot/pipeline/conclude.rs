@@ -380,7 +380,7 @@ fn counted(
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
 ) {
-    let Some(candidate) = list.iter().find(|candidate| candidate.name == "camera.drop_rate") else { return };
+    let Some(candidate) = list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else { return };
     let Some(losses) = losses(data, 1.0 / model.frame_rate()) else { return };
     let (share, ci95) = losses.share();
     // one frame that isn't there is proof against "none is ever lost"; two are asked for

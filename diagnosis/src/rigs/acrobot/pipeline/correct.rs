@@ -1,6 +1,7 @@
 //! Where the plant's rest has no name: a labelled correction for the amended model.
 
 use super::*;
+use crate::rigs::acrobot::candidates::Entry;
 use crate::rigs::acrobot::correction::{Correction, Offer, Term, offer, wiring};
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::plant::PlantCut;
@@ -14,22 +15,6 @@ const SINGLES: usize = 3;
 
 /// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of heft 1.
 const ROUNDING: f64 = 1e-6;
-
-/// Terms that only spell a listed effect in other words: an effect is never withdrawn for its own twin.
-const TWINS: [(&str, &str); 8] = [
-    ("plant.b_roll", "damp_roll"),
-    ("plant.b_joint", "damp_joint"),
-    ("plant.fc_roll", "stick_roll"),
-    ("plant.fc_joint", "stick_joint"),
-    ("plant.tau_bias", "bias_joint"),
-    ("plant.slope", "bias_roll"),
-    ("plant.theta_9", "spring_roll"),
-    ("plant.theta_10", "spring_joint"),
-];
-
-/// Terms that are a listed effect under another name, friction in its two forms: what they alone give is no rest that an
-/// effect stood for.
-const FRICTION: [&str; 4] = ["damp_roll", "damp_joint", "stick_roll", "stick_joint"];
 
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
 pub(super) fn correct(
@@ -101,16 +86,20 @@ fn withdrawable(named: &[usize]) -> Vec<Vec<usize>> {
 fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
     let terms = |offer: &Offer| offer.correction.as_ref().map_or(0, |correction| correction.terms.len());
     let Some(correction) = &without.correction else { return false };
-    let twin = |(effect, term): &(&str, &str)| {
-        let has = |other: &Term| other.name.ends_with(&format!(".{term}"));
-        withdrawn.iter().any(|name| name == effect) && correction.terms.iter().any(has)
+    let says =
+        |term: &Term, entry: &Entry| entry.twin.is_some_and(|twin| term.name.ends_with(&format!(".{twin}")));
+    // an effect is never withdrawn for its own twin
+    let twin = |entry: &Entry| {
+        withdrawn.iter().any(|name| name == entry.name)
+            && correction.terms.iter().any(|term| says(term, entry))
     };
-    let friction = |term: &Term| FRICTION.iter().any(|name| term.name.ends_with(&format!(".{name}")));
+    // friction in another form is a listed effect, and no rest that an effect stood for
+    let friction = |term: &Term| LIST.iter().any(|entry| entry.is(Attribute::Friction) && says(term, entry));
     let listed = correction.terms.iter().all(friction);
     let (now, before) = (terms(without), withdrawn.len() + terms(beside));
     let fewer = now < before && without.left <= beside.left.max(correction.gap.floor);
     let better = now == before && without.left <= FAR_LESS * beside.left;
-    !listed && !TWINS.iter().any(twin) && (fewer || better)
+    !listed && !LIST.iter().any(twin) && (fewer || better)
 }
 
 /// The cut on which the rest was judged, at its beginning.

@@ -146,7 +146,7 @@ mod tests {
         let motion = Motion::Ceiling { cuts: Cuts::Torque };
         let (name, side, phrase) = ("plant.tau_max", Side::Plant, "");
         let (off, steps, range) = (0.0, vec![1.0], (0.0, f64::INFINITY));
-        Candidate { name, side, phrase, motion, off, steps, range, bends: true }
+        Candidate { name, side, phrase, motion, off, steps, range, bends: true, attributes: &[] }
     }
 
     #[test]

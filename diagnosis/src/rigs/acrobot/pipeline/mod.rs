@@ -17,9 +17,10 @@ mod sensor;
 use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::options::Options;
-use crate::rigs::acrobot::candidates::{CLOCK, Candidate, LIST, Side, ZEROS, candidates};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, ZEROS, candidates};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::plausibility;
 use crate::rigs::acrobot::residual::image::Noise;
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
@@ -102,7 +103,7 @@ pub fn diagnose(
             data.manifest.scenario.clone()
         ))?;
     }
-    let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+    let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
     let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {
@@ -111,10 +112,10 @@ pub fn diagnose(
     }
     if !data.runs.iter().any(Run::logs_the_torque) {
         // what nobody drives has no motor that could be off; one that is told 0 may be
-        list.retain(|candidate| candidate.name != "plant.tau_bias");
+        list.retain(|candidate| !candidate.is(Attribute::Bias));
     }
     if data.pictures_apart {
-        let delay = list.iter_mut().filter(|candidate| candidate.name == "camera.T_delay");
+        let delay = list.iter_mut().filter(|candidate| candidate.is(Attribute::ImageDelay));
         delay.for_each(|delay| delay.side = Side::Stamps);
     }
     let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());

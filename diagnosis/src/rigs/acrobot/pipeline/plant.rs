@@ -182,10 +182,11 @@ fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
 /// less than `by_hand` is late.
 fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool {
     let late = |index: usize| part.study.last.point[index] - list[index].off;
-    let actuator =
-        |other: &&Alternative| ["plant.tau_delay", "plant.T_act"].contains(&list[other.candidate].name);
-    let clocks =
-        part.classes.iter().filter(|(effect, _)| list[*effect].name == CLOCK && late(*effect) > by_hand);
+    let actuator = |other: &&Alternative| list[other.candidate].is(Attribute::Retards);
+    let clocks = part
+        .classes
+        .iter()
+        .filter(|(effect, _)| list[*effect].side == Side::Clock && late(*effect) > by_hand);
     clocks.flat_map(|(_, class)| class).filter(actuator).any(|other| other.loss < CLASS)
 }
 

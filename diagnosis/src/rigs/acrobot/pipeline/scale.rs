@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::diagnosis::{Effect, Member};
-use crate::rigs::acrobot::candidates::{GAIN, Motion};
+use crate::rigs::acrobot::candidates::{Attribute, Motion, place};
 use crate::rigs::acrobot::story::brief;
 
 /// Readings of one and the same model: nothing in the data prefers either.
@@ -15,11 +15,13 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     if data.runs.iter().any(tells_torques) {
         return None;
     }
-    let place = effects.iter().position(|effect| effect.name == GAIN)?;
+    let name = place(list, Attribute::Gain).map(|index| list[index].name)?;
+    let place = effects.iter().position(|effect| effect.name == name)?;
     let gain = effects[place].value / effects[place].off;
     let is_inertia = |name: &str| {
-        list.iter()
-            .any(|own| own.name == name && own.name != GAIN && matches!(own.motion, Motion::Share { .. }))
+        list.iter().any(|own| {
+            own.name == name && !own.is(Attribute::Gain) && matches!(own.motion, Motion::Share { .. })
+        })
     };
     let named: Vec<usize> = (0..effects.len()).filter(|k| is_inertia(&effects[*k].name)).collect();
     let others: Vec<&Candidate> = (list.iter())
@@ -61,7 +63,7 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     effects[place].class = effects[place].members.iter().map(|member| member.name.clone()).collect();
     let named: Vec<&str> = named.iter().map(|k| effects[*k].name.as_str()).collect();
     Some(format!(
-        "{GAIN} beside {} is one of two readings: no log tells a scale of all torques. With {GAIN} at its nominal value the same data \
+        "{name} beside {} is one of two readings: no log tells a scale of all torques. With {name} at its nominal value the same data \
          say {}; friction and biases that were found go by the same factor, {}.",
         named.join(", "),
         told.join(", "),
@@ -80,6 +82,7 @@ fn tells_torques(run: &Run) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::candidates::GAIN;
     use std::collections::BTreeMap;
 
     fn effect(name: &str, off: f64, value: f64) -> Effect {
@@ -111,6 +114,7 @@ mod tests {
                 steps: vec![0.001],
                 range: (0.25, 4.0),
                 bends: false,
+                attributes: if name == GAIN { &[Attribute::Gain] } else { &[] },
             }
         };
         [(GAIN, 1.0), ("plant.theta_1", 0.2), ("plant.theta_5", 0.11), ("plant.theta_9", 4.8)]

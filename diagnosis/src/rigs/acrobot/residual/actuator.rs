@@ -5,17 +5,18 @@ use super::Probe;
 use super::settings::settings;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
-use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, names, variable};
 use crate::rigs::acrobot::dataset::DataSet;
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-/// Parameters that act over time.
-const TIMED: [&str; 3] = ["tau_delay", "dtau_max", "T_act"];
-/// These, and what stands between them in the actuator's chain.
-pub const DYNAMIC: [&str; 4] = ["tau_delay", "tau_max", "dtau_max", "T_act"];
+/// Parameters of the plant with an attribute.
+pub fn references(bench: &Bench, attribute: Attribute) -> Vec<u32> {
+    names(attribute).filter_map(|name| bench.reference(variable(name)).ok()).collect()
+}
+
 /// Longest step between readings, s.
 const STEP: f64 = 0.004;
 
@@ -80,14 +81,12 @@ impl Actuator {
         moved: Option<Probe>,
     ) -> Result<Option<Arc<Applied>>, Error> {
         let all = settings(bench, candidates, Side::Plant, point, moved)?;
-        let among = |names: &[&str], reference: u32| {
-            names.iter().any(|name| bench.reference(name).is_ok_and(|known| known == reference))
-        };
-        if !all.iter().any(|(reference, _)| among(&TIMED, *reference)) {
+        let timed = references(bench, Attribute::OverTime);
+        if !all.iter().any(|(reference, _)| timed.contains(reference)) {
             return Ok(None);
         }
-        let own: Vec<Setting> =
-            all.into_iter().filter(|(reference, _)| among(&DYNAMIC, *reference)).collect();
+        let chain = references(bench, Attribute::InActuator);
+        let own: Vec<Setting> = all.into_iter().filter(|(reference, _)| chain.contains(reference)).collect();
         let key = key(&own);
         if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
             return Ok(Some(known));

@@ -9,7 +9,7 @@ use super::image::{HONEST_ANGLE, ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::statistics::linear::Cell;
@@ -66,7 +66,7 @@ impl Chain {
         let Some(mut plant) = PlantCut::new(&seen, model, candidates.clone())? else {
             return Ok(None);
         };
-        plant.see_through(model.number("camera.T_delay").unwrap_or(0.0));
+        plant.see_through(model.number(name(Attribute::ImageDelay)).unwrap_or(0.0));
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         for signal in signals[image.signals().len()..].iter_mut().take(2) {
@@ -153,7 +153,7 @@ impl Chain {
         }
         blocks.retain(|block| !block.cells.is_empty());
         let read = poses.angles.clone();
-        let delay = self.candidates.iter().position(|candidate| candidate.name == "camera.T_delay");
+        let delay = place(&self.candidates, Attribute::ImageDelay);
         self.plant.replace(poses, delay.map(|index| (index, point[index])));
         read
     }

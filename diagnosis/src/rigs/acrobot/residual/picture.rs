@@ -6,7 +6,9 @@
 use super::trajectory::State;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
+use crate::rigs::acrobot::candidates::{Attribute, name, variable};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -83,11 +85,13 @@ impl Studio {
             bench.reference("dq1")?,
             bench.reference("dq2")?,
         ];
-        let fixed = vec![bench.setting("T_delay", 0.0)?, bench.setting("drop_rate", 0.0)?];
+        let gone = [Attribute::ImageDelay, Attribute::LostFrames];
+        let off = |attribute| bench.setting(variable(name(attribute)), 0.0);
+        let fixed = gone.map(off).into_iter().collect::<Result<Vec<_>, _>>()?;
         let (rate, interlaced) = (model.frame_rate(), model.interlaced());
         let valid = bench.reference("valid")?;
-        let half_width = 0.5 * model.number("camera.width").unwrap_or(512.0);
-        let noisy = model.number("camera.sigma").unwrap_or(0.0) > 0.0;
+        let half_width = 0.5 * model.number(parameters::WIDTH).unwrap_or(512.0);
+        let noisy = model.number(name(Attribute::SensorNoise)).unwrap_or(0.0) > 0.0;
         let seeds = (0..if noisy { AVERAGED } else { 1 })
             .map(|k| bench.setting("seed", f64::from(7919 * (k + 1))))
             .collect::<Result<_, _>>()?;

@@ -10,7 +10,7 @@
 
 mod forced;
 
-use super::actuator::{Actuator, DYNAMIC, key};
+use super::actuator::{Actuator, key, references};
 use super::plant::jitter::torque_scatter;
 use super::plant::zeros;
 use super::settings::settings;
@@ -19,9 +19,10 @@ use super::trajectory::State;
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
-use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use orchestrator::Value;
@@ -90,7 +91,7 @@ impl Weak {
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
         let limit = reference("q2_max")?;
-        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+        let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
         let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
@@ -191,12 +192,10 @@ impl Weak {
         moved: Option<Probe>,
     ) -> Result<Vec<Vector2<f64>>, Error> {
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
-        let references = DYNAMIC.map(|name| self.bench.reference(name).ok());
+        let chain = references(&self.bench, Attribute::InActuator);
         let driven = applied.is_some();
-        let fixed: Vec<Setting> = all
-            .into_iter()
-            .filter(|(reference, _)| !(driven && references.contains(&Some(*reference))))
-            .collect();
+        let fixed: Vec<Setting> =
+            all.into_iter().filter(|(reference, _)| !(driven && chain.contains(reference))).collect();
         let found: Vec<Vec<[f64; 2]>> = self
             .nodes
             .par_chunks(CHUNK)

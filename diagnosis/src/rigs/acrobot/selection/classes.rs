@@ -9,7 +9,7 @@ use super::evaluation::Evaluation;
 use super::refit::{own_fit, refit, refit_towards, settled};
 use super::starts::starts;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::residual::{Nuisances, Probe, Tracked};
 use crate::statistics::linear::{solve, submatrix};
 use crate::watch::Watch;
@@ -211,7 +211,7 @@ fn blurs(candidate: &Candidate) -> bool {
 fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
-        candidate.side == Side::Camera && candidate.name != "camera.T_delay"
+        candidate.side == Side::Camera && !candidate.is(Attribute::ImageDelay)
     };
     let ceiling = |index: usize| matches!(candidates[index].motion, Motion::Ceiling { .. });
     let smooth = |index: usize| !candidates[index].is_discrete() && !ceiling(index);

@@ -297,6 +297,7 @@ mod tests {
             steps: Vec::new(),
             range: (-1.0, 1.0),
             bends: false,
+            attributes: &[],
         };
         assert!(stamped_late(&clock, 1e-3, 2e-3) && stamped_late(&clock, -3e-5, 2e-3));
         // early, late, and beyond the scatter; a clock known to be off is no question of scatter

@@ -12,9 +12,10 @@ use super::trajectory::Motion;
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
-use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -147,7 +148,7 @@ impl ImageCut {
         let read = frames.iter().all(|frame| frame.seen[CENTROIDS].iter().all(|at| at.is_nan()));
         let studio = Studio::new(model)?;
         if !motion {
-            free_poses(&mut frames, model.number("camera.mount").unwrap_or(0.0), &studio)?;
+            free_poses(&mut frames, model.number(parameters::MOUNT).unwrap_or(0.0), &studio)?;
         }
         let mut every = frames.len().div_ceil(most.max(1)).max(1);
         if model.interlaced() {
@@ -171,9 +172,9 @@ impl ImageCut {
                 Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), least: 0.0, honest }
             })
             .collect();
-        let place = |name: &str| candidates.iter().position(|candidate| candidate.name == name);
-        let (delay, exposure) = (place("camera.T_delay"), place("camera.E_t"));
-        let nominal_delay = model.number("camera.T_delay").unwrap_or(0.0);
+        let delay = place(&candidates, Attribute::ImageDelay);
+        let exposure = place(&candidates, Attribute::Exposure);
+        let nominal_delay = model.number(name(Attribute::ImageDelay)).unwrap_or(0.0);
         let poses: Poses = (frames.iter().map(|frame| frame.shot).collect(), None);
         Ok(Some(Self {
             candidates,
@@ -252,7 +253,7 @@ impl ImageCut {
     pub fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
         let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
         all.extend(settings(self.studio.bench(), &self.candidates, Side::Scatter, point, None)?);
-        let delay = self.studio.bench().reference("T_delay")?;
+        let delay = self.studio.bench().reference(variable(name(Attribute::ImageDelay)))?;
         all.retain(|(reference, _)| *reference != delay);
         Ok(all)
     }
@@ -403,7 +404,7 @@ impl Cut for ImageCut {
     fn sees(&self, candidate: &Candidate) -> bool {
         let free = !matches!(self.pose, Pose::Logged(..));
         let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
-        seen && !(free && candidate.name == "camera.T_delay")
+        seen && !(free && candidate.is(Attribute::ImageDelay))
     }
 
     fn policy(&self) -> Policy {

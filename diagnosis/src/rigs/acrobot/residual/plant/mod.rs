@@ -8,6 +8,7 @@ use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
 use crate::statistics::linear::{Cell, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -111,7 +112,7 @@ impl PlantCut {
         span: Span,
     ) -> Result<Option<Self>, Error> {
         let (ports, heft) = (Ports::of(&model.plant, lost(data, model))?, model.heft());
-        let contact = data.contact(model.number("plant.q2_max").unwrap_or(f64::INFINITY));
+        let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (QUICK / growth).min(1.0));
         let paces = (pace, span.share(growth));

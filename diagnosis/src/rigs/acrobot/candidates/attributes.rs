@@ -1,0 +1,144 @@
+//! What code asks of a candidate: an attribute of its entry, so that no name stands outside the list.
+
+use super::{Candidate, Entry, LIST};
+
+/// What a candidate is or does, as far as the diagnosis treats it otherwise than the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Attribute {
+    /// Viscous or Coulomb friction: corrections have it in forms of their own.
+    Friction,
+    /// The arm rests until it is pushed hard enough.
+    Sticks,
+    /// Acts between command and joint.
+    InActuator,
+    /// Needs time to act there.
+    OverTime,
+    /// The torque arrives late by it.
+    Retards,
+    /// A torque that is there whatever is commanded.
+    Bias,
+    /// All torques of the actuator go with it.
+    Gain,
+    /// Where the ground lies, on which an arm rolls.
+    Ground,
+    /// Couples rolling and links: nothing where the arm is pinned.
+    Rolls,
+    /// How heavy a link is to turn.
+    LinkInertia,
+    /// How far a motor at the joint must reach to hold the second link.
+    JointWeight,
+    /// The image is late by it; it moves nothing else.
+    ImageDelay,
+    /// How long an image is exposed.
+    Exposure,
+    /// The camera turned about its axis.
+    CameraRoll,
+    /// Noise of the camera's sensor.
+    SensorNoise,
+    /// The share of frames that get lost.
+    LostFrames,
+}
+
+impl Entry {
+    /// Whether it has an attribute.
+    pub fn is(&self, attribute: Attribute) -> bool {
+        self.attributes.contains(&attribute)
+    }
+}
+
+impl Candidate {
+    /// Whether it has an attribute.
+    pub fn is(&self, attribute: Attribute) -> bool {
+        self.attributes.contains(&attribute)
+    }
+}
+
+/// Names of all entries with an attribute, as `instance.variable`.
+pub fn names(attribute: Attribute) -> impl Iterator<Item = &'static str> {
+    LIST.iter().filter(move |entry| entry.is(attribute)).map(|entry| entry.name)
+}
+
+/// The first of them; each attribute has one.
+pub fn name(attribute: Attribute) -> &'static str {
+    names(attribute).next().unwrap_or_default()
+}
+
+/// A name without its instance: the variable in its unit.
+pub fn variable(name: &str) -> &str {
+    name.split_once('.').map_or(name, |(_, variable)| variable)
+}
+
+/// Where the first candidate of a diagnosis with an attribute stands, if there is one.
+pub fn place(list: &[Candidate], attribute: Attribute) -> Option<usize> {
+    list.iter().position(|candidate| candidate.is(attribute))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
+    fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("the sources are there") {
+            let path = entry.expect("the sources are there").path();
+            if path.is_dir() {
+                sources(&path, into);
+            } else if path.extension().is_some_and(|ext| ext == "rs") {
+                into.push(path);
+            }
+        }
+    }
+
+    #[test]
+    fn no_candidate_is_named_outside_the_list() {
+        let mut files = Vec::new();
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+        let mut named = Vec::new();
+        for path in files {
+            // the list itself; tests may say what they hide
+            if path.ends_with("candidates/list.rs") || path.ends_with("tests.rs") {
+                continue;
+            }
+            let text = fs::read_to_string(&path).expect("a source");
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for (line, words) in code.lines().enumerate().filter(|(_, line)| !line.trim().starts_with("//")) {
+                for entry in LIST.iter().filter(|entry| words.contains(&format!("\"{}\"", entry.name))) {
+                    named.push(format!("{}:{}: {}", path.display(), line + 1, entry.name));
+                }
+            }
+        }
+        assert!(
+            named.is_empty(),
+            "attributes of candidates/list.rs say what code wants to know:\n{}",
+            named.join("\n")
+        );
+    }
+
+    #[test]
+    fn every_attribute_has_an_entry() {
+        use Attribute::*;
+        let all = [
+            Friction,
+            Sticks,
+            InActuator,
+            OverTime,
+            Retards,
+            Bias,
+            Gain,
+            Ground,
+            Rolls,
+            LinkInertia,
+            JointWeight,
+            ImageDelay,
+            Exposure,
+            CameraRoll,
+            SensorNoise,
+            LostFrames,
+        ];
+        assert!(all.iter().all(|attribute| names(*attribute).count() > 0));
+        // what takes time is a part of the actuator, and so is what makes it late
+        let within = |small, large| names(small).all(|name| names(large).any(|other| other == name));
+        assert!(within(OverTime, InActuator) && within(Retards, OverTime) && within(Sticks, Friction));
+    }
+}

@@ -14,6 +14,7 @@
 mod amend;
 mod bench;
 pub mod candidates;
+mod channels;
 pub mod correction;
 mod counting;
 pub mod dataset;

@@ -6,7 +6,7 @@
 //! was hidden is not written anywhere.
 
 use crate::error::Error;
-use crate::rigs::acrobot::dataset::{CAMERA_COLUMNS, CONTROLLER_COLUMNS};
+use crate::rigs::acrobot::channels::{File, Measures, columns, measuring};
 use crate::statistics::random::Random;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -186,7 +186,7 @@ impl Results {
 
     fn camera(&self) -> Option<String> {
         let frame = self.column("camera.frame")?;
-        let columns = self.columns("camera", CAMERA_COLUMNS);
+        let columns = self.columns("camera", &columns(File::Camera));
         // Before the first delivery (frame 0) there is nothing to log.
         let delivered = |row: &usize| self.rows[*row].get(frame) != Some("0");
         let rows = self.changes(&[frame]).into_iter().filter(delivered);
@@ -209,7 +209,7 @@ impl Results {
         let Some(torque) = self.column("controller.tau") else {
             return self.driven();
         };
-        let columns = self.columns("controller", &CONTROLLER_COLUMNS[..2]);
+        let columns = self.columns("controller", &["tau", "z_desired"]);
         // With a camera in the loop the torque is computed when a frame has been delivered, else when it changes.
         let triggers = [Some(torque), self.column("controller.frame")];
         let rows = self.changes(&triggers.into_iter().flatten().collect::<Vec<_>>()).into_iter();
@@ -219,7 +219,7 @@ impl Results {
 
     /// What a plant without a controller was driven with. A row has the input of the step that it ends, which began a row before.
     fn driven(&self) -> Option<String> {
-        let columns = self.columns("plant", &["tau", "tau_1"]);
+        let columns = self.columns("plant", &measuring(File::Controller, Measures::Command));
         let mut rows = self.changes(&columns.iter().map(|(_, at)| *at).collect::<Vec<_>>());
         if rows.get(1) == Some(&1) {
             rows.remove(0); // no step was driven with what it has
@@ -230,7 +230,7 @@ impl Results {
     }
 
     fn plant(&self, recording: &Recording, random: &mut Random) -> Option<String> {
-        let mut columns = self.columns("plant", &["q1", "q2"]);
+        let mut columns = self.columns("plant", &measuring(File::Plant, Measures::Angle));
         if columns.is_empty() || !recording.logs_the_plant() {
             return None;
         }

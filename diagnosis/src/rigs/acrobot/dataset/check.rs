@@ -5,6 +5,7 @@ use super::pictures::{pictures, tells_poses};
 use super::stamps::{self, Moved};
 use super::{Run, TORN, Table};
 use crate::error::Notice;
+use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 
 /// A log with fewer rows says nothing after four start values were fitted.
 const FEWEST_ROWS: usize = 12;
@@ -201,8 +202,9 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
 fn mask_invalid(run: &mut Run) {
     let Some(camera) = run.camera.as_mut() else { return };
     let Some(valid) = camera.column("valid").map(<[f64]>::to_vec) else { return };
-    for name in super::CAMERA_COLUMNS.iter().filter(|name| !matches!(**name, "valid" | "frame")) {
-        if let Some(values) = camera.column_mut(name) {
+    let masked = |channel: &&Channel| channel.file == File::Camera && channel.measures != Measures::Frame;
+    for channel in CHANNELS.iter().filter(masked) {
+        if let Some(values) = camera.column_mut(channel.column) {
             for (value, valid) in values.iter_mut().zip(&valid) {
                 if *valid == 0.0 {
                     *value = f64::NAN;

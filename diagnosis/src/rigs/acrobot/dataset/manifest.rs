@@ -1,9 +1,9 @@
 //! `dataset.toml`: which nominal model, what is known of the noise, how the logs count, which runs.
 
 use super::stated::Stated;
-use super::{CAMERA_COLUMNS, CONTROLLER_COLUMNS, PLANT_COLUMNS};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
+use crate::rigs::acrobot::channels::CHANNELS;
 use crate::rigs::acrobot::parameters;
 use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
@@ -176,9 +176,7 @@ impl File<'_> {
 
 /// Every column that a log may hold, as `[noise]` names it.
 fn columns() -> Vec<String> {
-    let all = [("camera", CAMERA_COLUMNS), ("controller", CONTROLLER_COLUMNS), ("plant", PLANT_COLUMNS)]
-        .into_iter();
-    all.flat_map(|(unit, names)| names.iter().map(move |name| format!("{unit}.{name}"))).collect()
+    CHANNELS.iter().map(|channel| format!("{}.{}", channel.file.unit(), channel.column)).collect()
 }
 
 fn folders(path: &Path) -> Vec<String> {

@@ -19,19 +19,10 @@ pub use stamps::directions;
 pub use table::Table;
 
 use crate::error::{Error, Notice};
+use crate::rigs::acrobot::channels::{File, columns};
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use stamps::Moved;
 use std::path::{Path, PathBuf};
-
-/// Columns that `camera.csv` may hold: the camera's outputs.
-pub const CAMERA_COLUMNS: &[&str] = &[
-    "u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "valid", "frame", "t_mid", "q1_est",
-    "q2_est", "dq1_est", "dq2_est",
-];
-/// Columns that `controller.csv` may hold.
-pub const CONTROLLER_COLUMNS: &[&str] = &["tau", "z_desired", "tau_1", "z_hat"];
-/// Columns that `plant.csv` may hold.
-pub const PLANT_COLUMNS: &[&str] = &["q1", "q2", "dq1", "dq2", "tau_applied", "z", "contact"];
 
 /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
 /// cubic does.
@@ -194,9 +185,10 @@ impl DataSet {
         let mut read = Vec::new();
         for name in &manifest.runs {
             let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
-            run.camera = table::load(path, name, "camera.csv", CAMERA_COLUMNS, &mut notices)?;
-            run.controller = table::load(path, name, "controller.csv", CONTROLLER_COLUMNS, &mut notices)?;
-            run.plant = table::load(path, name, "plant.csv", PLANT_COLUMNS, &mut notices)?;
+            run.camera = table::load(path, name, "camera.csv", &columns(File::Camera), &mut notices)?;
+            run.controller =
+                table::load(path, name, "controller.csv", &columns(File::Controller), &mut notices)?;
+            run.plant = table::load(path, name, "plant.csv", &columns(File::Plant), &mut notices)?;
             stated.apply(&mut run, size);
             check::clean(&mut run, gravity, &mut notices);
             read.push(run);

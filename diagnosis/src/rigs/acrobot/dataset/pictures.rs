@@ -3,9 +3,8 @@
 use super::angles::{as_far, degrees};
 use super::{Run, Table};
 use crate::error::Notice;
+use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures, measuring};
 
-const CENTROIDS: [&str; 6] = ["u1", "v1", "u2", "v2", "u3", "v3"];
-const AREAS: [&str; 3] = ["area1", "area2", "area3"];
 /// So many pictures of a run tell where circle 1 rolls.
 const FIRST: usize = 15;
 /// A circle this near to that height is on the line, and circle 1 this far from it is not, px: lenses bend that line by less,
@@ -14,8 +13,17 @@ const ON_LINE: f64 = 5.0;
 const OFF_LINE: f64 = 40.0;
 /// Circles 2 and 3 tell a pose: where circle 1 is then, the angles say.
 const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
-/// So do angles that the rig's own vision read.
-const ANGLES: [&str; 2] = ["q1_est", "q2_est"];
+
+/// Angles that the rig's own vision read tell one, too.
+fn vision_angles() -> Vec<&'static str> {
+    measuring(File::Camera, Measures::VisionAngle)
+}
+
+/// All that is compared of an image.
+fn compared() -> impl Iterator<Item = &'static str> {
+    let own = |channel: &&Channel| channel.file == File::Camera && channel.noise.is_some();
+    CHANNELS.iter().filter(own).map(|channel| channel.column)
+}
 
 /// Tells what a log lacks, and puts aside what says nothing beside the run's other logs.
 pub(super) fn pictures(run: &mut Run, notices: &mut Vec<Notice>) {
@@ -52,7 +60,7 @@ fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
         (first[*row] - line).abs() > OFF_LINE && (on_line(second[*row]) || on_line(third[*row]))
     };
     let rows: Vec<usize> = (0..camera.len()).filter(wrong).collect();
-    for name in [&CENTROIDS[..], &AREAS, &ANGLES].concat() {
+    for name in compared() {
         if let Some(values) = camera.column_mut(name) {
             rows.iter().for_each(|row| values[*row] = f64::NAN);
         }
@@ -62,12 +70,13 @@ fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
 
 /// Whether a pose can be read off a log's pictures.
 pub(super) fn tells_poses(camera: &Table) -> bool {
-    holds(camera, &JOINT_AND_TIP) || holds(camera, &ANGLES)
+    holds(camera, &JOINT_AND_TIP) || holds(camera, &vision_angles())
 }
 
 /// Whether the log is usable beside others, and what it lacks, if anything.
 fn lacking(camera: &Table, motion: bool, torque: bool) -> Option<(bool, String)> {
-    let missing: Vec<&str> = CENTROIDS.into_iter().filter(|name| !holds(camera, &[name])).collect();
+    let centroids = measuring(File::Camera, Measures::Centroid);
+    let missing: Vec<&str> = centroids.into_iter().filter(|name| !holds(camera, &[name])).collect();
     if missing.is_empty() {
         return None;
     }
@@ -79,10 +88,10 @@ fn lacking(camera: &Table, motion: bool, torque: bool) -> Option<(bool, String)>
     if !motion && !torque && !circles {
         return aside("q1_est and q2_est alone have nothing that they could be compared with");
     }
-    if !circles && holds(camera, &ANGLES) {
+    if !circles && holds(camera, &vision_angles()) {
         return Some((true, lack(&missing, "q1_est and q2_est are compared")));
     }
-    if [&CENTROIDS[..], &AREAS, &ANGLES].concat().iter().all(|name| !holds(camera, &[name])) {
+    if compared().all(|name| !holds(camera, &[name])) {
         return aside("no centroid, area or angle is measured");
     }
     Some((true, lack(&missing, "compared without")))
@@ -110,7 +119,7 @@ pub fn angle_in_degrees(
     place: usize,
     falling: f64,
 ) -> Option<(usize, String)> {
-    let (name, logged) = (ANGLES[place], ["q1", "q2"][place]);
+    let (name, logged) = (*vision_angles().get(place)?, *measuring(File::Plant, Measures::Angle).get(place)?);
     if let Some((row, message)) = degrees(camera, name, falling) {
         return Some((camera.line[row], message));
     }

@@ -5,11 +5,12 @@
 //! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
-use super::image::{HONEST_ANGLE, ImageCut, Pose, READ_ANGLE, pose_shift};
+use super::image::{ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
+use crate::rigs::acrobot::channels::ANGLES_APART;
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::statistics::linear::Cell;
@@ -70,7 +71,7 @@ impl Chain {
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         for signal in signals[image.signals().len()..].iter_mut().take(2) {
-            signal.honest = if image.read { READ_ANGLE } else { HONEST_ANGLE };
+            signal.honest = if image.read { READ_ANGLE } else { ANGLES_APART };
         }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let first = Nuisances { frames: Some(image.state()), ..plant.initial() };

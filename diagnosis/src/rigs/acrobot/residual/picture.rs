@@ -7,6 +7,7 @@ use super::trajectory::State;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::candidates::{Attribute, name, variable};
+use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, names, places};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use orchestrator::Value;
@@ -15,16 +16,17 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Centroids u1, v1, u2, v2, u3, v3 in px, area1, area2, area3 in px, angles q1 and q2 read off them in rad.
-pub type Seen = [f64; 11];
+pub type Seen = [f64; COLUMNS.len()];
 /// Columns of `camera.csv` in that order.
-pub const COLUMNS: [&str; 11] =
-    ["u1", "v1", "u2", "v2", "u3", "v3", "area1", "area2", "area3", "q1_est", "q2_est"];
+pub const COLUMNS: [&str; 11] = names(&CHANNELS);
+/// What they are.
+pub const CHANNELS: [Channel; 11] = compared(File::Camera);
 /// Places of the centroids in it.
-pub const CENTROIDS: Range<usize> = 0..6;
+pub const CENTROIDS: Range<usize> = places(&CHANNELS, Measures::Centroid);
 /// And of the areas.
-pub const AREAS: Range<usize> = 6..9;
+pub const AREAS: Range<usize> = places(&CHANNELS, Measures::Area);
 /// And of the angles.
-pub const ANGLES: Range<usize> = 9..11;
+pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
 /// Share of a frame's interval that the tiny step takes.
 const JUMP: f64 = 1e-3;
 /// Frames that one instance makes in a row.

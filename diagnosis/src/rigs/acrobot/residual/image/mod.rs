@@ -6,13 +6,14 @@
 //!
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
-use super::picture::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot, Studio};
+use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
 use super::settings::settings;
 use super::trajectory::Motion;
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -37,14 +38,6 @@ use poses::{back, free_poses};
 
 /// Length of a block, s.
 const BLOCK: f64 = 0.5;
-/// Standard deviations to begin with, px and rad.
-const FIRST_GUESS: [f64; COLUMNS.len()] = [0.05, 0.05, 0.08, 0.05, 0.08, 0.06, 0.7, 1.0, 1.0, 5e-4, 5e-4];
-/// By how much centroids and areas of two honest renderers differ at one place on the lattice, px: they cut the rim's pixels
-/// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
-const HONEST: f64 = 0.006;
-const HONEST_AREA: f64 = 0.06;
-/// The same of an angle, rad: a link is 160 px long.
-pub const HONEST_ANGLE: f64 = 5e-5;
 /// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
 pub const READ_ANGLE: f64 = 2.5e-4;
 /// So many places a pixel and direction: the difference changes from one to the next.
@@ -160,16 +153,21 @@ impl ImageCut {
             .filter(|(place, _)| place % every == 0)
             .map(|(_, frame)| frame)
             .collect();
-        let signals = (0..COLUMNS.len())
-            .map(|s| {
-                let name = format!("camera.{}", COLUMNS[s]);
+        let signals = (CHANNELS.iter().zip(COLUMNS))
+            .map(|(channel, column)| {
+                let name = format!("camera.{column}");
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let (unit, honest) = match s {
-                    _ if CENTROIDS.contains(&s) => ("px", HONEST),
-                    _ if AREAS.contains(&s) => ("px", HONEST_AREA),
-                    _ => ("rad", if read { READ_ANGLE } else { HONEST_ANGLE }),
-                };
-                Signal { name, unit, known, sigma: known.unwrap_or(FIRST_GUESS[s]), least: 0.0, honest }
+                let noise = channel.noise.unwrap_or_default();
+                let unplaced = read && channel.measures == Measures::VisionAngle;
+                let honest = if unplaced { READ_ANGLE } else { noise.tolerance };
+                Signal {
+                    name,
+                    unit: channel.unit,
+                    known,
+                    sigma: known.unwrap_or(noise.guess),
+                    least: noise.least,
+                    honest,
+                }
             })
             .collect();
         let delay = place(&candidates, Attribute::ImageDelay);

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Place of `tau_applied` among the columns.
-const TORQUE: usize = 4;
+const TORQUE: usize = MOTION;
 /// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
 const AT_ONCE: f64 = 2e-4;
 /// A jump up to this share of the torque's noise doesn't matter.

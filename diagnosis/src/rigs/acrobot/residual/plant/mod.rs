@@ -6,6 +6,7 @@ use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, names, places};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -51,16 +52,11 @@ const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4; // at an arm of heft 1
-/// Columns of `plant.csv` in the order of the simulated outputs.
-pub const COLUMNS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "tau_applied"];
+/// Columns of `plant.csv` that are compared, in the order of the simulated outputs.
+const CHANNELS: [Channel; 5] = compared(File::Plant);
+pub const COLUMNS: [&str; 5] = names(&CHANNELS);
 /// So many of them are motion.
-const MOTION: usize = 4;
-const UNITS: [&str; 5] = ["rad", "rad", "rad/s", "rad/s", "N·m"];
-/// Standard deviations to begin with where none is stated.
-const FIRST_GUESS: [f64; 5] = [1e-3, 1e-3, 5e-2, 5e-2, 1e-2];
-/// Least standard deviations of what is logged: what encoders of 19 bits count, and no arm here has better. Logs of a simulation have
-/// no noise at all, and what is left there, of integrators and of starts within stiction, would be a finding.
-const FINEST: [f64; 5] = [1e-5, 1e-5, 1e-4, 1e-4, 1e-5];
+const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 
@@ -129,15 +125,14 @@ impl PlantCut {
         if windows.is_empty() {
             return Ok(None);
         }
-        let signals = (0..COLUMNS.len())
-            .map(|place| {
-                let name = format!("plant.{}", COLUMNS[place]);
+        let signals = (CHANNELS.iter())
+            .map(|channel| {
+                let name = format!("plant.{}", channel.column);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let sigma = known.unwrap_or_else(|| {
-                    if place < MOTION { FIRST_GUESS[place] } else { heft * FIRST_GUESS[place] }
-                });
-                let least = if place < MOTION { FINEST[place] } else { heft * FINEST[place] };
-                Signal { name, unit: UNITS[place], known, sigma, least, honest: 0.0 }
+                let scale = if channel.measures == Measures::AppliedTorque { heft } else { 1.0 };
+                let noise = channel.noise.unwrap_or_default();
+                let sigma = known.unwrap_or(scale * noise.guess);
+                Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, honest: 0.0 }
             })
             .collect();
         let runs = Arc::new(data.runs.clone());

@@ -249,7 +249,7 @@ fn recovers_that_clocks_drift_apart() {
     let found = logged("drift", 0.0, &|_, time| time * 1.0005);
     assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
     let rest = found.unknown.expect("the verdict says so");
-    assert!(rest.signal.contains("time stamps") && rest.shape.contains("drift"), "{rest:?}");
+    assert!(rest.signal.contains("timestamps") && rest.shape.contains("drift"), "{rest:?}");
 }
 
 /// Steps of z_desired.

@@ -5,8 +5,8 @@
 //! 2. `model` loads the nominal scenario; `bench` holds its units, reached through FMI only.
 //! 3. `residual` cuts the loop at every interface and compares, with the columns of all `candidates`.
 //! 4. `selection` names, one effect at a time; `pipeline` goes the whole way.
-//! 5. `rest` says whether what remains is noise, `imitation` whether names only stand for something else, `differ` in what runs
-//!    differ, `gap` how far it closed above the `floor`, `amend` writes the better model.
+//! 5. `check` doubts what was found: is the residual noise, do names only stand for something else, do clocks drift, do runs differ;
+//!    `gap` is how far it closed above the `floor`, `amend` writes the better model.
 //! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
 //! 8. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
@@ -15,15 +15,14 @@ mod amend;
 mod bench;
 pub mod candidates;
 mod channels;
+mod check;
 pub mod correction;
 mod counting;
 pub mod dataset;
-mod differ;
 pub(crate) mod earlier;
 mod experiment;
 mod floor;
 mod gap;
-mod imitation;
 pub mod model;
 mod parameters;
 pub(crate) mod pipeline;
@@ -32,6 +31,5 @@ pub(crate) mod plausibility;
 pub mod record;
 mod replay;
 pub mod residual;
-mod rest;
 pub mod selection;
 pub(crate) mod story;

@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
+use crate::rigs::acrobot::check::unknown;
 use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::residual::logged;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
-use crate::rigs::acrobot::rest::unknown;
 use crate::rigs::acrobot::selection::Hit;
 
 /// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.

@@ -56,7 +56,7 @@ const PUSH: f64 = 2e-4; // at an arm of heft 1
 const CHANNELS: [Channel; 5] = compared(File::Plant);
 pub const COLUMNS: [&str; 5] = names(&CHANNELS);
 /// So many of them are motion.
-const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
+pub const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 

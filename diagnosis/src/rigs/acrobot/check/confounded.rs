@@ -1,11 +1,11 @@
-//! Named effects that only imitate something else: when what was found is no knowledge.
+//! Confounded explanations: named effects that together imitate something that none of them is.
 
+use super::shape::nominal_shape;
+use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::rest::{image_shape, torque_shape};
-use crate::rigs::acrobot::selection::{Alternative, CLASS};
-use crate::rigs::acrobot::selection::{Evaluation, Study};
+use crate::rigs::acrobot::selection::Study;
 use crate::statistics::linear::submatrix;
 use nalgebra::{DMatrix, DVector};
 
@@ -22,17 +22,23 @@ const RESEMBLES: f64 = 0.4;
 /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
 /// backlash were imitated by five and four effects.
 const SLIGHT: f64 = 0.005;
-/// An effect for which this share of all candidates could stand says only that something is there.
-const ANYTHING: f64 = 0.3;
+
+/// What they imitate has no name, unless something is left that tells more.
+pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
+    if so_far.is_some() {
+        return Judgement::Keep;
+    }
+    explained(found).into()
+}
+
+/// What the names only stand for, if they do.
+pub(super) fn explained(found: &Found<'_>) -> Option<Unknown> {
+    imitation(found.study, found.signals, found.list, found.torque)
+}
 
 /// Effects that imitate something which none of them is: a lens of fifth order, say, by one of third order, a scale and a
 /// tilt. What is missing shows in the nominal model then.
-pub fn imitation(
-    study: &Study,
-    signals: &[Signal],
-    candidates: &[Candidate],
-    torque: bool,
-) -> Option<Unknown> {
+fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let last = &study.last;
     let places = last.places(&study.active);
     if study.active.len() < IMITATORS || places.len() < study.active.len() {
@@ -79,44 +85,6 @@ fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<S
             100.0 * share
         )
     })
-}
-
-/// An effect in whose place nearly anything could stand: something is there, and that is all that is known of it.
-pub fn anything(
-    study: &Study,
-    signals: &[Signal],
-    candidates: &[Candidate],
-    classes: &[(usize, Vec<Alternative>)],
-    torque: bool,
-) -> Option<Unknown> {
-    let open = |alternatives: &[Alternative]| alternatives.iter().filter(|other| other.loss < CLASS).count();
-    let seen = study.seen.len() as f64;
-    let (index, count) = classes
-        .iter()
-        .map(|(index, alternatives)| (*index, open(alternatives)))
-        .find(|(_, count)| *count > 2 && *count as f64 > ANYTHING * seen)?;
-    let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
-    let nearest = format!("{} and {} others explain it equally well", candidates[index].name, count - 1);
-    Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
-}
-
-/// Where and how the nominal model misses the data.
-fn nominal_shape(study: &Study, signals: &[Signal], torque: bool) -> Option<(String, Vec<String>, String)> {
-    let nominal = &study.nominal;
-    if torque {
-        return Some(torque_shape(study, nominal));
-    }
-    let worst =
-        (0..signals.len().min(6)).max_by(|a, b| square(nominal, *a).total_cmp(&square(nominal, *b)))?;
-    let (depends_on, shape) = image_shape(nominal, worst);
-    Some((signals[worst].name.clone(), depends_on, shape))
-}
-
-/// Sum of squares of one signal, in its standard deviations.
-fn square(at: &Evaluation, signal: usize) -> f64 {
-    let cells = at.blocks.iter().flat_map(|block| &block.cells);
-    let rows = cells.flat_map(|cell| cell.signal.iter().zip(cell.residual.iter().zip(&cell.sigma)));
-    rows.filter(|(own, _)| **own == signal).map(|(_, (rest, sigma))| (rest / sigma).powi(2)).sum()
 }
 
 #[cfg(test)]

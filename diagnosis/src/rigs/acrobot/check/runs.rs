@@ -1,6 +1,8 @@
 //! Runs that differ: a rest that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
 //! no effect of the machine, so it is told with the rest and not named.
 
+use super::{Found, Judgement};
+use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
@@ -10,9 +12,16 @@ const APART: f64 = 30.0;
 /// And what share of the squares that noise doesn't leave: a drag, too, looks like a friction that is larger in quicker runs.
 const MOST: f64 = 0.5;
 
+/// A rest that runs differ by is told so, where no clock drifts.
+pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
+    let Some(left) = so_far.filter(|_| found.torque && found.drift.is_none()) else { return Judgement::Keep };
+    let differ = differing(&found.study.last, &found.study.active, found.list, found.runs);
+    differ.map(|shape| Unknown { shape, ..left.clone() }).into()
+}
+
 /// In what runs differ, if in anything: the candidate of the plant of which values of their own explain most. `active` are on, and `names`
 /// those of the runs.
-pub fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[String]) -> Option<String> {
+fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[String]) -> Option<String> {
     let plants = |index: &usize| list[*index].side == Side::Plant && !list[*index].is_discrete();
     let all =
         (0..list.len()).filter(plants).filter_map(|index| Some((index, steadiness(at, index, active)?)));

@@ -1,0 +1,100 @@
+//! Doubts of what was found on a cut: posterior predictive checks, each a function of what was found and of nothing else, in the
+//! order in which they are asked. To add one, add a file and a line.
+
+mod confounded;
+mod drift;
+mod gap;
+mod interchangeable;
+mod residual;
+mod runs;
+mod shape;
+
+use crate::diagnosis::{Gap, Unknown};
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::selection::{Alternative, Study};
+pub use drift::drifting;
+pub use residual::unknown;
+pub use shape::torque_shape;
+
+/// What a cut shows.
+pub struct Found<'a> {
+    /// The search.
+    pub study: &'a Study,
+    /// What was measured.
+    pub signals: &'a [Signal],
+    /// What could stand in the place of each effect.
+    pub classes: &'a [(usize, Vec<Alternative>)],
+    /// All candidates.
+    pub list: &'a [Candidate],
+    /// A commanded torque was logged beside the angles.
+    pub torque: bool,
+    /// The effects that have a continuous value.
+    pub free: &'a [usize],
+    /// Names of the runs.
+    pub runs: &'a [String],
+    /// The clock of some cut that drifts.
+    pub drift: Option<&'a Unknown>,
+    /// How far the effects close the gap.
+    pub gap: &'a Gap,
+}
+
+/// What a doubt says.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Judgement {
+    /// Nothing against what was found.
+    Keep,
+    /// The effects are not there.
+    Withdraw,
+    /// Something is missing that has no name.
+    Unknown(Unknown),
+}
+
+impl From<Option<Unknown>> for Judgement {
+    fn from(unknown: Option<Unknown>) -> Self {
+        unknown.map_or(Self::Keep, Self::Unknown)
+    }
+}
+
+/// A doubt is asked with what the ones before it said to be missing; what it says to be missing replaces that.
+type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
+
+/// Of the model with its effects.
+const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, interchangeable::doubt];
+/// Of the logs, and of the effects on runs that were left out.
+const OF_THE_LOGS: [Doubt; 3] = [drift::doubt, runs::doubt, gap::doubt];
+
+/// What all doubts leave.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Judged {
+    /// What is missing and has no name.
+    pub unknown: Option<Unknown>,
+    /// Nothing in the model is in doubt, whatever is in the logs.
+    pub model_stands: bool,
+    /// Names only stand for something that none of them is.
+    pub confounded: bool,
+    /// The effects are not there.
+    pub withdrawn: bool,
+}
+
+impl Judged {
+    fn ask(&mut self, doubts: &[Doubt], found: &Found<'_>) {
+        for doubt in doubts {
+            match doubt(found, self.unknown.as_ref()) {
+                Judgement::Keep => {}
+                Judgement::Withdraw => self.withdrawn = true,
+                Judgement::Unknown(unknown) => self.unknown = Some(unknown),
+            }
+        }
+    }
+}
+
+/// Asks all doubts in their order.
+pub fn judged(found: &Found<'_>) -> Judged {
+    let mut judged = Judged::default();
+    judged.ask(&OF_THE_MODEL, found);
+    judged.model_stands = judged.unknown.is_none();
+    judged.ask(&OF_THE_LOGS, found);
+    judged.confounded = confounded::explained(found).is_some() || interchangeable::explained(found).is_some();
+    judged
+}

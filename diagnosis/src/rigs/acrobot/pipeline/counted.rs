@@ -1,0 +1,43 @@
+//! What shows in no mean: the sensor's noise in the scatter of images, lost frames in their count.
+
+use super::*;
+use crate::diagnosis::Effect;
+use crate::rigs::acrobot::counting::losses;
+use crate::rigs::acrobot::selection::ALPHA;
+use std::collections::BTreeMap;
+
+/// The sensor's noise, where the picture scatters as no nominal sensor does.
+pub(super) fn scattered(
+    parts: &[Part],
+    list: &[Candidate],
+    effects: &mut Vec<Effect>,
+    smallest: &mut BTreeMap<String, f64>,
+) {
+    let Some(candidate) = list.iter().find(|candidate| candidate.side == Side::Scatter) else { return };
+    for noise in parts.iter().filter_map(|part| part.noise) {
+        smallest.insert(candidate.name.to_owned(), noise.detectable);
+        if noise.clear {
+            let ci95 = [(noise.value - 1.96 * noise.error).max(0.0), noise.value + 1.96 * noise.error];
+            effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - ALPHA));
+        }
+    }
+}
+
+/// Lost frames, where more or fewer are missing than the nominal camera loses.
+pub(super) fn counted(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    effects: &mut Vec<Effect>,
+    smallest: &mut BTreeMap<String, f64>,
+) {
+    let Some(candidate) = list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else { return };
+    let Some(losses) = losses(data, 1.0 / model.frame_rate()) else { return };
+    let (share, ci95) = losses.share();
+    // one frame that isn't there is proof against "none is ever lost"; two are asked for
+    smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
+    let outside = candidate.off < ci95[0] || candidate.off > ci95[1];
+    if outside && losses.lost >= 2.0 {
+        effects.push(Effect::alone(candidate, share, ci95, 1.0 - ALPHA));
+    }
+}

@@ -1,0 +1,112 @@
+//! The effects of a cut, with their classes, values and intervals.
+
+use super::interval;
+use super::*;
+use crate::diagnosis::{Effect, Member};
+use crate::rigs::acrobot::selection::ALPHA;
+
+/// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
+pub(super) type Swap = (usize, usize, f64);
+
+pub(super) fn part_effects(
+    data: &DataSet,
+    part: &Part,
+    list: &[Candidate],
+    free: &[usize],
+    doubts: &[(usize, f64)],
+    imitates: Option<bool>,
+) -> Vec<(Effect, Option<Swap>)> {
+    let errors = interval::errors(&part.study, free);
+    let systematic = part.study.last.systematic(free, &part.signals);
+    let worth = imitates.map(|imitates| interval::worth(&part.study, list, free, imitates));
+    let worth = |index: usize| {
+        let place = free.iter().position(|other| *other == index);
+        let worth = worth.as_ref()?;
+        // what is whole or not there at all imitates as well as others do
+        Some(place.map_or(interval::Worth::LEAST, |place| worth[place]))
+    };
+    let error = |index: usize| {
+        let place = free.iter().position(|other| *other == index)?;
+        let doubt = doubt(doubts, index).hypot(doubt(&part.rough, index));
+        let own = errors[place]?.hypot(systematic[place].sqrt()).hypot(doubt);
+        Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / 1.96)))
+    };
+    let mut taken = part.study.active.clone();
+    part.classes
+        .iter()
+        .map(|(index, alternatives)| {
+            let x = part.study.last.point[*index];
+            // a name that another effect has already says nothing of this one
+            let open = |other: &&Alternative| other.candidate == *index || !taken.contains(&other.candidate);
+            let alternatives: Vec<Alternative> = alternatives.iter().filter(open).cloned().collect();
+            let swap = better_guess(*index, &alternatives, list).map(|best| (*index, best.candidate, best.x));
+            taken.extend(swap.map(|(_, best, _)| best));
+            let (name, at) = swap.map_or((*index, x), |(_, best, at)| (best, at));
+            let candidate = &list[name];
+            // the same share of the effect's size, whatever its name
+            let share = |index: usize, x: f64| (x - list[index].off).abs();
+            let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
+            let error = error(*index).map(|error| known * error);
+            let mut members = members(name, *index, &alternatives, list);
+            let kept = worth(*index).map_or(1.0, |worth| worth.share)
+                * interval::confirmed(&part.study, data, list, *index);
+            members.iter_mut().for_each(|member| member.probability *= kept);
+            let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
+            let effect = Effect {
+                name: candidate.name.to_owned(),
+                class: members.iter().map(|member| member.name.clone()).collect(),
+                value: candidate.value(at),
+                ci95: interval::ci95(candidate, at, error),
+                at_end: at != candidate.off && (at <= candidate.range.0 || at >= candidate.range.1),
+                probability,
+                members,
+                phrase: candidate.phrase.to_owned(),
+                unit: String::new(),
+                off: candidate.value(candidate.off),
+            };
+            (effect, swap)
+        })
+        .collect()
+}
+
+/// What the log's clock leaves in doubt of a candidate.
+pub(super) fn doubt(doubts: &[(usize, f64)], index: usize) -> f64 {
+    doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
+}
+
+/// Loss by which another member of the class must be better to be named first.
+const FIRST: f64 = 0.2;
+
+fn better_guess<'a>(
+    own: usize,
+    alternatives: &'a [Alternative],
+    list: &[Candidate],
+) -> Option<&'a Alternative> {
+    // fits in the place of a whole number are judged by the lattice
+    if list[own].is_discrete() {
+        return None;
+    }
+    // who was left out is no member any more
+    let loss = alternatives.iter().find(|other| other.candidate == own).map_or(f64::INFINITY, |own| own.loss);
+    alternatives.first().filter(|best| best.candidate != own && best.loss + FIRST < loss)
+}
+
+/// The class, the best guess first, the others by their probability.
+fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candidate]) -> Vec<Member> {
+    let weight = |alternative: &Alternative| libm::exp(-0.5 * alternative.loss);
+    let all: f64 = alternatives.iter().map(weight).sum();
+    let mut members: Vec<(bool, Member)> = alternatives
+        .iter()
+        .filter(|other| other.candidate == first || other.loss < CLASS)
+        .map(|other| {
+            let name = list[other.candidate].name.to_owned();
+            let probability = (weight(other) / all).min(1.0 - ALPHA);
+            (other.candidate != first, Member { name, probability })
+        })
+        .collect();
+    if members.is_empty() {
+        members.push((false, Member { name: list[own].name.to_owned(), probability: 1.0 - ALPHA }));
+    }
+    members.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.probability.total_cmp(&a.1.probability)));
+    members.into_iter().map(|(_, member)| member).collect()
+}

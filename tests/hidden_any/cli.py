@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import resource
 import shlex
 import subprocess
 import time
@@ -91,14 +92,20 @@ def do_diagnose(arguments):
         mine = listed_in(arguments.sets, arguments.partition).read_text().split()
         folders = [folder for folder in folders if folder.name in mine]
     for folder in folders:
-        began = time.monotonic()
+        began, spent = time.monotonic(), cpu()
         out = arguments.out / folder.name
         command = [*shlex.split(arguments.command_line), "--quiet", "diagnose", str(folder), "--out", str(out)]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment())
         out.mkdir(parents=True, exist_ok=True)
-        spent = round(time.monotonic() - began, 2)
-        (out / "call.json").write_text(json.dumps({"exit": done.returncode, "error": done.stderr[-2000:], "seconds": spent}))
-        print(f"{folder.name}  exit {done.returncode}  {spent} s", flush=True)
+        seconds, spent = round(time.monotonic() - began, 2), round(cpu() - spent, 2)
+        (out / "call.json").write_text(json.dumps({"exit": done.returncode, "error": done.stderr[-2000:], "seconds": seconds, "cpu": spent}))
+        print(f"{folder.name}  exit {done.returncode}  {seconds} s, {spent} s of CPU", flush=True)
+
+
+def cpu():
+    """Seconds that the processors spent on finished diagnoses: what others run beside them doesn't count."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def do_score(arguments):

@@ -9,7 +9,7 @@ def commands(machine, times, rng):
 
 
 def start(machine, rng):
-    return [state.value + state.spread * rng.normal() for state in machine.states]
+    return [state.value + (0.0 if machine.fixed else state.spread * rng.normal()) for state in machine.states]
 
 
 def shape(kind, times, rng):

@@ -62,7 +62,8 @@ class Parameter:
 class Machine:
     """A machine. `rhs(x, u, p)` and `outputs(x, u, p)` are numpy over any number of variants at once; `extra` are forces that
     nobody lists, as additional entries of p, neutral at 0. `step` is the unit's own idea of a step where it isn't a row: inputs
-    that run along lines want more than one between two rows. `units`: the description has units of measurement."""
+    that run along lines want more than one between two rows. `units`: the description has units of measurement.
+    `fixed`: nothing sets its states, every run begins where the unit does. Several units: `build` gives all files, `scenario` is the one that connects them, `places` says whose each variable is."""
 
     name: str
     states: tuple
@@ -81,6 +82,13 @@ class Machine:
     step: float = 0.0
     one_sided: bool = False
     units: bool = True
+    fixed: bool = False
+    scenario: str = ""
+    places: dict = field(default_factory=dict)
+
+    def full(self, name):
+        """`instance.variable` of a variable, or of an effect at one."""
+        return f"{self.places.get(name.split(':')[0], self.name)}.{name}"
 
     def nominal(self):
         values = {parameter.name: parameter.value for parameter in self.parameters}

@@ -48,7 +48,7 @@ class Unit:
 def run(scenario, folders, fed, starts, wanted, times):
     """Values of `wanted` (full names) at the times of a run. `fed`: {full name of an input: (times, values, hold)}."""
     entries = scenario["units"]
-    interval = float(Fraction(str(entries[0]["interval"])))
+    interval = float(Fraction(str(scenario.get("interval") or entries[0]["interval"])))
     sets = [entry.get("set", {}) | {k.split(".", 1)[1]: v for k, v in starts.items() if k.startswith(entry["name"] + ".")} for entry in entries]
     units = {entry["name"]: Unit(entry, folders, values) for entry, values in zip(entries, sets, strict=True)}
     # what a source fed is fed by the left-out run, be it the input itself or the effects before it
@@ -86,17 +86,24 @@ def run(scenario, folders, fed, starts, wanted, times):
     return {name: np.interp(times - times[0], grid, rows[:, place]) for place, name in enumerate(wanted)}
 
 
+def alone(machine, folder):
+    """The nominal scenario."""
+    if machine.scenario:
+        return tomllib.loads((Path(folder) / machine.scenario).read_text())
+    return {"units": [{"name": machine.name, "fmu": f"{machine.name}.fmu"}]}
+
+
 def closed(folder, amended, answer):
     """Share of the gap to the left-out run that the amended scenario closes; None where nothing stands above the noise."""
     machine, left = ALL[answer["machine"]], answer["left_out"]
     times = np.array(left["times"])
-    fed = {f"{machine.name}.{one.name}": (times, np.array(left["commands"][one.name]), one.hold) for one in machine.inputs}
-    starts = {f"{machine.name}.{name}": value for name, value in left["starts"].items()}
+    fed = {machine.full(one.name): (times, np.array(left["commands"][one.name]), one.hold) for one in machine.inputs}
+    starts = {machine.full(name): value for name, value in left["starts"].items()}
     scenario = tomllib.loads(Path(amended).read_text())
     folders = [Path(amended).parent, Path(folder), UNITS]
     behind = {link["from"]: link["to"].split(".", 1)[0] + ".y" for link in scenario.get("connections", []) if "output_effects" in link["to"]}
-    names = [f"{machine.name}.{one.name}" for one in machine.outputs_of]
-    nominal = {"units": [{"name": machine.name, "fmu": f"{machine.name}.fmu", "interval": scenario["units"][0]["interval"]}]}
+    names = [machine.full(one.name) for one in machine.outputs_of]
+    nominal = alone(machine, folder) | {"interval": scenario["units"][0]["interval"]}
     before = run(nominal, folders, fed, starts, names, times)
     after = run(scenario, folders, fed, starts, [behind.get(name, name) for name in names], times)
 

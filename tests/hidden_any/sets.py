@@ -39,10 +39,6 @@ def effects(machine):
     return listed | ports(machine)
 
 
-def full(machine, name):
-    return f"{machine.name}.{name}"
-
-
 def moved(machine, name, change):
     """The value at a change from neutral; of a saturation the share that is left."""
     value = neutral(machine)[name]
@@ -77,6 +73,8 @@ class Runs:
 
     def basis(self, table, first, count):
         """What start states explain, run by run: orthonormal columns. They are the last `count` variants."""
+        if not count:
+            return np.zeros((len(table), 0))
         length = len(table) // len(self.times)
         columns = np.zeros((len(table), count * len(self.times)))
         for run in range(len(self.times)):
@@ -113,7 +111,7 @@ def hide(machine, runs, name, wanted):
     variety = [{name: moved(machine, name, change)} for change in changes]
     variety += [{other: moved(machine, other, change)} for other, change in zip(others, small, strict=True)]
     variety += [{other: moved(machine, other, listed[other])} for other in others]
-    shifts = [0.05 * (state.spread or 1e-3) for state in machine.states]
+    shifts = [] if machine.fixed else [0.05 * (state.spread or 1e-3) for state in machine.states]
     outputs = runs.outputs([{}, *variety], shifts)
     table = runs.stacked(outputs)
     basis = runs.basis(table, 0, len(shifts))
@@ -155,8 +153,8 @@ def make(machine, case, seed, folder, answers, units):
     if case in effects(machine):
         size, shown, same, clean = hide(machine, runs, case, rng.uniform(*SHOWN))
         answer |= {"verdict": "ambiguous" if same else "named", "shown": shown,
-                   "effects": [{"name": full(machine, case), "value": moved(machine, case, size)}],
-                   "class": [full(machine, name) for name in (case, *same)]}  # fmt: skip
+                   "effects": [{"name": machine.full(case), "value": moved(machine, case, size)}],
+                   "class": [machine.full(name) for name in (case, *same)]}  # fmt: skip
     else:
         change, disturb = {}, None
         if case == "unlisted":
@@ -172,7 +170,7 @@ def make(machine, case, seed, folder, answers, units):
     answer["left_out"] = {
         "times": runs.times[-1].tolist(),
         "commands": {name: values.tolist() for name, values in runs.commands[-1].items()},
-        "starts": {state.start: value for state, value in zip(machine.states, runs.starts[-1], strict=True)},
+        "starts": {} if machine.fixed else {state.start: value for state, value in zip(machine.states, runs.starts[-1], strict=True)},
         "clean": {name: values.tolist() for name, values in clean[-1].items()},
     }
     answers.mkdir(parents=True, exist_ok=True)
@@ -183,24 +181,27 @@ def make(machine, case, seed, folder, answers, units):
 def write(machine, runs, clean, rng, folder, units):
     """The folder that a user would have."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{machine.name}.fmu").write_bytes(Path(units[machine.name]).read_bytes())
-    lines = ["format = 2", f'fmu = "{machine.name}.fmu"', ""]
+    built = units[machine.name]
+    for file in built if machine.scenario else [built]:
+        (folder / Path(file).name).write_bytes(Path(file).read_bytes())
+    model = f'scenario = "{machine.scenario}"' if machine.scenario else f'fmu = "{machine.name}.fmu"'
+    lines = ["format = 2", model, ""]
     ms = rng.random() < 0.3
     told = rng.random() < 0.7
     for one in machine.inputs:
-        lines += ["[[channel]]", f'variable = "{full(machine, one.name)}"', f'column = "{one.name}_cmd"', *converted(machine, one, rng)]
+        lines += ["[[channel]]", f'variable = "{machine.full(one.name)}"', f'column = "{one.name}_cmd"', *converted(machine, one, rng)]
         lines += [f'hold = "{one.hold}"'] * (one.hold != "zero") + [""]
     for one in machine.outputs_of:
-        lines += ["[[channel]]", f'variable = "{full(machine, one.name)}"', *converted(machine, one, rng)]
+        lines += ["[[channel]]", f'variable = "{machine.full(one.name)}"', *converted(machine, one, rng)]
         lines += [f"noise = {one.noise / abs(one.log[0]):.6g}"] * told + [""]
-    if not all(state.start in {one.name for one in machine.outputs_of} for state in machine.states):
+    if not machine.fixed and (machine.scenario or not all(state.start in {one.name for one in machine.outputs_of} for state in machine.states)):
         shown = {one.name for one in machine.outputs_of}
         for state in machine.states:
-            lines += ["[[state]]", f'start = "{full(machine, state.start)}"']
-            lines += [f'shows = "{full(machine, state.name)}"'] * (state.name in shown) + [""]
+            lines += ["[[state]]", f'start = "{machine.full(state.start)}"']
+            lines += [f'shows = "{machine.full(state.name)}"'] * (state.name in shown and state.start != state.name) + [""]
     for one in machine.parameters:
         if one.candidate:
-            lines += ["[[candidate]]", f'variable = "{full(machine, one.name)}"', f'scale = "{one.scale}"', ""]
+            lines += ["[[candidate]]", f'variable = "{machine.full(one.name)}"', f'scale = "{one.scale}"', ""]
     for run, times in enumerate(runs.times[: len(clean)]):
         name, first = f"run-{run + 1:02d}.csv", rng.choice([0.0, 0.0, 3.7])
         lines += ["[[run]]", f'file = "{name}"', *(['time = { column = "t", unit = "ms" }'] if ms else []), ""]

@@ -26,7 +26,7 @@ UNITS = {
 
 def variables(machine):
     """(name, unit, causality, variability, initial, start, low, high, phrase), in the order of value references."""
-    starts = {state.start: state for state in machine.states}
+    starts = {} if machine.fixed else {state.start: state for state in machine.states}
     rows = [(one.name, one.unit, "input", "continuous", None, one.rest, None, None, "") for one in machine.inputs]
     for one in machine.outputs_of:
         state = starts.pop(one.name, None)
@@ -69,7 +69,8 @@ def header(machine, derivatives, outputs, guid, step):
     rows = variables(machine)
     names = ", ".join(row[0] for row in rows)
     starts = ", ".join(repr(float(row[5] or 0.0)) for row in rows)
-    begin = " ".join(f"x[{place}] = v[{state.start}];" for place, state in enumerate(machine.states))
+    begins = [repr(state.value) if machine.fixed else f"v[{state.start}]" for state in machine.states]
+    begin = " ".join(f"x[{place}] = {value};" for place, value in enumerate(begins))
     return f"""enum {{ {names}, NV }};
 enum {{ NX = {len(machine.states)} }};
 #define GUID "{guid}"

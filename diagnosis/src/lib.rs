@@ -69,3 +69,4 @@ pub use provenance::{Provenance, Used};
 pub use rigs::acrobot::earlier::Earlier;
 pub use rigs::acrobot::record::{Recording, record};
 pub use watch::{Doing, Known, Listener, Watch};
+pub use write::FILES;

@@ -4,6 +4,16 @@ use crate::diagnosis::Diagnosis;
 use crate::error::Error;
 use std::path::Path;
 
+/// All files that a diagnosis may write: an earlier one's next experiment or inputs must not stand beside a new one's.
+pub const FILES: [&str; 6] = [
+    "diagnosis.json",
+    "amended.toml",
+    "report.html",
+    "next_experiment.toml",
+    crate::general::INPUTS,
+    crate::general::INPUT_LINES,
+];
+
 impl Diagnosis {
     /// `diagnosis.json` as text.
     pub fn to_json(&self) -> String {

@@ -230,3 +230,45 @@ fn law_the_sandwich_is_the_inverse_gram_matrix_where_the_noise_is_as_said_and_mo
     let more = variance(white(|stretch| stretch % 4 == 1, 10.0)) / exact;
     assert!(more > 6.0 && more < 80.0, "{more}");
 }
+
+/// -2 log likelihood with the parameters where it is least, the slow way.
+fn profiled(run: &Linearised, noise: &Noise) -> (f64, Vec<f64>) {
+    let reduced = sweep(run, noise, &[0, 1]);
+    let shift = reduced.gram.clone().lu().solve(&reduced.score).expect("both parameters show");
+    let deviance = reduced.square - shift.dot(&reduced.score) + reduced.log_det;
+    (deviance, shift.iter().copied().collect())
+}
+
+#[test]
+fn law_the_gradient_by_the_adjoint_is_that_of_differences() {
+    for disturbance in [None, Some(Disturbance { equation: 2, size: 0.9, memory: 0.35 })] {
+        let (run, mut noise) = (run(), noise(disturbance));
+        noise.process[1] = 0.2;
+        let shift = profiled(&run, &noise).1;
+        let found = diagnosis::infer::gradient::gradient(&[run.clone()], &noise, &[0, 1], &shift);
+        let step = 1e-5;
+        let by = |change: &dyn Fn(&mut Noise, f64)| {
+            let at = |factor: f64| {
+                let mut there = noise.clone();
+                change(&mut there, factor);
+                profiled(&run, &there).0
+            };
+            (at(f64::exp(step)) - at(f64::exp(-step))) / (2.0 * step)
+        };
+        // central differences over 1e-5 of a sum near 100 are good to 1e-9 of it over the step
+        let same = |a: f64, b: f64, what: &str| assert!((a - b).abs() < 1e-4, "{what}: {a} against {b}");
+        for channel in 0..2 {
+            same(found.channels[channel].first, by(&|n, f| n.channels[channel] *= f), "channel");
+        }
+        for equation in 0..3 {
+            same(found.process[equation].first, by(&|n, f| n.process[equation] *= f), "process");
+        }
+        same(found.jitter.first, by(&|n, f| n.jitter *= f), "jitter");
+        let scaled = |n: &mut Noise, f: f64| {
+            if let Some(unlisted) = &mut n.disturbance {
+                unlisted.size *= f;
+            }
+        };
+        same(found.disturbance.first, by(&scaled), "unlisted input");
+    }
+}

@@ -10,9 +10,6 @@ use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What a diagnosis writes: an earlier one's next experiment must not stand beside a new diagnosis that has none.
-const FILES: [&str; 4] = ["diagnosis.json", "amended.toml", "report.html", "next_experiment.toml"];
-
 /// Time for each run, s, if nobody says how much.
 const MINUTE: f64 = 60.0;
 
@@ -38,7 +35,7 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     diagnosis.provenance.command = command(arguments);
     let commit = crate::provenance::program().commit;
     diagnosis.provenance.version.push_str(&format!(", commit {commit}"));
-    folder.clear(&FILES)?;
+    folder.clear(&diagnosis::FILES)?;
     diagnosis.write(&out)?;
     if !quiet {
         summary(&diagnosis, &out);

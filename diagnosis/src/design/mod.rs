@@ -22,7 +22,6 @@ use crate::statistics::linear::{inverse, submatrix};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Simulation, UnitPath};
 use rayon::prelude::*;
-use std::sync::Mutex;
 use waves::{Wave, brief, waves};
 
 /// Most rows of a simulated run.
@@ -209,18 +208,9 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
         grid.samples.extend(samples);
     }
     grid.samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
-    Ok(Engine {
-        machine: machine.clone(),
-        outliers: vec![vec![false; grid.samples.len()]],
-        starts: vec![(states, engine.starts[0].1.clone())],
-        grids: vec![grid],
-        scales: engine.scales.clone(),
-        input_scales: engine.input_scales.clone(),
-        steps: engine.steps.clone(),
-        pool: Mutex::new(Vec::new()),
-        resets: engine.resets,
-        sensors: engine.sensors.clone(),
-    })
+    let starts = vec![(states, engine.starts[0].1.clone())];
+    let outliers = vec![vec![false; grid.samples.len()]];
+    Ok(Engine { starts, outliers, ..engine.beside(machine.clone(), vec![grid]) })
 }
 
 /// By the Fisher information: the least that any member leaves of another.

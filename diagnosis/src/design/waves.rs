@@ -49,7 +49,11 @@ pub(super) struct Wave {
 /// Middle and half of the range of each input.
 fn ranges(problem: &Problem, engine: &Engine) -> Vec<(f64, f64)> {
     let of = |(place, input): (usize, &crate::dynamics::machine::Input)| {
-        let described = problem.model.variable(problem.channels[input.channel].variable);
+        // what nobody logs nobody is asked to move
+        let Some(channel) = input.channel else {
+            return (input.given.values.first().copied().unwrap_or(0.0), 0.0);
+        };
+        let described = problem.model.variable(problem.channels[channel].variable);
         let seen = engine.grids.iter().flat_map(|grid| grid.inputs[place].values.iter().copied());
         let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let (low, high) = match (described.min, described.max) {

@@ -22,8 +22,11 @@ impl Engine {
         let (machine, n) = (&self.machine, self.machine.order());
         let grid = &self.grids[0];
         let schedule = Schedule::new(machine, grid, &machine.neutral());
-        let held: Vec<usize> =
-            (0..machine.inputs.len()).filter(|input| machine.inputs[*input].hold == Hold::Zero).collect();
+        let held: Vec<usize> = (0..machine.inputs.len())
+            .filter(|input| {
+                machine.inputs[*input].hold == Hold::Zero && machine.inputs[*input].channel.is_some()
+            })
+            .collect();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
             for row in (0..PROBES).map(|probe| probe * (grid.time.len() - 1) / PROBES) {

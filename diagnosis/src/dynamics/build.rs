@@ -1,9 +1,11 @@
 //! From a problem to an engine: sizes of states, inputs and steps, and what the units can do.
 
+use super::excluded::excluded;
 use super::grid::Grid;
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Role};
 use super::schedule::Schedule;
+use super::whole;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
 use crate::infer::fit::{Linearise, Path};
@@ -73,12 +75,14 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let Some(first) = grids.first() else {
         return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     };
+    let mut notices = Vec::new();
+    let outliers = excluded(&machine, &grids);
     let values = |channel: usize| -> Vec<Vec<f64>> {
-        let of = |grid: &Grid| {
-            let own = grid.samples.iter().filter(|sample| sample.channel == channel);
-            own.map(|sample| sample.value).collect()
+        let of = |(grid, out): (&Grid, &Vec<bool>)| {
+            let all = grid.samples.iter().zip(out);
+            all.filter(|(sample, out)| sample.channel == channel && !**out).map(|(s, _)| s.value).collect()
         };
-        grids.iter().map(of).collect()
+        grids.iter().zip(&outliers).map(of).collect()
     };
     let scatters: Vec<Scatter> = (0..machine.channels.len())
         .map(|channel| scatter(&values(channel).iter().map(Vec::as_slice).collect::<Vec<_>>()))
@@ -111,7 +115,6 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
             output.noise.filter(|sd| *sd > 0.0).unwrap_or(scatter.noise.max(EXACT * scatter.size.max(1e-300)))
         })
         .collect();
-    let outliers = grids.iter().map(|grid| vec![false; grid.samples.len()]).collect();
     let mut engine = Engine {
         steps: machine.parameters.iter().map(first_step).collect(),
         starts: Vec::new(),
@@ -124,11 +127,21 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         grids,
         machine,
     };
-    let mut notices = Vec::new();
     engine.check_reset(&mut notices)?;
     let sizes: Vec<f64> = scatters.iter().map(|scatter| scatter.size).collect();
-    engine.unmeasured_scales(&sizes)?;
-    if let Some(state) = engine.hidden()? {
+    if engine.machine.states.is_empty() && engine.remembers(&sizes)? {
+        engine.machine.states = whole::states(&engine.machine);
+        engine.machine.whole = true;
+        engine.scales.clone_from(&sizes);
+        let message = "no state of the model can be set (no start parameter, no output of initial \"exact\"): each run is \
+                       simulated whole from the model's own start, and no window begins anew";
+        notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
+    }
+    if !engine.machine.whole {
+        engine.unmeasured_scales(&sizes)?;
+    }
+    engine.unlogged_scales(&sizes)?;
+    if let Some(state) = if engine.machine.whole { None } else { engine.hidden()? } {
         let told = engine.look_ahead()?;
         notices.push(Notice {
             file: "dataset.toml".into(),
@@ -153,6 +166,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let sizes = Sizes {
         channels: engine.machine.channels.iter().zip(&scatters).map(least).collect(),
         process,
+        pinned: Vec::new(),
         jitter: JITTER * interval,
     };
     let noise = Noise {
@@ -194,6 +208,9 @@ impl Engine {
 
     /// States as far as a row measures them, else nominal.
     pub(super) fn nominal_states(&self, grid: &Grid, row: usize) -> Vec<f64> {
+        if self.machine.whole {
+            return vec![0.0; self.machine.order()];
+        }
         let near = |channel: usize| {
             let own = grid.samples.iter().filter(|sample| sample.channel == channel);
             own.min_by(|a, b| {
@@ -209,6 +226,10 @@ impl Engine {
 
     fn prior(&self, grid: &Grid) -> (Vec<f64>, Vec<f64>) {
         let mean = self.nominal_states(grid, 0);
+        if self.machine.whole {
+            // the rest begins at none: an offset is an effect
+            return (mean, self.scales.iter().map(|scale| LEAST * scale).collect());
+        }
         let size = |(state, scale): (&super::machine::State, &f64)| match state.channel {
             Some(_) => WIDE * scale,
             None => WIDE * scale.max(state.nominal.abs()),
@@ -282,6 +303,42 @@ impl Engine {
         Ok(())
     }
 
+    /// The size of an input that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
+    fn unlogged_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
+        let grid = &self.grids[0];
+        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
+        let (n, row, width) = (self.machine.order(), grid.time.len() / 2, self.machine.inputs.len());
+        let here = self.nominal_states(grid, row);
+        let mut scales = self.input_scales.clone();
+        self.with_worker(|worker| {
+            let (mut base, mut out) = (Vec::new(), Vec::new());
+            let job = Job { probe: true, ..schedule.job(grid.time[row], row, STRETCH, &here) };
+            worker.interval(&self.machine, &job, &mut base)?;
+            for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
+                let step = 1e-3 * scales[input];
+                let shifted = |values: &[f64]| -> Vec<f64> {
+                    let own = |(place, value): (usize, &f64)| {
+                        value + if place % width == input { step } else { 0.0 }
+                    };
+                    values.iter().enumerate().map(own).collect()
+                };
+                let (at_row, fed) = (shifted(job.at_row), shifted(job.fed));
+                worker.interval(&self.machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
+                let first = n + self.machine.channels.len() + schedule.reads[row].len();
+                let told = (first..base.len()).enumerate().map(|(place, entry)| {
+                    ((out[entry] - base[entry]) / step).abs() / sizes[place % sizes.len()].max(1e-300)
+                });
+                let told = told.fold(0.0, f64::max);
+                if told > 0.0 && told.is_finite() {
+                    scales[input] = 1.0 / told;
+                }
+            }
+            Ok(())
+        })?;
+        self.input_scales = scales;
+        Ok(())
+    }
+
     /// Steps of the parameters that change what a row shows by a small share of the noise.
     ///
     /// # Errors
@@ -318,6 +375,14 @@ impl Engine {
         which: &[usize],
     ) -> Result<Vec<f64>, Error> {
         let (grid, path, n) = (&self.grids[0], &paths[0], self.machine.order());
+        if self.machine.whole {
+            let one = |place: &usize| {
+                let mut moved = theta.to_vec();
+                moved[*place] = self.local(theta, *place).to;
+                self.telling_whole(theta, &moved, &noise.channels)
+            };
+            return which.par_iter().map(one).collect();
+        }
         let schedule = Schedule::new(&self.machine, grid, theta);
         let rows: Vec<usize> = (0..PROBES).map(|probe| probe * (grid.time.len() - 1) / PROBES).collect();
         which

@@ -23,6 +23,9 @@ impl Engine {
 
     fn first_path(&self, run: usize, theta: &[f64], noise: &Noise) -> Result<Path, Error> {
         let (machine, grid, n) = (&self.machine, &self.grids[run], self.machine.order());
+        if machine.whole {
+            return Ok(vec![0.0; grid.time.len() * n]);
+        }
         let schedule = Schedule::new(machine, grid, theta);
         let effects = output_effects(machine, theta);
         let set = self.set(theta);

@@ -40,6 +40,21 @@ impl Course {
     }
 }
 
+/// A held input jumps where it changes by more than so many times its usual change.
+const JUMP: f64 = 4.0;
+
+impl Course {
+    /// Times at which it jumps: at all where it seldom moves, by more than usual where it always does.
+    pub fn jumps(&self) -> Vec<f64> {
+        let moves: Vec<f64> = self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let mut sorted = moves.clone();
+        sorted.sort_by(f64::total_cmp);
+        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let times = self.time.iter().skip(1).zip(&moves);
+        times.filter(|(_, by)| **by > JUMP * usual).map(|(time, _)| *time).collect()
+    }
+}
+
 /// One run, as the sweep walks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
@@ -81,12 +96,12 @@ impl Grid {
             .inputs
             .iter()
             .map(|input| {
-                let series = &run.series[input.channel];
-                let (time, values) = if series.time.is_empty() {
-                    (vec![from], vec![input.nominal])
-                } else {
-                    (series.time.clone(), series.values.clone())
+                let (begin, series) = match input.channel {
+                    Some(channel) => (0.0, &run.series[channel]),
+                    None => (run.span().0, &input.given),
                 };
+                let time: Vec<f64> = series.time.iter().map(|time| begin + time).collect();
+                let values = series.values.clone();
                 Course { time, values, hold: input.hold }
             })
             .collect();

@@ -72,6 +72,30 @@ pub(super) struct RowParts {
 }
 
 impl Engine {
+    /// The same units with another machine's parameters, and other runs: of a run in the same place with as many values its
+    /// outliers and its start hold.
+    pub fn beside(&self, machine: Machine, grids: Vec<Grid>) -> Self {
+        let mut steps = self.steps.clone();
+        steps.resize(machine.parameters.len(), 1.0);
+        let outliers = |(run, grid): (usize, &Grid)| {
+            let own = self.outliers.get(run).filter(|own| own.len() == grid.samples.len());
+            own.cloned().unwrap_or_else(|| vec![false; grid.samples.len()])
+        };
+        let starts = (0..grids.len()).map(|run| self.starts.get(run).unwrap_or(&self.starts[0]).clone());
+        Self {
+            outliers: grids.iter().enumerate().map(outliers).collect(),
+            starts: starts.collect(),
+            grids,
+            machine,
+            steps,
+            scales: self.scales.clone(),
+            input_scales: self.input_scales.clone(),
+            sensors: self.sensors.clone(),
+            pool: Mutex::new(Vec::new()),
+            resets: self.resets,
+        }
+    }
+
     /// One interval after a row, or as many as show the state at its end.
     pub(super) fn job<'a>(
         &self,
@@ -118,6 +142,9 @@ impl Engine {
     /// # Errors
     /// A unit failed.
     pub fn run(&self, run: usize, theta: &[f64], path: &Path, chords: &[Chord]) -> Result<Linearised, Error> {
+        if self.machine.whole {
+            return self.whole(run, theta, path, chords);
+        }
         let grid = &self.grids[run];
         let wide = self.machine.order() + lag::active(&self.machine, theta).len();
         if wide > MOST_STATES - 1 {
@@ -329,7 +356,7 @@ impl Engine {
     }
 
     /// Prior of the first state against the path.
-    fn start(&self, run: usize, path: &Path) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn start(&self, run: usize, path: &Path) -> (Vec<f64>, Vec<f64>) {
         let (mean, sd) = &self.starts[run];
         (mean.iter().zip(path).map(|(mean, path)| mean - path).collect(), sd.clone())
     }

@@ -1,8 +1,9 @@
 //! Which variables of which units are states, inputs, channels and parameters, by reference.
 
 use crate::error::Error;
-use crate::observe::{self, InputEffect, OutputEffect, Problem, Scale, VariableId};
+use crate::observe::{self, Affine, InputEffect, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::ports;
+use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
 
 /// A variable of a unit, as calls want it.
@@ -92,10 +93,12 @@ pub struct Input {
     pub variable: Reference,
     /// How it runs between rows.
     pub hold: observe::Hold,
-    /// Place in [`Problem::channels`].
-    pub channel: usize,
-    /// Value before it is logged.
-    pub nominal: f64,
+    /// Place in [`Problem::channels`]; `None`: nobody logged it.
+    pub channel: Option<usize>,
+    /// Its course from a run's begin on, where nobody logged it.
+    pub given: Series,
+    /// Nobody knows what it was.
+    pub open: bool,
     /// Its unit, for people.
     pub unit: String,
 }
@@ -107,6 +110,8 @@ pub struct Link {
     pub from: Reference,
     /// An input.
     pub to: Reference,
+    /// What becomes of the value.
+    pub by: Affine,
 }
 
 /// The nominal model as calls want it.
@@ -130,6 +135,8 @@ pub struct Machine {
     pub any_step: bool,
     /// Rows over which outputs show a state that can't be read back; 0: every state is read.
     pub horizon: usize,
+    /// No unit can be started within a run: it is simulated whole, and the states are what channels show beyond it.
+    pub whole: bool,
     /// Which inputs the outputs of a row see.
     pub reading: observe::Reading,
 }
@@ -159,14 +166,23 @@ impl Machine {
             let name = channel.name.clone();
             match channel.role {
                 observe::Role::Fed(hold) => {
-                    let nominal = model.number(channel.variable).unwrap_or(0.0);
-                    inputs.push(Input { name, variable, hold, channel: place, nominal, unit });
+                    let (channel, given) = (Some(place), Series::default());
+                    inputs.push(Input { name, variable, hold, channel, given, open: false, unit });
                 }
                 observe::Role::Compared => {
                     channels.push(Output { name, variable, noise: channel.noise, channel: place, unit });
                 }
             }
         }
+        inputs.extend(problem.unlogged.iter().map(|own| Input {
+            name: model.name(own.variable),
+            variable: reference(own.variable),
+            hold: own.hold,
+            channel: None,
+            given: own.series.clone(),
+            open: own.open,
+            unit: model.variable(own.variable).unit.clone().unwrap_or_default(),
+        }));
         let states = (problem.states.iter())
             .map(|state| State {
                 name: model.name(state.shows.unwrap_or(state.start)),
@@ -189,6 +205,7 @@ impl Machine {
             inputs,
             channels,
             horizon: 0,
+            whole: false,
             reading: problem.reading,
         };
         machine.parameters = problem
@@ -225,16 +242,38 @@ fn links(problem: &Problem, inputs: &[Input]) -> Result<Vec<Link>, Error> {
     let find = |full: &str| {
         (0..model.fmus.len()).find_map(|unit| {
             let name = full.strip_prefix(model.scenario.units[unit].name.as_str())?.strip_prefix('.')?;
-            let place = model.description(unit).place(name)?;
-            let variable = &model.description(unit).variables[place];
-            Some(Reference { unit, reference: variable.reference, kind: variable.kind })
+            Some(VariableId { unit, place: model.description(unit).place(name)? })
         })
+    };
+    let reference = |id: VariableId| {
+        let variable = model.variable(id);
+        Reference { unit: id.unit, reference: variable.reference, kind: variable.kind }
     };
     let open =
         model.scenario.connections.iter().filter(|link| inputs.iter().all(|input| input.name != link.to));
     open.map(|link| match (find(&link.from), find(&link.to)) {
-        (Some(from), Some(to)) => Ok(Link { from, to }),
+        (Some(from), Some(to)) => {
+            let by = converted(model, from, to, link.transform);
+            Ok(Link { from: reference(from), to: reference(to), by })
+        }
         _ => Err(Error::Model(format!("connection {} to {}: no such variables", link.from, link.to))),
     })
     .collect()
+}
+
+/// input = gain · (value in the input's unit) + bias, as the master has it.
+fn converted(model: &observe::Nominal, from: VariableId, to: VariableId, transform: Transform) -> Affine {
+    let Transform { gain, bias, convert_units } = transform;
+    let base = |id: VariableId| {
+        let variable = model.variable(id);
+        let unit = variable.unit.as_deref().filter(|_| variable.kind == Kind::Real)?;
+        model.description(id.unit).unit(unit)?.base
+    };
+    let units = base(from).zip(base(to)).filter(|(a, b)| convert_units && a.exponents == b.exponents);
+    let by = units.map_or(Affine::SAME, |(a, b)| {
+        let difference = model.variable(from).relative_quantity && model.variable(to).relative_quantity;
+        let offset = if difference { 0.0 } else { (a.offset - b.offset) / b.factor };
+        Affine { scale: a.factor / b.factor, offset }
+    });
+    Affine { scale: gain * by.scale, offset: gain * by.offset + bias }
 }

@@ -9,13 +9,16 @@
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
 //! - `linearise.rs`: differences, many rows at once on all threads
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
+//! - `excluded.rs`: outliers
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
 //! - `at_once.rs`: outputs that follow an input without a state between them
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
 
 mod at_once;
 pub mod build;
+mod excluded;
 pub mod first_path;
 pub mod grid;
 mod lag;
@@ -23,11 +26,17 @@ pub mod linearise;
 pub mod machine;
 pub mod schedule;
 mod through;
+mod whole;
 pub mod worker;
 
 /// What a sensor with a delay and a lag makes of values at times.
 pub fn sensed(time: &[f64], values: &[f64], delay: f64, lag: f64) -> Vec<f64> {
     lag::lagged(time, &lag::delayed(time, values, delay), lag)
+}
+
+/// Whether no sensor lags for these parameters: then a run has the states of the units and no others.
+pub fn plain(machine: &Machine, theta: &[f64]) -> bool {
+    lag::active(machine, theta).is_empty()
 }
 
 pub use linearise::Engine;

@@ -136,7 +136,8 @@ impl Worker {
             self.reals[place].0.clear();
             self.reals[place].1.clear();
         }
-        let starts = machine.states.iter().map(|state| state.start).zip(job.states.iter().copied());
+        let own = if machine.whole { &[][..] } else { &machine.states[..] };
+        let starts = own.iter().map(|state| state.start).zip(job.states.iter().copied());
         for (reference, value) in job.parameters.iter().copied().chain(starts) {
             if reference.kind == Kind::Real {
                 self.reals[reference.unit].0.push(reference.reference);
@@ -179,6 +180,11 @@ impl Worker {
         for link in machine.links.iter().filter(|link| to.is_none_or(|unit| unit == link.to.unit)) {
             let value =
                 self.instances[link.from.unit].get(link.from.kind, link.from.reference).map_err(failed)?;
+            let value = match (link.to.kind, value.as_f64()) {
+                (Kind::Real, Some(number)) => Value::Real(link.by.apply(number)),
+                (kind, Some(number)) if kind != link.from.kind => typed(kind, number),
+                _ => value,
+            };
             self.instances[link.to.unit].set(link.to.reference, &value).map_err(failed)?;
         }
         Ok(())

@@ -5,6 +5,7 @@
 //! unit that it feeds, one behind an output after it. Between its steps a value is held: a delay or lag at an input gets
 //! a finer interval, of which the delay is as nearly as can be a multiple.
 
+use super::equivalent::equivalent;
 use super::study::Studied;
 use super::table::{self, Feed};
 use crate::dynamics::machine::{Machine, Role};
@@ -49,15 +50,21 @@ fn at_output(effect: OutputEffect) -> &'static str {
     }
 }
 
-/// Scenario text, and files that lie beside it.
+/// An amended scenario.
+pub struct Amended {
+    /// As TOML.
+    pub text: String,
+    /// Files that lie beside it.
+    pub attachments: Vec<(String, String)>,
+    /// What a reader should know of it.
+    pub told: Option<String>,
+}
+
+/// The scenario with what was found.
 ///
 /// # Errors
 /// The scenario can't be built with these values.
-pub fn amended(
-    problem: &Problem,
-    studied: &Studied,
-    units: &UnitPath,
-) -> Result<(String, Vec<(String, String)>), Error> {
+pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result<Amended, Error> {
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     let machine = &studied.built.engine.machine;
     let mut scenario = problem.model.scenario.clone();
@@ -66,10 +73,16 @@ pub fn amended(
         scenario.connections.iter().any(|link| link.to == input)
             || scenario.sources.iter().any(|source| source.to == input)
     };
-    let logged: Vec<usize> =
-        (0..machine.inputs.len()).filter(|place| !fed(&machine.inputs[*place].name)).collect();
+    let (carried, told) = equivalent(studied, &|name| fed(name))?;
+    let wanted = |place: &usize| {
+        let input = &machine.inputs[*place];
+        let carries = carried.as_ref().is_some_and(|own| own.input == *place);
+        !fed(&input.name) && (input.channel.is_some() || inputs.contains_key(place) || carries)
+    };
+    let logged: Vec<usize> = (0..machine.inputs.len()).filter(wanted).collect();
     if !logged.is_empty() {
-        as_logged(&mut scenario, problem, studied)?;
+        let start = carried.as_ref().map_or(&studied.fit.at.paths[0], |own| &own.start);
+        as_logged(&mut scenario, problem, studied, start)?;
     }
     if scenario.units.len() == 1 {
         scenario.units[0].interval = fine(problem, scenario.units[0].interval, &inputs);
@@ -101,9 +114,10 @@ pub fn amended(
     let step = scenario.units.first().map_or(0.0, |unit| unit.interval.to_f64());
     let mut text = Simulation::new(&scenario, units).map_err(failed)?.resolved();
     let mut sources = String::new();
-    let attachments = table::written(studied, &feeds, step, &mut sources);
+    let grid = carried.as_ref().map_or(&studied.built.engine.grids[0], |own| &own.grid);
+    let attachments = table::written(studied, grid, &feeds, step, &mut sources);
     text += &sources;
-    Ok((text, attachments))
+    Ok(Amended { text, attachments, told })
 }
 
 /// Sets the units' parameters; effects at ports, by the place of the port.
@@ -139,9 +153,15 @@ fn switched_on(
 }
 
 /// Start states and length of the first run.
-fn as_logged(scenario: &mut Scenario, problem: &Problem, studied: &Studied) -> Result<(), Error> {
+fn as_logged(
+    scenario: &mut Scenario,
+    problem: &Problem,
+    studied: &Studied,
+    start: &[f64],
+) -> Result<(), Error> {
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
-    for (state, value) in problem.states.iter().zip(&studied.fit.at.paths[0]) {
+    let whole = studied.built.engine.machine.whole;
+    for (state, value) in problem.states.iter().zip(start).filter(|_| !whole) {
         scenario.set(&state.name, &format!("{value:?}")).map_err(failed)?;
     }
     let span = studied.built.engine.grids[0].span();

@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::infer::fit::{At, Options, fit};
 use crate::observe::{Problem, Run};
 use rayon::prelude::*;
-use std::sync::Mutex;
 
 /// Rows of a window at first; halved where a window can't be followed.
 const WINDOW: usize = 200;
@@ -36,8 +35,12 @@ struct Window {
 /// # Errors
 /// A unit failed everywhere.
 pub fn gaps(problem: &Problem, left: &[(&Run, Span)], trained: &Studied) -> Result<Vec<Gap>, Error> {
-    let built = build(problem, left)?;
+    let mut built = build(problem, left)?;
     let neutral = built.engine.machine.neutral();
+    let paths = built.engine.first_paths(&neutral, &built.noise)?;
+    let runs = built.engine.chords(&neutral, &paths, &[])?;
+    let noise = crate::infer::Noise { disturbance: None, ..trained.fit.at.noise.clone() };
+    built.engine.readmit(&neutral, &runs, &noise);
     let before = windows(&built.engine, &neutral, trained)?;
     let after = if trained.effects.is_empty() {
         None
@@ -83,7 +86,8 @@ fn windows(engine: &Engine, theta: &[f64], trained: &Studied) -> Result<Vec<Wind
     let mut list: Vec<(usize, usize, usize)> = Vec::new();
     for (run, grid) in engine.grids.iter().enumerate() {
         let rows = grid.time.len();
-        let count = rows.div_ceil(WINDOW).max(1);
+        // what begins nowhere but at its start is one window
+        let count = if engine.machine.whole { 1 } else { rows.div_ceil(WINDOW).max(1) };
         list.extend((0..count).map(|part| (run, part * rows / count, (part + 1) * rows / count)));
     }
     // no process noise: the least that the sweep takes
@@ -110,6 +114,9 @@ fn followed(
     if to - from < SHORTEST {
         return Vec::new();
     }
+    if engine.machine.whole {
+        return window(engine, theta, run, path, (from, to), noise, n).into_iter().collect();
+    }
     if let Some(window) = window(engine, theta, run, path, (from, to), noise, n) {
         return vec![window];
     }
@@ -132,18 +139,16 @@ fn window(
     let mut part = grid.clone();
     part.time = grid.time[from..to].to_vec();
     let (begin, end) = (part.time[0], part.time[part.time.len() - 1]);
-    part.samples.retain(|sample| (begin..=end).contains(&sample.time));
+    let inside = |sample: &crate::dynamics::grid::Sample| (begin..=end).contains(&sample.time);
+    let outliers = (part.samples.iter().zip(&engine.outliers[run]))
+        .filter(|(sample, _)| inside(sample))
+        .map(|(_, out)| *out)
+        .collect();
+    part.samples.retain(inside);
     let single = Engine {
-        machine: engine.machine.clone(),
-        outliers: vec![vec![false; part.samples.len()]],
+        outliers: vec![outliers],
         starts: vec![(path[from * n..(from + 1) * n].to_vec(), engine.starts[run].1.clone())],
-        grids: vec![part],
-        scales: engine.scales.clone(),
-        input_scales: engine.input_scales.clone(),
-        steps: engine.steps.clone(),
-        pool: Mutex::new(Vec::new()),
-        resets: engine.resets,
-        sensors: engine.sensors.clone(),
+        ..engine.beside(engine.machine.clone(), vec![part])
     };
     let start =
         At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };

@@ -5,15 +5,19 @@
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `told.rs`: effects, classes, what the data would show
+//! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 
 mod amended;
+mod equivalent;
 mod mismatch;
 mod reading;
 mod rest;
 mod study;
 mod table;
 mod told;
+
+pub use table::{INPUT_LINES, INPUTS};
 
 use crate::diagnosis::Diagnosis;
 use crate::error::Error;

@@ -30,41 +30,77 @@ const EVENT: f64 = 0.35;
 pub struct Rest {
     /// Deviance that process noise or an unlisted input gains over none.
     pub evidence: f64,
+    /// Deviance without either.
+    pub none: f64,
     /// Noises with the unlisted input, where that is called for.
     pub unlisted: Option<Noise>,
+    /// Which noises are free beside it.
+    pub sizes: Sizes,
 }
 
 /// Process noise at its floor against free, and against an unlisted input at each equation.
+///
+/// Beside an unlisted input no equation has process noise of its own, unless that is needed, too: white noise of a state
+/// that forgets within a row and the noise of its sensor are nearly the same, and free together one takes the other's part.
 pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Rest {
     let columns: Vec<usize> = (0..fit.free.len()).collect();
-    let exact =
-        Sizes { process: sizes.process.iter().map(|(least, _)| (*least, *least)).collect(), ..sizes.clone() };
-    let none = Noise {
-        process: sizes.process.iter().map(|(least, _)| *least).collect(),
-        disturbance: None,
-        ..fit.at.noise.clone()
-    };
+    let order = engine.machine.order();
+    let exact = sizes.with_pinned(vec![true; order]);
+    let none = exact.quieted(Noise { disturbance: None, ..fit.at.noise.clone() });
     let without = maximise(&fit.runs, &columns, &none, &exact).1;
     let row = interval(engine);
-    let tried: Vec<(usize, f64)> = (0..engine.machine.order())
-        .flat_map(|equation| MEMORIES.map(|memory| (equation, memory * row)))
-        .collect();
+    let tried: Vec<(usize, f64)> =
+        (0..order).flat_map(|equation| MEMORIES.map(|memory| (equation, memory * row))).collect();
     let best = tried
         .par_iter()
         .map(|(equation, memory)| {
             let size =
                 fit.at.noise.process[*equation].max(ABOVE * sizes.process[*equation].0) / memory.sqrt();
             let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
-            maximise(&fit.runs, &columns, &Noise { disturbance, ..fit.at.noise.clone() }, sizes)
+            maximise(&fit.runs, &columns, &Noise { disturbance, ..none.clone() }, &exact)
         })
         .collect::<Vec<_>>()
         .into_iter()
         .chain(fit.at.noise.disturbance.map(|_| maximise(&fit.runs, &columns, &fit.at.noise, sizes)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let white = fit.deviance;
-    let (noise, with) = best.map_or((None, white), |(noise, with)| (Some(noise), with));
+    let Some((noise, with)) = best else {
+        return Rest { evidence: without - white, none: without, unlisted: None, sizes: exact };
+    };
+    let (noise, with, own) = freed(engine, fit, exact, (noise, with), policy);
     let evidence = without - with.min(white);
-    Rest { evidence, unlisted: noise.filter(|_| evidence > policy.unknown) }
+    Rest { evidence, none: without, unlisted: Some(noise).filter(|_| evidence > policy.unknown), sizes: own }
+}
+
+/// Frees the process noise of one equation after the other, as long as that gains as much as a name must.
+fn freed(
+    engine: &Engine,
+    fit: &Fit,
+    mut sizes: Sizes,
+    (mut noise, mut deviance): (Noise, f64),
+    policy: &Policy,
+) -> (Noise, f64, Sizes) {
+    let columns: Vec<usize> = (0..fit.free.len()).collect();
+    loop {
+        let pinned: Vec<usize> = (0..engine.machine.order()).filter(|one| sizes.is_pinned(*one)).collect();
+        let tried: Vec<(Noise, f64, Sizes)> = pinned
+            .par_iter()
+            .map(|equation| {
+                let mut left = sizes.pinned.clone();
+                left[*equation] = false;
+                let own = sizes.with_pinned(left);
+                let mut begun = noise.clone();
+                let least = ABOVE * sizes.process[*equation].0;
+                begun.process[*equation] = fit.at.noise.process[*equation].max(least);
+                let (noise, deviance) = maximise(&fit.runs, &columns, &begun, &own);
+                (noise, deviance, own)
+            })
+            .collect();
+        match tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(best) if deviance - best.1 > policy.sure => (noise, deviance, sizes) = best,
+            _ => return (noise, deviance, sizes),
+        }
+    }
 }
 
 /// The rest without a name, if there is one.
@@ -96,7 +132,11 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     };
     let first = engine.grids[0].time.iter().zip(&courses[0]).map(|(time, value)| [*time, *value]).collect();
     Some(Unknown {
-        signal: format!("the equation of {}", state.name),
+        signal: if engine.machine.whole {
+            format!("what {} shows beyond the model", state.name)
+        } else {
+            format!("the equation of {}", state.name)
+        },
         depends_on,
         shape,
         nearest: format!(
@@ -126,14 +166,16 @@ const WAVES: usize = 24;
 fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     let n = engine.machine.order();
     let mut plain: Vec<(String, Vec<f64>)> = Vec::new();
-    for (place, state) in engine.machine.states.iter().enumerate() {
+    let states = if engine.machine.whole { &[][..] } else { &engine.machine.states[..] };
+    for (place, state) in states.iter().enumerate() {
         let values = studied.fit.at.paths.iter().flat_map(|path| path.chunks(n).map(move |row| row[place]));
         plain.push((state.name.clone(), values.collect()));
     }
     let schedules: Vec<crate::dynamics::schedule::Schedule> = (engine.grids.iter())
         .map(|grid| crate::dynamics::schedule::Schedule::new(&engine.machine, grid, &studied.fit.at.theta))
         .collect();
-    for (place, input) in engine.machine.inputs.iter().enumerate() {
+    let logged = engine.machine.inputs.iter().enumerate().filter(|(_, input)| input.channel.is_some());
+    for (place, input) in logged {
         let values = schedules.iter().flat_map(|s| s.at_row.chunks(s.width).map(move |row| row[place]));
         plain.push((input.name.clone(), values.collect()));
     }

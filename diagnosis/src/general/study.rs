@@ -33,6 +33,8 @@ pub struct Studied {
     pub fit: Fit,
     /// What process noise says.
     pub rest: Rest,
+    /// Numbers of the search.
+    pub policy: Policy,
     /// In words.
     pub story: Vec<String>,
     /// Classes, if they were asked for.
@@ -80,11 +82,12 @@ pub fn diagnosed(
         });
     let (next_experiment, experiment) = proposal.map_or((None, None), |(next, text)| (Some(next), text));
     watch.stage("writing the amended scenario");
-    let (amended, attachments) = amended::amended(problem, &all, units)?;
+    let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
     let mut story = told::story(&all);
     story.extend(all.story.clone());
+    story.extend(amended.told);
     Ok(Diagnosis {
         provenance: told::provenance(problem),
         units: told::units(problem),
@@ -101,8 +104,8 @@ pub fn diagnosed(
         ended_early: watch.ended().to_vec(),
         notices,
         story,
-        amended,
-        attachments,
+        amended: amended.text,
+        attachments: amended.attachments,
         experiment,
         traces: Vec::new(),
         channels: Vec::new(),
@@ -114,7 +117,7 @@ type Rows<'a> = Vec<(&'a Run, Span)>;
 
 /// The first class that is open.
 fn open(studied: &Studied) -> Option<Question<'_>> {
-    let policy = Policy::default();
+    let policy = studied.policy;
     let near = |list: &[crate::search::class::Alternative]| -> Vec<_> {
         list.iter().filter(|one| one.loss < policy.class).copied().collect()
     };
@@ -165,7 +168,12 @@ pub(super) fn nominal(built: &mut Built) -> Result<Fit, Error> {
     };
     let best = BEGIN.iter().map(begun).min_by(|a, b| a.1.total_cmp(&b.1));
     let at = At { noise: best.map_or(at.noise.clone(), |(noise, _)| noise), ..at };
-    fit(&built.engine, &at, &[], Some(&built.sizes), &FitOptions::default())
+    let mut fitted = fit(&built.engine, &at, &[], Some(&built.sizes), &FitOptions::default())?;
+    if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
+        fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;
+    }
+    built.notices.extend(built.engine.told_outliers());
+    Ok(fitted)
 }
 
 /// Searches in these rows; from what was found in others, if that is given.
@@ -185,10 +193,12 @@ pub fn studied(
     let candidates = candidates(&built, options);
     let nominal = nominal(&mut built)?;
     let sizes: Sizes = built.sizes.clone();
+    let policy = Policy::of(candidates.len(), built.engine.machine.order());
+    let beside: Sizes;
     let mut search = Search {
         engine: &built.engine,
         sizes: &sizes,
-        policy: Policy::default(),
+        policy,
         options: FitOptions::default(),
         candidates,
         visited: Visited::new(),
@@ -206,7 +216,7 @@ pub fn studied(
     };
     let begun = search.fresh(begun)?;
     if !options.fit.is_empty() {
-        return given(built, &sizes, options, &nominal.at);
+        return given(built, &sizes, options, &nominal.at, policy);
     }
     let (mut effects, mut here) = search.walk(effects, begun, watch)?;
     here = search.fresh(here)?;
@@ -218,7 +228,9 @@ pub fn studied(
             rest.evidence
         ));
         search.visited.clear();
-        search.policy.gain = search.policy.beside;
+        beside = rest.sizes.clone();
+        search.sizes = &beside;
+        search.policy = policy.beside(rest.evidence);
         let mut start = here.at.clone();
         start.noise = unlisted;
         let again = search.visit(&effects, &start)?;
@@ -227,20 +239,26 @@ pub fn studied(
         (effects, here) = search.walk(effects, fresh, watch)?;
         here = search.fresh(here)?;
         (effects, here) = search.agreed(effects, here)?;
-        rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
+        rest = rest::judged(&built.engine, &here, &beside, &search.policy);
     }
     let classes = if classes { search.alternatives(&effects, &here, watch)? } else { Vec::new() };
     let story = search.story;
-    Ok(Studied { built, effects, fit: here, rest, story, classes })
+    Ok(Studied { built, effects, fit: here, rest, story, classes, policy })
 }
 
 /// Fits the parameters that were asked for, and judges what is left.
-fn given(built: Built, sizes: &Sizes, options: &Options, start: &At) -> Result<Studied, Error> {
+fn given(
+    built: Built,
+    sizes: &Sizes,
+    options: &Options,
+    start: &At,
+    policy: Policy,
+) -> Result<Studied, Error> {
     let parameters = &built.engine.machine.parameters;
     let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
-    let rest = rest::judged(&built.engine, &here, sizes, &Policy::default());
+    let rest = rest::judged(&built.engine, &here, sizes, &policy);
     let alone = |parameter: &usize| {
         vec![crate::search::class::Alternative {
             parameter: *parameter,
@@ -255,7 +273,7 @@ fn given(built: Built, sizes: &Sizes, options: &Options, start: &At) -> Result<S
         "they explain the data: what is left is noise"
     };
     let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
-    Ok(Studied { effects: free, fit: here, rest, story, classes, built })
+    Ok(Studied { effects: free, fit: here, rest, story, classes, built, policy })
 }
 
 /// Whether the names that were given with options are parameters.

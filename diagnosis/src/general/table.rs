@@ -5,9 +5,14 @@
 //! is held. Before an effect a line is wanted at the step's end: there the unit draws it itself.
 
 use super::study::Studied;
-use crate::dynamics::grid::Course;
+use crate::dynamics::grid::{Course, Grid};
 use crate::observe::Hold;
 use std::fmt::Write as _;
+
+/// What is fed as it is.
+pub const INPUTS: &str = "inputs.csv";
+/// What a unit before the input draws a line to.
+pub const INPUT_LINES: &str = "inputs_lines.csv";
 
 /// One logged input and where it goes.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,17 +25,17 @@ pub(super) struct Feed {
     pub line: bool,
 }
 
-/// Files with the logged inputs; appends the `[[sources]]` that read them.
+/// Files with the inputs of a run; appends the `[[sources]]` that read them.
 pub(super) fn written(
     studied: &Studied,
+    grid: &Grid,
     feeds: &[Feed],
     step: f64,
     sources: &mut String,
 ) -> Vec<(String, String)> {
     let engine = &studied.built.engine;
-    let grid = &engine.grids[0];
     let mut files = Vec::new();
-    for (file, line, late) in [("inputs.csv", false, 0.5 * step), ("inputs_lines.csv", true, 0.0)] {
+    for (file, line, late) in [(INPUTS, false, 0.5 * step), (INPUT_LINES, true, 0.0)] {
         let own: Vec<&Feed> = feeds.iter().filter(|feed| feed.line == line).collect();
         if own.is_empty() {
             continue;
@@ -44,16 +49,24 @@ pub(super) fn written(
                 feed.to, input.name
             );
         }
-        let names: Vec<&str> =
-            own.iter().map(|feed| engine.machine.inputs[feed.place].name.as_str()).collect();
-        let courses: Vec<&Course> = own.iter().map(|feed| &grid.inputs[feed.place]).collect();
+        let mut names: Vec<String> =
+            own.iter().map(|feed| engine.machine.inputs[feed.place].name.clone()).collect();
+        let mut courses: Vec<&Course> = own.iter().map(|feed| &grid.inputs[feed.place]).collect();
+        // where something was added, what was logged stands beside it
+        for feed in &own {
+            let logged = &engine.grids[0].inputs[feed.place];
+            if *logged != grid.inputs[feed.place] {
+                names.push(format!("{} as logged", engine.machine.inputs[feed.place].name));
+                courses.push(logged);
+            }
+        }
         files.push((file.to_owned(), table(&names, &courses, grid.time[0], late)));
     }
     files
 }
 
 /// All times of all courses, each with a value of each.
-fn table(names: &[&str], courses: &[&Course], begin: f64, late: f64) -> String {
+fn table(names: &[String], courses: &[&Course], begin: f64, late: f64) -> String {
     let mut times: Vec<f64> = courses.iter().flat_map(|course| course.time.iter().copied()).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -79,7 +92,7 @@ mod tests {
     fn value_courses_of_other_times_share_a_table() {
         let held = Course { time: vec![5.0, 7.0], values: vec![1.0, 2.0], hold: Hold::Zero };
         let line = Course { time: vec![5.0, 6.0, 9.0], values: vec![0.0, 1.0, 4.0], hold: Hold::Linear };
-        let text = table(&["a", "b"], &[&held, &line], 5.0, 0.25);
+        let text = table(&["a".into(), "b".into()], &[&held, &line], 5.0, 0.25);
         let rows = ["time,a,b", "0.25,1.0,0.0", "1.25,1.0,1.0", "2.25,2.0,2.0", "4.25,2.0,4.0", ""];
         assert_eq!(text, rows.join("\n"));
     }

@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::infer::likelihood::reduced;
 use crate::observe::{Problem, Scale};
 use crate::provenance::{Provenance, Used};
-use crate::search::Policy;
 use crate::statistics::linear::{inverse, submatrix};
 use std::collections::BTreeMap;
 
@@ -24,7 +23,7 @@ const BESIDE: f64 = 0.5;
 pub fn effects(problem: &Problem, studied: &Studied) -> Vec<Effect> {
     let units = units(problem);
     let most_sure = if studied.rest.unlisted.is_some() { BESIDE } else { SURE };
-    let policy = Policy::default();
+    let policy = studied.policy;
     let parameters = &studied.built.engine.machine.parameters;
     let mut list = Vec::new();
     for (place, own) in studied.effects.iter().enumerate() {
@@ -139,7 +138,7 @@ pub fn detectable(studied: &Studied) -> Result<BTreeMap<String, f64>, Error> {
         let mut with: Vec<usize> = (0..own).collect();
         with.push(own + place);
         let Some(covariance) = inverse(&submatrix(&whole.gram, &with)) else { continue };
-        let size = (Policy::default().gain * covariance[(own, own)]).sqrt();
+        let size = (studied.policy.sure * covariance[(own, own)]).sqrt();
         let (least, most) = engine.machine.parameters[*parameter].range;
         if size.is_finite() && size < most - least {
             told.insert(engine.machine.parameters[*parameter].name.clone(), size);
@@ -151,10 +150,14 @@ pub fn detectable(studied: &Studied) -> Result<BTreeMap<String, f64>, Error> {
 /// How it was found, in words.
 pub fn story(studied: &Studied) -> Vec<String> {
     let engine = &studied.built.engine;
+    let states = engine.machine.states.iter().map(|state| state.name.as_str()).collect::<Vec<_>>().join(", ");
+    let linked = if engine.machine.whole {
+        "runs are simulated whole, from the model's own start".to_owned()
+    } else {
+        format!("{} states are linked from row to row by the model ({states})", engine.machine.order())
+    };
     let mut story = vec![format!(
-        "{} states are linked from row to row by the model ({}); {} runs, {} rows, {} values; {} candidates and effects at ports",
-        engine.machine.order(),
-        engine.machine.states.iter().map(|state| state.name.as_str()).collect::<Vec<_>>().join(", "),
+        "{linked}; {} runs, {} rows, {} values; {} candidates and effects at ports",
         engine.grids.len(),
         engine.grids.iter().map(|grid| grid.time.len()).sum::<usize>(),
         engine.grids.iter().map(|grid| grid.samples.len()).sum::<usize>(),

@@ -1,9 +1,10 @@
 //! The sizes of the noises by maximum likelihood, parameters eliminated: a quasi-Newton search in their logarithms.
 //!
 //! -2 log L(φ) = Σ e²/s + log s - gᵀ Γ⁻¹ g with the score g and the Gram matrix Γ of the innovations' sensitivity columns
-//! (profile likelihood of θ). Gradients by differences: a sweep costs microseconds a row, and no call of the model.
+//! (profile likelihood of θ). Gradients by the adjoint of the sweep (`gradient.rs`), but for the memory of an unlisted input.
 //! Nocedal, Wright, *Numerical Optimization*, Springer 2006, 6.1 (BFGS) and 3.1 (backtracking).
 
+use super::gradient::{Slope, gradient};
 use super::linearised::Linearised;
 use super::noise::Noise;
 use super::sweep::sweep;
@@ -14,6 +15,8 @@ use rayon::prelude::*;
 /// Step of a difference in a logarithm. The deviance is smooth and exact to 1e-9, so this is far from rounding and short
 /// against 1, over which it bends.
 const STEP: f64 = 0.01;
+/// Least curvature that is believed: a size that tells of nothing moves by its gradient alone.
+const FLAT: f64 = 1.0;
 /// Shares of the process noise with which its search is begun, too.
 const LESS: [f64; 3] = [0.1, 1e-2, 1e-4];
 /// Longest move of a logarithm at once: a factor of 4.5.
@@ -30,6 +33,8 @@ pub struct Sizes {
     pub channels: Vec<Option<f64>>,
     /// Least and largest process noise of each equation.
     pub process: Vec<(f64, f64)>,
+    /// Equations without process noise of their own: it stays at its least. Empty: none of them.
+    pub pinned: Vec<bool>,
     /// Largest standard deviation of the timestamps, s; 0: they are exact.
     pub jitter: f64,
 }
@@ -54,6 +59,26 @@ enum Which {
 const WIDEST: f64 = 1e9;
 
 impl Sizes {
+    /// Whether an equation's process noise stays at its least.
+    pub fn is_pinned(&self, equation: usize) -> bool {
+        self.pinned.get(equation).copied().unwrap_or(false)
+    }
+
+    /// The same without process noise in these equations.
+    pub fn with_pinned(&self, pinned: Vec<bool>) -> Self {
+        Self { pinned, ..self.clone() }
+    }
+
+    /// A noise without what is pinned.
+    pub fn quieted(&self, mut noise: Noise) -> Noise {
+        for (equation, (least, _)) in self.process.iter().enumerate() {
+            if self.is_pinned(equation) {
+                noise.process[equation] = *least;
+            }
+        }
+        noise
+    }
+
     fn slots(&self, runs: &[Linearised], noise: &Noise) -> Vec<Slot> {
         let mut slots = Vec::new();
         let mut slot = |which, least: f64, most: f64| {
@@ -67,7 +92,9 @@ impl Sizes {
             }
         }
         for (equation, (least, most)) in self.process.iter().enumerate() {
-            slot(Which::Process(equation), *least, *most);
+            if !self.is_pinned(equation) {
+                slot(Which::Process(equation), *least, *most);
+            }
         }
         slot(Which::Jitter, 1e-4 * self.jitter, self.jitter);
         if let Some(unlisted) = noise.disturbance {
@@ -132,11 +159,18 @@ pub fn reduced(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Reduced
 
 /// -2 log likelihood with the parameters where it is least.
 pub fn profile(reduced: &Reduced) -> f64 {
+    reduced.square - best(reduced).1 + reduced.log_det
+}
+
+/// Where the parameters are best, and what is gained by going there.
+fn best(reduced: &Reduced) -> (Vec<f64>, f64) {
     let told = informed(reduced);
     let gram = crate::statistics::linear::submatrix(&reduced.gram, &told);
     let score = crate::statistics::linear::subvector(&reduced.score, &told);
-    let gained = solve(&gram, &score).map_or(0.0, |shift| shift.dot(&score));
-    reduced.square - gained + reduced.log_det
+    let mut shift = vec![0.0; reduced.score.len()];
+    let Some(solution) = solve(&gram, &score) else { return (shift, 0.0) };
+    told.iter().zip(solution.iter()).for_each(|(place, by)| shift[*place] = *by);
+    (shift, solution.dot(&score))
 }
 
 /// Parameters of which the data say anything.
@@ -173,8 +207,11 @@ pub fn maximise_within(
             (at, value) = (less, there);
         }
     }
-    let mut gradient = differences(&deviance, &at, value, &slots);
-    let mut inverse = DMatrix::identity(slots.len(), slots.len()) / gradient.amax().max(1.0);
+    let slopes = |at: &DVector<f64>, value: f64| {
+        derivatives(runs, columns, &written(start, &slots, at), &slots, at, value, &deviance)
+    };
+    let (mut gradient, curvature) = slopes(&at, value);
+    let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(FLAT)));
     let mut ended = false;
     for _ in 0..rounds {
         let direction = held(-&inverse * &gradient, &at, &gradient, &slots);
@@ -197,7 +234,7 @@ pub fn maximise_within(
             break;
         };
         let gained = value - there;
-        let next = differences(&deviance, &to, there, &slots);
+        let next = slopes(&to, there).0;
         updated(&mut inverse, &(&to - &at), &(&next - &gradient));
         (at, value, gradient) = (to, there, next);
         if gained < ENOUGH {
@@ -222,23 +259,37 @@ fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
     if equations.is_empty() { Vec::new() } else { all.chain(each).collect() }
 }
 
-/// Central where there is room: the gradient decides when the search ends.
-fn differences(
-    deviance: &(impl Fn(&DVector<f64>) -> f64 + Sync),
+/// First derivatives, and the second in the mean.
+fn derivatives(
+    runs: &[Linearised],
+    columns: &[usize],
+    noise: &Noise,
+    slots: &[Slot],
     at: &DVector<f64>,
     value: f64,
-    slots: &[Slot],
-) -> DVector<f64> {
-    let parts: Vec<f64> = (0..slots.len())
-        .into_par_iter()
-        .map(|i| {
-            let step = if at[i] + STEP > slots[i].range.1 { -STEP } else { STEP };
-            let mut to = at.clone();
-            to[i] += step;
-            (deviance(&to) - value) / step
-        })
-        .collect();
-    DVector::from_vec(parts)
+    deviance: &impl Fn(&DVector<f64>) -> f64,
+) -> (DVector<f64>, DVector<f64>) {
+    let shift = best(&reduced(runs, noise, columns)).0;
+    let all = gradient(runs, noise, columns, &shift);
+    let mut first = DVector::zeros(slots.len());
+    let mut second = DVector::zeros(slots.len());
+    for (i, slot) in slots.iter().enumerate() {
+        let slope = match slot.which {
+            Which::Channel(channel) => all.channels[channel],
+            Which::Process(equation) => all.process[equation],
+            Which::Jitter => all.jitter,
+            Which::Disturbance => all.disturbance,
+            Which::Memory => {
+                let step = if at[i] + STEP > slot.range.1 { -STEP } else { STEP };
+                let mut to = at.clone();
+                to[i] += step;
+                // a time constant is known about as well as the size that goes with it
+                Slope { first: (deviance(&to) - value) / step, second: all.disturbance.second }
+            }
+        };
+        (first[i], second[i]) = (slope.first, slope.second);
+    }
+    (first, second)
 }
 
 /// A direction that leaves no range: what stands at an end and would go beyond stays.

@@ -13,6 +13,7 @@
 //! Kristensen, Madsen, Jørgensen, Automatica 40 (2004) 225; Bar-Shalom, Li, Kirubarajan, *Estimation*, Wiley 2001.
 
 pub mod fit;
+pub mod gradient;
 pub mod likelihood;
 pub mod linearised;
 pub mod noise;

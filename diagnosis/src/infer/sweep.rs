@@ -32,6 +32,10 @@ pub struct Kept {
     pub covariance: Vec<f64>,
     /// Sum of the scores up to each row, a number a column.
     pub score: Vec<f64>,
+    /// Sensitivity of each innovation, a number a column.
+    pub columns: Vec<f64>,
+    /// Means, covariances and scores of the rows aren't wanted.
+    values_only: bool,
 }
 
 /// Runs the filter over a run, with the columns of the chosen parameters.
@@ -51,6 +55,13 @@ pub fn sweep_scores(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Redu
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, columns, Some(&mut kept));
     (reduced, kept.score)
+}
+
+/// Innovations with their columns and gains, nothing else: what a gradient needs.
+pub fn sweep_columns(run: &Linearised, noise: &Noise, columns: &[usize]) -> Kept {
+    let mut kept = Kept { values_only: true, ..Kept::default() };
+    dispatch(run, noise, columns, Some(&mut kept));
+    kept
 }
 
 /// States with the unlisted input.
@@ -91,25 +102,26 @@ impl<const N: usize> Interval<N> {
         for i in 0..n {
             transition[i][..n].copy_from_slice(&a[i * n..(i + 1) * n]);
         }
-        let direction = |equation: usize, i: usize| {
-            0.5 * dt * (a[i * n + equation] + if i == equation { 1.0 } else { 0.0 })
-        };
         let mut covariance = [[0.0; N]; N];
         for (equation, q) in noise.process.iter().copied().enumerate().take(n) {
             if q > 0.0 {
                 let variance = q * q / dt;
+                let mut along = [0.0; N];
+                for (i, along) in along.iter_mut().enumerate().take(n) {
+                    *along = direction(run, row, equation, i);
+                }
                 for i in 0..n {
-                    let along = direction(equation, i) * variance;
+                    let weighted = along[i] * variance;
                     for j in 0..=i {
-                        covariance[i][j] += along * direction(equation, j);
+                        covariance[i][j] += weighted * along[j];
                     }
                 }
             }
         }
         if let Some(unlisted) = noise.disturbance {
             let keeps = libm::exp(-dt / unlisted.memory);
-            for (i, row) in transition.iter_mut().enumerate().take(n) {
-                row[n] = direction(unlisted.equation, i);
+            for (i, to) in transition.iter_mut().enumerate().take(n) {
+                to[n] = direction(run, row, unlisted.equation, i);
             }
             transition[n][n] = keeps;
             covariance[n][n] = unlisted.size * unlisted.size * (1.0 - keeps * keeps);
@@ -121,6 +133,13 @@ impl<const N: usize> Interval<N> {
         }
         Self { transition, covariance }
     }
+}
+
+/// Gᵢ of the interval after a row: where a rate of one equation held over it leads.
+#[inline]
+pub fn direction(run: &Linearised, row: usize, equation: usize, i: usize) -> f64 {
+    let a = run.transition[(row * run.states + i) * run.states + equation];
+    0.5 * run.interval(row) * (a + if i == equation { 1.0 } else { 0.0 })
 }
 
 fn filter<const N: usize>(
@@ -166,12 +185,18 @@ fn filter<const N: usize>(
                 kept.gain.extend_from_slice(&gain);
             }
             if measured.weight == 0.0 {
+                if let Some(kept) = kept.as_deref_mut() {
+                    kept.columns.resize(kept.columns.len() + p, 0.0);
+                }
                 continue;
             }
             let direct = &run.direct[value * run.parameters..(value + 1) * run.parameters];
             for (slot, (column, m)) in columns.iter().zip(&sensitivity).enumerate() {
                 let through: f64 = observe.iter().zip(m).map(|(h, m)| h * m).sum();
                 innovation_columns[slot] = through + direct[*column];
+            }
+            if let Some(kept) = kept.as_deref_mut() {
+                kept.columns.extend_from_slice(&innovation_columns);
             }
             square += innovation * innovation / variance;
             log_det += libm::log(variance);
@@ -194,7 +219,7 @@ fn filter<const N: usize>(
                 }
             }
         }
-        if let Some(kept) = kept.as_deref_mut() {
+        if let Some(kept) = kept.as_deref_mut().filter(|kept| !kept.values_only) {
             kept.mean.extend_from_slice(&mean);
             covariance.iter().for_each(|row| kept.covariance.extend_from_slice(row));
             kept.score.extend_from_slice(&score);

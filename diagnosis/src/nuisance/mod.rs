@@ -1,6 +1,8 @@
 //! Parameters of the log that are nobody's fault: noise, quantisation, timestamps. Estimated with everything else, never
 //! candidates.
 
+pub mod outliers;
+
 /// What the values of one channel say of its noise, without any model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {

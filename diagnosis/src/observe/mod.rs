@@ -8,6 +8,7 @@
 //! - `nominal.rs`: the scenario, or one unit alone, with `[set]`
 //! - `resolve.rs`, `candidates.rs`: names become variables, gaps become defaults
 //! - `measure.rs`: units of measurement
+//! - `unlogged.rs`: inputs that no log feeds
 //! - `log.rs`: CSV
 
 mod candidates;
@@ -16,6 +17,9 @@ pub mod measure;
 mod nominal;
 mod raw;
 mod resolve;
+mod unlogged;
+
+pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Description, Variable};
@@ -31,6 +35,8 @@ pub struct Problem {
     pub model: Nominal,
     /// What was measured. One entry a variable.
     pub channels: Vec<Channel>,
+    /// Inputs that no log feeds.
+    pub unlogged: Vec<Unlogged>,
     /// How a run is started.
     pub states: Vec<State>,
     /// What may be missing in the model.

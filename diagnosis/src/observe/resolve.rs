@@ -6,7 +6,7 @@ use super::{
     Affine, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading, Role, Run, Series,
     State, VariableId,
 };
-use super::{candidates, measure, nominal};
+use super::{candidates, measure, nominal, unlogged};
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Causality, Initial, Variability, Variable};
 use orchestrator::{Kind, UnitPath, nearest};
@@ -22,6 +22,7 @@ pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Pr
     if file.raw.fmu.is_some() {
         nominal::pace(&mut model, runs.iter().flat_map(|run| &run.series));
     }
+    let unlogged = unlogged::unlogged(&model, &channels, &mut notices)?;
     let states = states(&model, &channels, file)?;
     let candidates = candidates::resolve(&model, &states, file, &mut notices)?;
     let ports = ports(&file.raw.ports, file)?;
@@ -30,6 +31,7 @@ pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Pr
         path: folder.to_owned(),
         model,
         channels,
+        unlogged,
         states,
         candidates,
         ports,

@@ -25,7 +25,9 @@ pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
     let latest = if shortest.is_finite() { LATEST * shortest } else { f64::INFINITY };
     let mut list = Vec::new();
     for (place, input) in machine.inputs.iter().enumerate() {
-        for effect in problem.ports.inputs.iter().copied() {
+        let open =
+            |effect: &InputEffect| input.channel.is_some() || input.open && *effect == InputEffect::Bias;
+        for effect in problem.ports.inputs.iter().copied().filter(open) {
             let (neutral, range, scale, words) = match effect {
                 InputEffect::Gain => (1.0, GAIN, Scale::Relative, "gain"),
                 InputEffect::Bias => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "bias"),

@@ -12,15 +12,30 @@ pub mod walk;
 
 pub use walk::{Search, Visited};
 
-/// Numbers of the search, each with its source; the tests in `tests/policy_any.rs` fail when one moves.
+/// One search in so many data sets of which the model lacks nothing may find something.
+const FALSE_ALARM: f64 = 1e-4;
+/// Beside an unlisted input an effect must be clear by so many times as many standard deviations: the input's form is a guess,
+/// and what it leaves passes for an effect.
+const GUESSED: f64 = 2.0;
+/// And it must gain at least this share of what the unlisted input gains: what a guessed form leaves is a share of what it takes.
+/// Pushes at a motor's load left 0.3 % that a gain of the current's sensor seemed to explain.
+const LEFT: f64 = 0.01;
+/// Process noise must gain so many times what chance gives: two honest integrators differ by what long logs show.
+const INTEGRATORS: f64 = 2.0;
+/// The truth fits worse than the best of its class by more than this in 0.27 % of data sets: three standard deviations, squared.
+const CLASS: f64 = 9.0;
+
+/// Numbers of the search; `tests/policy_any.rs` holds them against the null distribution, and fails when one moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
-    /// Deviance that a model must gain by one more effect. 4.5 standard deviations squared: two honest integrators differ by
-    /// what long logs show (`statistics::bootstrap`); of 50 candidates none reaches it by chance in 3 000 sets.
+    /// Deviance that a model must gain by one more effect: what the best of all candidates gains by chance (χ² with one degree of
+    /// freedom) in one of [`FALSE_ALARM`] searches.
     pub gain: f64,
-    /// The same beside an unlisted input: twice as many standard deviations, since the input's own form is a guess.
+    /// The same, whatever `gain` is beside an unlisted input.
+    pub sure: f64,
+    /// The same beside an unlisted input.
     pub beside: f64,
-    /// Effects within this deviance of the best one are not told apart: a likelihood ratio of 90.
+    /// Effects within this deviance of the best one are not told apart.
     pub class: f64,
     /// How many of the screened are looked at with the noises taken anew.
     pub looked: usize,
@@ -28,13 +43,44 @@ pub struct Policy {
     pub fitted: usize,
     /// Most effects.
     pub most: usize,
-    /// Deviance that process noise or an unlisted input must gain over none before the verdict is "unknown": the same evidence
-    /// for one more size as for one more effect, twice, since an integrator's error is no unknown.
+    /// Deviance that process noise or an unlisted input must gain over none before the verdict is "unknown": two numbers, size and
+    /// memory, at the best of all equations (χ² with two degrees of freedom), and twice that for honest integrators.
     pub unknown: f64,
 }
 
-impl Default for Policy {
-    fn default() -> Self {
-        Self { gain: 20.25, beside: 81.0, class: 9.0, looked: 10, fitted: 4, most: 5, unknown: 40.5 }
+impl Policy {
+    /// For a search among so many candidates, of a model with so many equations.
+    pub fn of(candidates: usize, equations: usize) -> Self {
+        let sure = beyond(FALSE_ALARM / candidates.max(1) as f64);
+        // of two degrees of freedom the tail is exp(-x/2)
+        let chance = -2.0 * libm::log(FALSE_ALARM / equations.max(1) as f64);
+        Self {
+            gain: sure,
+            sure,
+            beside: GUESSED * GUESSED * sure,
+            class: CLASS,
+            looked: 10,
+            fitted: 4,
+            most: 5,
+            unknown: INTEGRATORS * chance,
+        }
     }
+}
+
+impl Policy {
+    /// The same beside an unlisted input that gains so much.
+    pub fn beside(self, unlisted: f64) -> Self {
+        Self { gain: self.beside.max(LEFT * unlisted), ..self }
+    }
+}
+
+/// What χ² with one degree of freedom exceeds with this probability.
+fn beyond(probability: f64) -> f64 {
+    // P = erfc(√(x/2)), by bisection: it falls
+    let (mut low, mut high): (f64, f64) = (0.0, 1e3);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if libm::erfc((0.5 * middle).sqrt()) > probability { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }

@@ -107,7 +107,7 @@ impl Search<'_> {
     /// # Errors
     /// A unit failed.
     pub fn agreed(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
-        let sure = Policy::default().gain;
+        let sure = self.policy.sure;
         loop {
             here = self.fresh(here)?;
             let clear = |effect: usize| {

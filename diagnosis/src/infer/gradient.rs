@@ -1,0 +1,193 @@
+//! Derivatives of the deviance by the sizes of the noises, all at once: one sweep forth and its adjoint back.
+//!
+//! With r and N after a value (the adjoint state and its covariance), u = e/s - Kᵀ r and D = 1/s + Kᵀ N K, the deviance
+//! changes by D - u² for each unit of that value's variance, and by gᵀ N g - (gᵀ r)² for each unit of process noise along g
+//! before a row. With the parameters where the deviance is least, the innovations there stand for e: at a minimum its
+//! place doesn't count. Koopman, Shephard, Biometrika 79 (1992) 823; Durbin, Koopman, *Time Series Analysis by State Space
+//! Methods*, Oxford 2012, 7.3.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "i and j are the indices of matrices, in the formulas and here"
+)]
+
+use super::linearised::Linearised;
+use super::noise::Noise;
+use super::sweep::{Interval, dimension, direction, sweep_columns};
+
+/// A derivative by a logarithm, and the curvature that is expected there.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Slope {
+    /// First derivative.
+    pub first: f64,
+    /// Second derivative in the mean, as if values were independent.
+    pub second: f64,
+}
+
+impl Slope {
+    /// One variance's part: D - u² and D.
+    fn add(&mut self, variance: f64, excess: f64, spread: f64) {
+        self.first += 2.0 * variance * excess;
+        let share = variance * spread;
+        self.second += 4.0 * share * share;
+    }
+
+    fn sum(&mut self, other: Self) {
+        self.first += other.first;
+        self.second += other.second;
+    }
+}
+
+/// By the logarithm of each size; an unlisted input's memory is not among them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Gradient {
+    /// Channels.
+    pub channels: Vec<Slope>,
+    /// Process noise of each equation.
+    pub process: Vec<Slope>,
+    /// Timestamps.
+    pub jitter: Slope,
+    /// The unlisted input's size.
+    pub disturbance: Slope,
+}
+
+impl Gradient {
+    fn zero(noise: &Noise) -> Self {
+        Self {
+            channels: vec![Slope::default(); noise.channels.len()],
+            process: vec![Slope::default(); noise.process.len()],
+            ..Self::default()
+        }
+    }
+
+    /// Adds another run's.
+    pub fn add(&mut self, other: &Self) {
+        self.channels.iter_mut().zip(&other.channels).for_each(|(own, other)| own.sum(*other));
+        self.process.iter_mut().zip(&other.process).for_each(|(own, other)| own.sum(*other));
+        self.jitter.sum(other.jitter);
+        self.disturbance.sum(other.disturbance);
+    }
+}
+
+/// Of all runs, after the parameters in `columns` moved by `shift`.
+pub fn gradient(runs: &[Linearised], noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
+    use rayon::prelude::*;
+    let parts: Vec<Gradient> = runs.par_iter().map(|run| of_run(run, noise, columns, shift)).collect();
+    let mut sum = Gradient::zero(noise);
+    parts.iter().for_each(|part| sum.add(part));
+    sum
+}
+
+fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
+    macro_rules! sized {
+        ($n:expr; $($size:literal)*) => {
+            match $n {
+                $($size => backward::<$size>(run, noise, columns, shift),)*
+                more => unreachable!("{more} states; the pipeline refuses more than {}", super::sweep::MOST_STATES),
+            }
+        };
+    }
+    sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+}
+
+fn backward<const N: usize>(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
+    let kept = sweep_columns(run, noise, columns);
+    let (n, p) = (run.states, columns.len());
+    let mut sum = Gradient::zero(noise);
+    let mut adjoint = [0.0; N];
+    let mut spread = [[0.0; N]; N];
+    for row in (0..run.rows()).rev() {
+        for value in run.values(row).rev() {
+            let s = kept.variance[value];
+            if s.is_infinite() {
+                continue;
+            }
+            let measured = &run.measured[value];
+            let own = &kept.columns[value * p..(value + 1) * p];
+            let e = kept.innovation[value] - own.iter().zip(shift).map(|(j, by)| j * by).sum::<f64>();
+            let gain = &kept.gain[value * N..(value + 1) * N];
+            let observe = &run.observe[value * n..(value + 1) * n];
+            let mut through = [0.0; N];
+            let (mut along, mut twice) = (0.0, 0.0);
+            for i in 0..N {
+                let k = gain[i] / s;
+                along += k * adjoint[i];
+                for j in 0..N {
+                    through[i] += spread[i][j] * gain[j] / s;
+                }
+                twice += k * through[i];
+            }
+            let (u, d) = (e / s - along, 1.0 / s + twice);
+            let sigma = noise.channels[measured.channel];
+            let late = noise.jitter * measured.slope;
+            sum.channels[measured.channel].add(sigma * sigma, d - u * u, d);
+            sum.jitter.add(late * late, d - u * u, d);
+            for (i, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+                adjoint[i] += h * u;
+                for (j, other) in observe.iter().enumerate() {
+                    spread[i][j] += h * other * d;
+                }
+                for j in 0..N {
+                    spread[i][j] -= h * through[j];
+                    spread[j][i] -= h * through[j];
+                }
+            }
+        }
+        let unlisted = noise.disturbance;
+        if row == 0 {
+            if let Some(unlisted) = unlisted {
+                let excess = spread[n][n] - adjoint[n] * adjoint[n];
+                sum.disturbance.add(unlisted.size * unlisted.size, excess, spread[n][n]);
+            }
+            break;
+        }
+        let step = Interval::<N>::new(run, noise, row - 1);
+        let dt = run.interval(row - 1);
+        for (equation, q) in noise.process.iter().enumerate().take(n).filter(|(_, q)| **q > 0.0) {
+            let (mut along, mut twice) = (0.0, 0.0);
+            for i in 0..n {
+                let g = direction(run, row - 1, equation, i);
+                along += g * adjoint[i];
+                for j in 0..n {
+                    twice += g * spread[i][j] * direction(run, row - 1, equation, j);
+                }
+            }
+            sum.process[equation].add(q * q / dt, twice - along * along, twice);
+        }
+        if unlisted.is_some() {
+            let excess = spread[n][n] - adjoint[n] * adjoint[n];
+            sum.disturbance.add(step.covariance[n][n], excess, spread[n][n]);
+        }
+        adjoint = std::array::from_fn(|j| (0..N).map(|i| step.transition[i][j] * adjoint[i]).sum::<f64>());
+        spread = back(&step.transition, &spread);
+    }
+    sum
+}
+
+/// Tᵀ N T, symmetric to the last bit.
+fn back<const N: usize>(t: &[[f64; N]; N], n: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut half = [[0.0; N]; N];
+    for i in 0..N {
+        for k in 0..N {
+            let factor = n[i][k];
+            for j in 0..N {
+                half[i][j] += factor * t[k][j];
+            }
+        }
+    }
+    let mut whole = [[0.0; N]; N];
+    for i in 0..N {
+        for k in 0..N {
+            let factor = t[k][i];
+            for j in 0..=i {
+                whole[i][j] += factor * half[k][j];
+            }
+        }
+    }
+    for i in 0..N {
+        for j in 0..i {
+            whole[j][i] = whole[i][j];
+        }
+    }
+    whole
+}

@@ -61,16 +61,16 @@ def test_amended(case, tmp_path):
 
 
 def test_amended_with_a_force_that_nobody_lists(tmp_path):
-    """Five pushes at the load: the torque that would have done the same is part of what the scenario feeds, and the log is met."""
-    machine = dataclasses.replace(ALL["drive"], runs=2, duration=4.0)
-    units = {"drive": machine.build(machine, tmp_path)}
+    """A window that was opened five times: the power that would have done the same is part of what the scenario feeds."""
+    machine = dataclasses.replace(ALL["house"], runs=2, duration=30_000.0)
+    units = {"house": machine.build(machine, tmp_path)}
     sets.make(machine, "door", 3, tmp_path / "set", tmp_path / "answers", units)
     run("diagnose", tmp_path / "set", "--out", tmp_path / "said")
     said = json.loads((tmp_path / "said" / "diagnosis.json").read_text())
     assert said["verdict"] == "unknown"
-    assert any("adds the unlisted input to drive.torque" in line for line in said["story"]), said["story"]
+    assert any("adds the unlisted input to house.P_a" in line for line in said["story"]), said["story"]
     run("run", tmp_path / "said" / "amended.toml", "--out", tmp_path / "run")
-    # the course follows a part of the noise, too; edges of the pushes are smoothed over a row or two
+    # the course follows a part of the noise, too; its edges are smoothed over a row or two
     assert max(misses(machine, tmp_path / "set", tmp_path / "run" / "results.csv")) < 1.5
     # FMPy is fed the same table: written half a step late, for masters that read a source at a step's end
     scenario = tomllib.loads((tmp_path / "said" / "amended.toml").read_text())

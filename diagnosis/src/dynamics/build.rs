@@ -31,9 +31,6 @@ const EXACT: f64 = 1e-7;
 /// Timestamps scatter by at most this share of the usual interval.
 const JITTER: f64 = 0.3;
 
-/// Rows over which a state that nobody measures is expected to show.
-const STRETCH: usize = 50;
-
 /// What the build found.
 pub struct Built {
     /// The engine.
@@ -270,73 +267,6 @@ impl Engine {
             shown.is_nan() || (*set - *shown).abs() > 1e-6 * (set.abs() + shown.abs() + 1e-6)
         });
         Ok(other.next().map(|(state, _)| state.name.clone()))
-    }
-
-    /// The size of a state that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
-    fn unmeasured_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
-        let grid = &self.grids[0];
-        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-        let (n, row) = (self.machine.order(), grid.time.len() / 2);
-        let here = self.nominal_states(grid, row);
-        let mut scales = self.scales.clone();
-        self.with_worker(|worker| {
-            let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, STRETCH, &here) };
-            worker.interval(&self.machine, &job, &mut base)?;
-            for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
-                let step = 1e-4 * of.nominal.abs().max(1e-2);
-                let mut at = here.clone();
-                at[state] += step;
-                worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-                let entries = n + self.machine.channels.len() + schedule.reads[row].len()..base.len();
-                let told = entries.enumerate().map(|(place, entry)| {
-                    ((out[entry] - base[entry]) / step).abs() / sizes[place % sizes.len()].max(1e-300)
-                });
-                let told = told.fold(0.0, f64::max);
-                if told > 0.0 && told.is_finite() {
-                    scales[state] = 1.0 / told;
-                }
-            }
-            Ok(())
-        })?;
-        self.scales = scales;
-        Ok(())
-    }
-
-    /// The size of an input that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
-    fn unlogged_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
-        let grid = &self.grids[0];
-        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-        let (n, row, width) = (self.machine.order(), grid.time.len() / 2, self.machine.inputs.len());
-        let here = self.nominal_states(grid, row);
-        let mut scales = self.input_scales.clone();
-        self.with_worker(|worker| {
-            let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, STRETCH, &here) };
-            worker.interval(&self.machine, &job, &mut base)?;
-            for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
-                let step = 1e-3 * scales[input];
-                let shifted = |values: &[f64]| -> Vec<f64> {
-                    let own = |(place, value): (usize, &f64)| {
-                        value + if place % width == input { step } else { 0.0 }
-                    };
-                    values.iter().enumerate().map(own).collect()
-                };
-                let (at_row, fed) = (shifted(job.at_row), shifted(job.fed));
-                worker.interval(&self.machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
-                let first = n + self.machine.channels.len() + schedule.reads[row].len();
-                let told = (first..base.len()).enumerate().map(|(place, entry)| {
-                    ((out[entry] - base[entry]) / step).abs() / sizes[place % sizes.len()].max(1e-300)
-                });
-                let told = told.fold(0.0, f64::max);
-                if told > 0.0 && told.is_finite() {
-                    scales[input] = 1.0 / told;
-                }
-            }
-            Ok(())
-        })?;
-        self.input_scales = scales;
-        Ok(())
     }
 
     /// Steps of the parameters that change what a row shows by a small share of the noise.

@@ -10,6 +10,7 @@
 //! - `linearise.rs`: differences, many rows at once on all threads
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
 //! - `excluded.rs`: outliers
+//! - `scales.rs`: sizes of what no log tells
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
 //! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
@@ -24,6 +25,7 @@ pub mod grid;
 mod lag;
 pub mod linearise;
 pub mod machine;
+mod scales;
 pub mod schedule;
 mod through;
 mod whole;

@@ -146,6 +146,16 @@ pub fn columns(file: File) -> Vec<&'static str> {
     CHANNELS.iter().filter(|channel| channel.file == file).map(|channel| channel.column).collect()
 }
 
+/// How many columns of a log are compared.
+pub const fn count(file: File) -> usize {
+    let (mut count, mut row) = (0, 0);
+    while row < CHANNELS.len() {
+        count += (CHANNELS[row].file as u8 == file as u8 && CHANNELS[row].noise.is_some()) as usize;
+        row += 1;
+    }
+    count
+}
+
 /// The compared columns of a log, in the table's order.
 pub const fn compared<const N: usize>(file: File) -> [Channel; N] {
     let mut found = [CHANNELS[0]; N];
@@ -194,6 +204,13 @@ pub fn measuring(file: File, measures: Measures) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_motion_begins_with_its_state() {
+        let own: [Channel; count(Plant)] = compared(Plant);
+        assert_eq!(names(&own)[..4], ["q1", "q2", "dq1", "dq2"]);
+        assert_eq!((places(&own, Angle), places(&own, Rate)), (0..2, 2..4));
+    }
 
     #[test]
     fn every_column_stands_once_and_beside_its_like() {

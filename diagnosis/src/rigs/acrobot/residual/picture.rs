@@ -7,7 +7,7 @@ use super::trajectory::State;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::candidates::{Attribute, name, variable};
-use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, names, places};
+use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use orchestrator::Value;
@@ -18,9 +18,9 @@ use std::sync::Arc;
 /// Centroids u1, v1, u2, v2, u3, v3 in px, area1, area2, area3 in px, angles q1 and q2 read off them in rad.
 pub type Seen = [f64; COLUMNS.len()];
 /// Columns of `camera.csv` in that order.
-pub const COLUMNS: [&str; 11] = names(&CHANNELS);
+pub const COLUMNS: [&str; CHANNELS.len()] = names(&CHANNELS);
 /// What they are.
-pub const CHANNELS: [Channel; 11] = compared(File::Camera);
+pub const CHANNELS: [Channel; count(File::Camera)] = compared(File::Camera);
 /// Places of the centroids in it.
 pub const CENTROIDS: Range<usize> = places(&CHANNELS, Measures::Centroid);
 /// And of the areas.

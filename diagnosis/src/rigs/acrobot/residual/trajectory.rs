@@ -6,6 +6,7 @@
 
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
+use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
 use orchestrator::fmu::Instance;
 
@@ -21,6 +22,21 @@ const TOLERANCE: f64 = 1e-7;
 
 /// q1, q2, dq1, dq2.
 pub type State = [f64; 4];
+
+/// Columns of `plant.csv` that are compared: outputs of the plant.
+pub const CHANNELS: [Channel; count(File::Plant)] = compared(File::Plant);
+/// Their names.
+pub const COLUMNS: [&str; CHANNELS.len()] = names(&CHANNELS);
+/// So many of them are motion; the torque that arrives follows.
+pub const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
+
+/// What the plant gives at a time, in that order.
+pub type Row = [f64; CHANNELS.len()];
+
+/// The state in it.
+pub fn state_of(row: &Row) -> State {
+    std::array::from_fn(|place| row[place])
+}
 
 /// What happens in a window at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,7 +162,7 @@ pub struct Push {
 #[derive(Debug, Clone)]
 pub struct Ports {
     inputs: [u32; 2],
-    outputs: [u32; 5],
+    outputs: [u32; CHANNELS.len()],
     starts: [u32; 4],
     contact: u32,
     bias: u32,
@@ -164,15 +180,13 @@ impl Ports {
     /// The unit lacks one of them.
     pub fn of(plant: &Bench, lost: f64) -> Result<Self, Error> {
         let reference = |name: &str| plant.reference(name);
+        let mut outputs = [0; CHANNELS.len()];
+        for (output, name) in outputs.iter_mut().zip(COLUMNS) {
+            *output = reference(name)?;
+        }
         Ok(Self {
             inputs: [reference("tau")?, reference("tau_1")?],
-            outputs: [
-                reference("q1")?,
-                reference("q2")?,
-                reference("dq1")?,
-                reference("dq2")?,
-                reference("tau_applied")?,
-            ],
+            outputs,
             starts: [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?],
             contact: reference("q2_max")?,
             bias: reference("tau_bias")?,
@@ -184,7 +198,7 @@ impl Ports {
     }
 }
 
-/// Drives the plant from `state`; answers q1, q2, dq1, dq2, tau_applied at the wanted times. A machine that spins ever faster would
+/// Drives the plant from `state`; answers a row at each of the wanted times. A machine that spins ever faster would
 /// take most of the time there is, and tell nothing.
 ///
 /// # Errors
@@ -196,7 +210,7 @@ pub fn simulate(
     drive: &Drive,
     state: &State,
     pushes: &[Push],
-) -> Result<Vec<[f64; 5]>, Error> {
+) -> Result<Vec<Row>, Error> {
     let real = |reference: u32, value: f64| (reference, orchestrator::Value::Real(value));
     // what the model lacks at the joint goes past the actuator: neither delayed nor cut by it
     let bias = settings.iter().rev().find(|(reference, _)| *reference == ports.bias);
@@ -226,9 +240,9 @@ pub fn simulate(
         let mut rows = Vec::new();
         let mut last = first;
         let row = |instance: &mut Instance, joint: f64| {
-            let mut outputs = [0.0; 5];
+            let mut outputs: Row = [0.0; CHANNELS.len()];
             instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
-            outputs[4] -= joint;
+            outputs[MOTION] -= joint;
             Ok::<_, Error>(outputs)
         };
         if drive.events[0].wanted {
@@ -250,7 +264,8 @@ pub fn simulate(
             if pair[1].wanted {
                 rows.push(row(instance, now.1)?);
             }
-            if rows.last().is_some_and(|[_, _, dq1, dq2, _]| dq1.abs().max(dq2.abs()) > ports.lost) {
+            if rows.last().map(state_of).is_some_and(|[_, _, dq1, dq2]| dq1.abs().max(dq2.abs()) > ports.lost)
+            {
                 let wanted = drive.events.iter().filter(|event| event.wanted).count();
                 rows.resize(wanted, rows[rows.len() - 1]);
                 break;

@@ -11,7 +11,7 @@ const HELD: [f64; 3] = [0.3, 0.03, 0.003];
 pub(super) struct Fit {
     pub(super) start: State,
     pub(super) leads: Vec<f64>,
-    pub(super) base: Vec<[f64; 5]>,
+    pub(super) base: Vec<Row>,
     pub(super) cell: Cell,
     /// Whether the cell's hard and soft columns were taken at this very start and these leads.
     pub(super) here: [bool; 2],

@@ -22,7 +22,7 @@ impl PlantCut {
         settings: &[Setting],
         drive: &Drive,
         torque: &[Pair],
-    ) -> Result<(Vec<[f64; 5]>, f64), Error> {
+    ) -> Result<(Vec<Row>, f64), Error> {
         let square: f64 = torque.iter().flatten().map(|x| x * x).sum::<f64>() / torque.len().max(1) as f64;
         let by = if square > 0.0 { self.heft * SIZE / square.sqrt() } else { 0.0 };
         let mut pushes = window.pushes(&window.leads);
@@ -77,7 +77,7 @@ impl Forced for PlantCut {
                 let drive = Drive::new(run, window.drive.start(), &middles, &window.edges);
                 let pushes = window.pushes(&window.leads);
                 let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &pushes)?;
-                Ok(rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect())
+                Ok(rows.iter().map(state_of).collect())
             })
             .collect()
     }

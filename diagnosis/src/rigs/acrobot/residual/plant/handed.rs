@@ -118,6 +118,6 @@ impl PlantCut {
         let drive = Drive::new(&self.runs[before.run], begin, &[at], &before.edges);
         let pushes = before.pushes(&known.leads);
         let rows = simulate(&self.bench, &self.ports, settings, &drive, &known.start, &pushes).ok()?;
-        rows.last().map(|[q1, q2, dq1, dq2, _]| [*q1, *q2, *dq1, *dq2])
+        rows.last().map(state_of)
     }
 }

@@ -91,7 +91,7 @@ impl PlantCut {
     }
 
     /// Puts the stamps' columns before the leads.
-    pub(super) fn stamps(&self, layout: &Layout, base: &[[f64; 5]], cell: &mut Cell) {
+    pub(super) fn stamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
         if self.jitter == 0.0 {
             return;
         }
@@ -214,7 +214,7 @@ fn typical(time: &[f64]) -> Option<(f64, Vec<f64>)> {
 }
 
 /// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.
-fn rate(base: &[[f64; 5]], signal: usize, rows: &[usize]) -> f64 {
+fn rate(base: &[Row], signal: usize, rows: &[usize]) -> f64 {
     let sum: f64 = rows.iter().map(|row| base[*row][2 + signal]).sum();
     sum / (rows.len() as f64).powf(1.5)
 }

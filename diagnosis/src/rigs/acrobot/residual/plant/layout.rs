@@ -51,21 +51,14 @@ impl Layout {
         self.bins.len()
     }
 
-    pub(super) fn column(
-        &self,
-        base: &[[f64; 5]],
-        moved: &[[f64; 5]],
-        by: f64,
-        into: &mut DMatrix<f64>,
-        place: usize,
-    ) {
+    pub(super) fn column(&self, base: &[Row], moved: &[Row], by: f64, into: &mut DMatrix<f64>, place: usize) {
         for (bin, (signal, rows)) in self.bins.iter().enumerate() {
             let sum: f64 = rows.iter().map(|row| moved[*row][*signal] - base[*row][*signal]).sum();
             into[(bin, place)] = sum / (rows.len() as f64 * by);
         }
     }
 
-    pub(super) fn cell(&self, cut: &PlantCut, window: &Window, base: &[[f64; 5]]) -> Cell {
+    pub(super) fn cell(&self, cut: &PlantCut, window: &Window, base: &[Row]) -> Cell {
         let empty = || DMatrix::zeros(self.len(), 0);
         let mut cell = Cell {
             residual: Vec::new(),

@@ -1,12 +1,15 @@
 //! The plant's cut: logged torque in, encoder columns out, in windows with free start states.
 
 use super::settings::settings;
-use super::trajectory::{DENSE, Drive, Motion, PREROLL, Ports, Push, State, simulate};
+pub use super::trajectory::MOTION;
+use super::trajectory::{
+    CHANNELS, COLUMNS, DENSE, Drive, Motion, PREROLL, Ports, Push, Row, State, simulate, state_of,
+};
 use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, names, places};
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -52,11 +55,6 @@ const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4; // at an arm of heft 1
-/// Columns of `plant.csv` that are compared, in the order of the simulated outputs.
-const CHANNELS: [Channel; 5] = compared(File::Plant);
-pub const COLUMNS: [&str; 5] = names(&CHANNELS);
-/// So many of them are motion.
-pub const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 
@@ -284,7 +282,7 @@ impl PlantCut {
         &self,
         window: &Window,
         layout: &Layout,
-        base: &[[f64; 5]],
+        base: &[Row],
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
@@ -354,7 +352,7 @@ impl PlantCut {
                     &window.start,
                     &window.pushes(&window.leads),
                 )?;
-                let states: Vec<State> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
+                let states: Vec<State> = rows.iter().map(state_of).collect();
                 Ok::<_, Error>((window.run, times, states))
             })
             .collect::<Result<_, _>>()?;

@@ -19,8 +19,8 @@ fn law_a_ceiling_that_cuts_nothing_is_dropped_and_the_others_are_fitted() {
     let data = DataSet::load(folder.path()).expect("the data is good");
     let model = Model::load(&data, &common::units()).expect("it is shipped");
     // one that is far above all commands, 1/(N·m)
-    let ceilings = |_| vec![0.01];
-    let list: Arc<Vec<Candidate>> = Arc::new(candidates(&model, &[], &ceilings));
+    let saturations = |_| vec![0.01];
+    let list: Arc<Vec<Candidate>> = Arc::new(candidates(&model, &[], &saturations));
     let place = |name| list.iter().position(|candidate| candidate.name == name).expect("it is listed");
     let (hidden, dead) = (place("plant.I_rotor"), place("plant.tau_max"));
     let rows = PlantCut::new(&data, &model, list.clone()).expect("the unit runs");

@@ -16,7 +16,7 @@ fn cell(random: &mut Random, rows: usize) -> Cell {
         hard,
         soft,
         discrepancy: 0,
-        heft: 1.0,
+        inertia_scale: 1.0,
         columns,
         floor: Vec::new(),
         state: Vec::new(),

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 const DRAWS: usize = 4000;
 const SEED: u64 = 0x0ac0_b075;
 
-/// No threshold below this, in standard deviations. Draws know noise only; two honest renderers or integrators differ
+/// No threshold below this, in standard deviations. Draws know noise only; two right renderers or integrators differ
 /// by a few thousandths of a pixel or a hundredth of a milliradian, which long data show.
 const LEAST: f64 = 4.5;
 

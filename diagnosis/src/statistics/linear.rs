@@ -33,7 +33,7 @@ pub struct Cell {
     /// Soft columns from here on stand for what the model lacks; their prior is multiplied by a common size.
     pub discrepancy: usize,
     /// How large a discrepancy is against that of a machine of usual size: its sizes are counted in it.
-    pub heft: f64,
+    pub inertia_scale: f64,
     /// Change of the simulated rows per unit of each candidate.
     pub columns: DMatrix<f64>,
     /// What noise alone gives each row, where that is less than `sigma`; else empty.
@@ -48,7 +48,7 @@ pub struct Cell {
 impl Cell {
     /// Prior size that leaves the discrepancy as good as free, in its own unit.
     pub fn free(&self) -> f64 {
-        FREE * self.heft
+        FREE * self.inertia_scale
     }
 }
 
@@ -129,8 +129,8 @@ const KEPT: f64 = 0.7;
 impl Basis {
     /// Gram-Schmidt, each column twice where it needs that, which is as good as Householder here and leaves dependent columns
     /// out.
-    fn new(cell: &Cell, softness: f64) -> Self {
-        let (n, soft) = (cell.residual.len(), kept(cell, softness));
+    fn new(cell: &Cell, discrepancy_sd: f64) -> Self {
+        let (n, soft) = (cell.residual.len(), kept(cell, discrepancy_sd));
         let rows = n + soft;
         let vectors = Vec::with_capacity(rows * (cell.hard.ncols() + soft));
         let mut basis = Self { rows, vectors, log_det: 0.0, hard_rank: 0 };
@@ -140,7 +140,7 @@ impl Basis {
             basis.hard_rank += usize::from(basis.push(&mut vector));
         }
         for (place, column) in cell.soft.column_iter().take(soft).enumerate() {
-            let factor = if place < cell.discrepancy { 1.0 } else { softness };
+            let factor = if place < cell.discrepancy { 1.0 } else { discrepancy_sd };
             whiten(cell, column.as_slice(), factor, &mut vector);
             vector[n + place] = 1.0;
             basis.push(&mut vector);
@@ -220,19 +220,19 @@ pub struct Projected {
     pub expected: Vec<f64>,
 }
 
-/// Projects. `softness` multiplies the prior standard deviation of the discrepancy.
-pub fn projected(cell: &Cell, softness: f64) -> Projected {
-    beside(cell, &cell.residual, &cell.columns, softness)
+/// Projects. `discrepancy` multiplies the prior standard deviation of the discrepancy.
+pub fn projected(cell: &Cell, discrepancy_sd: f64) -> Projected {
+    beside(cell, &cell.residual, &cell.columns, discrepancy_sd)
 }
 
 /// Projects this residual alone.
-pub fn bare(cell: &Cell, residual: &[f64], softness: f64) -> Projected {
-    beside(cell, residual, &DMatrix::zeros(residual.len(), 0), softness)
+pub fn bare(cell: &Cell, residual: &[f64], discrepancy_sd: f64) -> Projected {
+    beside(cell, residual, &DMatrix::zeros(residual.len(), 0), discrepancy_sd)
 }
 
-fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, softness: f64) -> Projected {
+fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, discrepancy_sd: f64) -> Projected {
     let n = cell.residual.len();
-    let basis = Basis::new(cell, softness);
+    let basis = Basis::new(cell, discrepancy_sd);
     let mut rest = DVector::zeros(basis.rows);
     whiten(cell, residual, 1.0, rest.as_mut_slice());
     basis.project(rest.as_mut_slice());
@@ -253,9 +253,9 @@ fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, softness: f64) -> P
     Projected { rest, columns, freedom, log_det: basis.log_det + log_sigma, expected }
 }
 
-/// Projects the nuisances out of a cell. `softness` multiplies the discrepancy's prior standard deviation.
-pub fn reduce(cell: &Cell, softness: f64) -> Reduced {
-    let Projected { rest, columns, freedom, log_det, .. } = projected(cell, softness);
+/// Projects the nuisances out of a cell. `discrepancy` multiplies the discrepancy's prior standard deviation.
+pub fn reduce(cell: &Cell, discrepancy_sd: f64) -> Reduced {
+    let Projected { rest, columns, freedom, log_det, .. } = projected(cell, discrepancy_sd);
     Reduced {
         square: rest.norm_squared(),
         score: columns.tr_mul(&rest),
@@ -301,8 +301,8 @@ impl Sized {
 }
 
 /// Most likely nuisances (hard, then soft) of a cell that leaves this residual.
-pub fn nuisances(cell: &Cell, residual: &[f64], softness: f64) -> DVector<f64> {
-    let soft = soft_columns(cell, softness);
+pub fn nuisances(cell: &Cell, residual: &[f64], discrepancy_sd: f64) -> DVector<f64> {
+    let soft = soft_columns(cell, discrepancy_sd);
     let (hard, all) = (cell.hard.ncols(), cell.hard.ncols() + soft.ncols());
     let white = DMatrix::from_fn(cell.residual.len(), all, |row, column| {
         let value = if column < hard { cell.hard[(row, column)] } else { soft[(row, column - hard)] };
@@ -315,19 +315,19 @@ pub fn nuisances(cell: &Cell, residual: &[f64], softness: f64) -> DVector<f64> {
     }
     let mut solution = solve(&normal, &white.tr_mul(&residual)).unwrap_or_else(|| DVector::zeros(all));
     for place in hard + cell.discrepancy.min(soft.ncols())..all {
-        solution[place] *= softness;
+        solution[place] *= discrepancy_sd;
     }
     solution
 }
 
 /// Soft columns that take part: where there is no discrepancy, its columns stay out.
-fn kept(cell: &Cell, softness: f64) -> usize {
-    if softness > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) }
+fn kept(cell: &Cell, discrepancy_sd: f64) -> usize {
+    if discrepancy_sd > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) }
 }
 
-fn soft_columns(cell: &Cell, softness: f64) -> DMatrix<f64> {
-    DMatrix::from_fn(cell.soft.nrows(), kept(cell, softness), |row, column| {
-        cell.soft[(row, column)] * if column < cell.discrepancy { 1.0 } else { softness }
+fn soft_columns(cell: &Cell, discrepancy_sd: f64) -> DMatrix<f64> {
+    DMatrix::from_fn(cell.soft.nrows(), kept(cell, discrepancy_sd), |row, column| {
+        cell.soft[(row, column)] * if column < cell.discrepancy { 1.0 } else { discrepancy_sd }
     })
 }
 

@@ -54,7 +54,7 @@ pub struct Noise {
     pub guess: f64,
     /// Least standard deviation that is believed, with the same scale.
     pub least: f64,
-    /// By how much two honest renderers differ at one place on the pixel lattice.
+    /// By how much two right renderers differ at one place on the pixel lattice.
     pub tolerance: f64,
 }
 
@@ -98,7 +98,7 @@ const fn told(file: File, column: &'static str, unit: &'static str, measures: Me
     Channel { file, column, unit, measures, noise: None }
 }
 
-/// By how much centroids and areas of two honest renderers differ at one place on the lattice, px: they cut the rim's pixels
+/// By how much centroids and areas of two right renderers differ at one place on the lattice, px: they cut the rim's pixels
 /// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
 const CENTROIDS_APART: f64 = 0.006;
 const AREAS_APART: f64 = 0.06;

@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 
-/// What the time stamps say.
+/// What the timestamps say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses {
     /// Frames that should be there.

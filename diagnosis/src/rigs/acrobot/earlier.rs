@@ -87,7 +87,7 @@ mod tests {
     fn candidate(name: &'static str) -> Candidate {
         let motion = Motion::Real { steps: &[1.0], range: (-1.0, 1.0) };
         let (side, phrase, off, steps, range) = (Side::Camera, "", 0.0, vec![1.0], (-1.0, 1.0));
-        Candidate { name, side, phrase, motion, off, steps, range, bends: false, attributes: &[] }
+        Candidate { name, side, phrase, motion, off, steps, range, nonlinear: false, attributes: &[] }
     }
 
     fn open(list: &[Candidate], all: &[Alternative]) -> Vec<&'static str> {

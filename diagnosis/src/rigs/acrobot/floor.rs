@@ -36,7 +36,7 @@ pub fn of(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> Vec<f6
             }
             // frames that renderers draw otherwise, and noise
             let scatter = signal.known.or_else(|| local(nominal, s)).unwrap_or_else(|| within(s));
-            scatter.hypot(signal.honest)
+            scatter.hypot(signal.tolerance)
         })
         .collect()
 }
@@ -146,7 +146,7 @@ mod tests {
                 hard: DMatrix::zeros(1, 0),
                 soft: DMatrix::zeros(1, 0),
                 discrepancy: 0,
-                heft: 1.0,
+                inertia_scale: 1.0,
                 columns: DMatrix::zeros(1, 0),
                 floor: Vec::new(),
                 state: vec![q1, q2, dq1, dq2],
@@ -160,7 +160,7 @@ mod tests {
             known: None,
             sigma: 1.0,
             least: 0.0,
-            honest: 0.0,
+            tolerance: 0.0,
         };
         Evaluation::of(blocks, &[], &[], &COLUMNS.map(signal))
     }

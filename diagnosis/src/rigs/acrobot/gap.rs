@@ -133,7 +133,7 @@ pub fn widest(
     let own = if torque { Compared::Torques } else { picture() };
     let crossed = |of: Compared| (crossed(study, free, runs, of), of);
     let own = crossed(own);
-    if torque || !led(signals) {
+    if torque || !chained(signals) {
         return own;
     }
     let other = crossed(Compared::Torques);
@@ -146,7 +146,7 @@ pub fn above(gap: &Gap) -> f64 {
 }
 
 /// Whether signals are both the picture's and a plant's.
-pub fn led(signals: &[Signal]) -> bool {
+pub fn chained(signals: &[Signal]) -> bool {
     ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
 }
 

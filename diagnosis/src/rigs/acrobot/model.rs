@@ -122,7 +122,7 @@ impl Model {
 
     /// How heavy the arm is against those that steps of torques are given for: 1 where the inertia of its lighter link is within
     /// `USUAL`. The same machine with all inertias, torques and weights a thousandth moves in the same way.
-    pub fn heft(&self) -> f64 {
+    pub fn inertia_scale(&self) -> f64 {
         let inertias = names(Attribute::LinkInertia).filter_map(|name| self.number(name));
         let least = inertias.fold(f64::INFINITY, f64::min);
         if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }

@@ -17,7 +17,7 @@ const fn real(
         name,
         side,
         motion: Motion::Real { steps, range },
-        bends: false,
+        nonlinear: false,
         phrase,
         attributes: &[],
         twin: None,
@@ -29,7 +29,7 @@ const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phra
         name,
         side: Side::Plant,
         motion: Motion::Load { steps, range },
-        bends: false,
+        nonlinear: false,
         phrase,
         attributes: &[],
         twin: None,
@@ -41,7 +41,7 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
         name,
         side: Side::Plant,
         motion: Motion::Share { steps, range },
-        bends: false,
+        nonlinear: false,
         phrase,
         attributes: &[],
         twin: None,
@@ -49,7 +49,7 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
 }
 
 const fn bent(entry: Entry) -> Entry {
-    Entry { bends: true, ..entry }
+    Entry { nonlinear: true, ..entry }
 }
 
 const fn is(attributes: &'static [Attribute], entry: Entry) -> Entry {
@@ -71,7 +71,7 @@ pub const DEFOCUS: &str = "camera.N";
 pub const CLOCK: &str = "plant log's clock";
 /// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
 pub const ZEROS: [&str; 2] = ["plant log's zero of q1", "plant log's zero of q2"];
-/// Where friction, N·m(·s/rad) at heft 1, holds an arm fast whatever drives it. What flees there is no friction, and a unit takes
+/// Where friction, N·m(·s/rad) at inertia scale 1, holds an arm fast whatever drives it. What flees there is no friction, and a unit takes
 /// a thousand times as long over what is stiffer still.
 const FAST: (f64, f64) = (0.0, 200.0);
 /// Whatever pushes harder throws the arm out of every log.
@@ -79,7 +79,7 @@ const PUSHED: (f64, f64) = (-200.0, 200.0);
 /// An inertia or a gain stays a fair part of itself: without this, all of them and the torque gain going to zero
 /// together would fit anything.
 const PART: (f64, f64) = (0.25, 4.0);
-/// A rotor behind a gear outweighs its link at most some ten times, kg·m² at heft 1; and where it is infinite nothing moves.
+/// A rotor behind a gear outweighs its link at most some ten times, kg·m² at inertia scale 1; and where it is infinite nothing moves.
 const ROTOR: (f64, f64) = (0.0, 1.0);
 const THOUSANDTH: &[f64] = &[0.001];
 
@@ -94,14 +94,14 @@ pub const LIST: &[Entry] = &[
     is(&[Friction, Sticks], twin("stick_roll", bent(load("plant.fc_roll", &[5e-4], FAST, "Coulomb friction of the first link (rolling)")))),
     is(&[Friction, Sticks], twin("stick_joint", bent(load("plant.fc_joint", &[5e-4], FAST, "Coulomb friction at the joint")))),
     load("plant.I_rotor", &[2e-5], ROTOR, "rotor inertia at the joint"),
-    is(&[InActuator], Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::Torque }, bends: true, attributes: &[], twin: None, phrase: "torque saturation" }),
-    is(&[InActuator, OverTime], Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Ceiling { cuts: Cuts::TorqueRate }, bends: true, attributes: &[], twin: None, phrase: "limit on the rate of the torque" }),
+    is(&[InActuator], Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::Torque }, nonlinear: true, attributes: &[], twin: None, phrase: "torque saturation" }),
+    is(&[InActuator, OverTime], Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::TorqueRate }, nonlinear: true, attributes: &[], twin: None, phrase: "limit on the rate of the torque" }),
     is(&[InActuator, OverTime, Retards], real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator")),
     is(&[InActuator, OverTime, Retards], real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator")),
     is(&[Bias], twin("bias_joint", load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"))),
     is(&[Gain], share(GAIN, THOUSANDTH, PART, "torque gain")),
     is(&[Ground], twin("bias_roll", real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"))),
-    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, bends: true, attributes: &[], twin: None, phrase: "velocity terms of the equations of motion" },
+    Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, nonlinear: true, attributes: &[], twin: None, phrase: "velocity terms of the equations of motion" },
     is(&[LinkInertia], share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link")),
     is(&[Rolls], share("plant.theta_2", THOUSANDTH, PART, "inertia coupling of rolling and first link")),
     is(&[LinkInertia], share("plant.theta_5", THOUSANDTH, PART, "inertia of the second link")),
@@ -116,7 +116,7 @@ pub const LIST: &[Entry] = &[
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
     real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
     real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
-    Entry { name: DEFOCUS, side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, bends: true, attributes: &[], twin: None, phrase: "defocus" },
+    Entry { name: DEFOCUS, side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, nonlinear: true, attributes: &[], twin: None, phrase: "defocus" },
     is(&[CameraRoll], real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis")),
     real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
     real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),

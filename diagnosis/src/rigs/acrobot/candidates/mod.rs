@@ -18,7 +18,7 @@ pub enum Side {
     Plant,
     /// Between motion and the picture.
     Camera,
-    /// In the plant log's time stamps: a nuisance that is found like an effect and never named.
+    /// In the plant log's timestamps: a nuisance that is found like an effect and never named.
     Clock,
     /// In the zeros of the plant log's angles: a nuisance, too.
     Zero,
@@ -47,11 +47,11 @@ pub enum Motion {
         /// Smallest and largest value.
         range: (f64, f64),
     },
-    /// A torque or what goes with one: a real number whose steps are those for an arm of heft 1.
+    /// A torque or what goes with one: a real number whose steps are those for an arm of inertia scale 1.
     Load {
-        /// As in `Real`, times the arm's heft.
+        /// As in `Real`, times the arm's inertia scale.
         steps: &'static [f64],
-        /// As in `Real`, times the arm's heft.
+        /// As in `Real`, times the arm's inertia scale.
         range: (f64, f64),
     },
     /// A real number whose steps and range are shares of its nominal value; not a candidate where that is 0.
@@ -61,9 +61,9 @@ pub enum Motion {
         /// As in `Real`, times the nominal value.
         range: (f64, f64),
     },
-    /// A ceiling with 0 = none. Works in 1/value, in which "none" is 0 and a tighter ceiling is larger.
-    Ceiling {
-        /// A quantity that the ceiling cuts, whose quantiles are tried.
+    /// A saturation with 0 = none. Works in 1/value, in which "none" is 0 and a tighter saturation is larger.
+    Saturation {
+        /// A quantity that the saturation cuts, whose quantiles are tried.
         cuts: Cuts,
     },
     /// A whole number from off upwards.
@@ -77,7 +77,7 @@ pub enum Motion {
     Switch,
 }
 
-/// What a ceiling cuts.
+/// What a saturation cuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cuts {
     /// The commanded torque.
@@ -96,7 +96,7 @@ pub struct Entry {
     /// How it moves.
     pub motion: Motion,
     /// Its size changes what it does, not only how much: columns tell little of it before it is fitted.
-    pub bends: bool,
+    pub nonlinear: bool,
     /// What a person would call it.
     pub phrase: &'static str,
     /// What code asks of it.
@@ -107,7 +107,7 @@ pub struct Entry {
 
 /// A candidate of one diagnosis: an entry with the nominal model's off value.
 ///
-/// `x` is the coordinate in which the diagnosis works: the value itself, or 1/value for a ceiling.
+/// `x` is the coordinate in which the diagnosis works: the value itself, or 1/value for a saturation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// `instance.variable`.
@@ -125,7 +125,7 @@ pub struct Candidate {
     /// Smallest and largest x.
     pub range: (f64, f64),
     /// Its size changes what it does, not only how much.
-    pub bends: bool,
+    pub nonlinear: bool,
     /// What code asks of it.
     pub attributes: &'static [Attribute],
 }
@@ -134,7 +134,7 @@ impl Candidate {
     /// The parameter's value at a coordinate.
     pub fn value(&self, x: f64) -> f64 {
         match self.motion {
-            Motion::Ceiling { .. } => {
+            Motion::Saturation { .. } => {
                 if x > 0.0 {
                     1.0 / x
                 } else {
@@ -174,7 +174,7 @@ impl Candidate {
     /// Step for a derivative at a coordinate, towards the inside of the range.
     pub fn derivative_step(&self, x: f64) -> f64 {
         let size = match self.motion {
-            Motion::Ceiling { .. } => 0.002 * x.abs(),
+            Motion::Saturation { .. } => 0.002 * x.abs(),
             _ => self.steps.first().copied().unwrap_or(0.0).abs(),
         };
         if x + size > self.range.1 { -size } else { size }
@@ -182,7 +182,11 @@ impl Candidate {
 }
 
 /// The candidates that the nominal model has, with their off values. `withheld` names are left out.
-pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) -> Vec<f64>) -> Vec<Candidate> {
+pub fn candidates(
+    model: &Model,
+    withheld: &[String],
+    saturations: &dyn Fn(Cuts) -> Vec<f64>,
+) -> Vec<Candidate> {
     let mut found = Vec::new();
     for entry in LIST {
         let nominal = if entry.side.is_of_log() { Some(0.0) } else { model.number(entry.name) };
@@ -198,8 +202,8 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         let (off, steps, range) = match entry.motion {
             Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
             Motion::Load { steps, range } => {
-                let ends = (range.0 * model.heft(), range.1 * model.heft());
-                (nominal, steps.iter().map(|step| step * model.heft()).collect(), ends)
+                let ends = (range.0 * model.inertia_scale(), range.1 * model.inertia_scale());
+                (nominal, steps.iter().map(|step| step * model.inertia_scale()).collect(), ends)
             }
             Motion::Share { steps, range } => {
                 if nominal == 0.0 {
@@ -209,12 +213,12 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
                 let ordered = (ends.0.min(ends.1), ends.0.max(ends.1));
                 (nominal, steps.iter().map(|step| step * nominal).collect(), ordered)
             }
-            Motion::Ceiling { cuts } => {
+            Motion::Saturation { cuts } => {
                 if nominal > 0.0 {
                     let x = 1.0 / nominal;
                     (x, vec![0.1 * x, 0.5 * x], (0.0, f64::INFINITY))
                 } else {
-                    (0.0, ceilings(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
+                    (0.0, saturations(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
                 }
             }
             Motion::Count { looked, most } => {
@@ -232,8 +236,8 @@ pub fn candidates(model: &Model, withheld: &[String], ceilings: &dyn Fn(Cuts) ->
         }
         // a nominal value that no search would come to is none to be pulled back
         let range = (range.0.min(off), range.1.max(off));
-        let Entry { name, side, motion, bends, phrase, attributes, .. } = *entry;
-        found.push(Candidate { name, side, phrase, motion, off, steps, range, bends, attributes });
+        let Entry { name, side, motion, nonlinear, phrase, attributes, .. } = *entry;
+        found.push(Candidate { name, side, phrase, motion, off, steps, range, nonlinear, attributes });
     }
     found
 }
@@ -252,7 +256,7 @@ mod tests {
 
     #[test]
     fn no_load_is_tried_that_makes_the_unit_a_thousand_times_as_slow() {
-        // an arm of heft 1 has inertias of some 0.1 kg·m²: the unit then resolves decays of 0.5 ms
+        // an arm of inertia scale 1 has inertias of some 0.1 kg·m²: the unit then resolves decays of 0.5 ms
         let stiff = |entry: &&Entry| matches!(entry.motion, Motion::Load { range, .. } if range.1 > 200.0);
         assert_eq!(LIST.iter().filter(stiff).map(|entry| entry.name).collect::<Vec<_>>(), [""; 0]);
     }
@@ -267,7 +271,7 @@ mod tests {
             off: 1.0,
             steps: vec![-1.0],
             range: (0.0, 1.0),
-            bends: true,
+            nonlinear: true,
             attributes: &[],
         };
         // an end of an interval
@@ -276,8 +280,8 @@ mod tests {
 
     #[test]
     fn value_a_ceiling_works_in_the_inverse_and_none_is_zero() {
-        let motion = Motion::Ceiling { cuts: Cuts::Torque };
-        let ceiling = Candidate {
+        let motion = Motion::Saturation { cuts: Cuts::Torque };
+        let saturation = Candidate {
             name: "plant.tau_max",
             side: Side::Plant,
             phrase: "",
@@ -285,11 +289,11 @@ mod tests {
             off: 0.0,
             steps: vec![0.5],
             range: (0.0, f64::INFINITY),
-            bends: true,
+            nonlinear: true,
             attributes: &[],
         };
-        assert_eq!([0.0, -1e-9, 0.5, 4.0].map(|x| ceiling.value(x)), [0.0, 0.0, 2.0, 0.25]);
-        assert_eq!(ceiling.derivative_step(0.5), 0.001);
+        assert_eq!([0.0, -1e-9, 0.5, 4.0].map(|x| saturation.value(x)), [0.0, 0.0, 2.0, 0.25]);
+        assert_eq!(saturation.derivative_step(0.5), 0.001);
     }
 
     #[test]
@@ -343,7 +347,7 @@ mod tests {
             off,
             steps: vec![0.1],
             range: (0.0, 1.0),
-            bends: false,
+            nonlinear: false,
             attributes: &[],
         };
         for off in [0.0, 0.2] {

@@ -4,7 +4,7 @@ use super::shape::{image_shape, nearest, torque_shape};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::gap::led;
+use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::plant::MOTION;
 use crate::rigs::acrobot::residual::torque::{rms, torques};
@@ -86,7 +86,7 @@ pub(super) fn doubt(found: &Found<'_>, _: Option<&Unknown>) -> Judgement {
 pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let stamps = STAMPS * study.explained;
     // what scattering stamps of the torque do goes on from row to row, too
-    let accounted = if study.last.softness <= stamps { study.last.softness } else { 0.0 };
+    let accounted = if study.last.discrepancy_sd <= stamps { study.last.discrepancy_sd } else { 0.0 };
     let rest = rest(&study.last, signals, accounted);
     let nearest = nearest(study, candidates);
     if torque {
@@ -100,7 +100,7 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
-    if led(signals) && lacking(&study.last, &study.folds, study.explained, true) {
+    if chained(signals) && lacking(&study.last, &study.folds, study.explained, true) {
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
@@ -110,10 +110,10 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         .iter()
         .flat_map(|block| &block.cells)
         .any(|cell| cell.signal.first().is_some_and(|s| *s < COLUMNS.len()) && cell.soft.ncols() > 0);
-    // a circle that stays at one place on the lattice shows there what honest renderers differ by, row after row
-    let honest = |s: usize, rows: f64| rows * (signals[s].honest / study.last.sigmas[s]).powi(2);
+    // a circle that stays at one place on the lattice shows there the tolerance of renderers, row after row
+    let tolerance = |s: usize, rows: f64| rows * (signals[s].tolerance / study.last.sigmas[s]).powi(2);
     let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
-    let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + honest(s, rows));
+    let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + tolerance(s, rows));
     let worst = |rest: &Rest| {
         let all = rest.means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
         let all = all.map(|(s, mean)| (s, over(s, *mean)));
@@ -127,7 +127,7 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest, ..Unknown::default() })
 }
 
-/// The model with the likeliest effect of the picture that was dropped: honest renderers may differ by as much, so that it is
+/// The model with the likeliest effect of the picture that was dropped: right renderers may differ by as much, so that it is
 /// neither named nor a rest.
 fn beside_dropped(study: &Study, candidates: &[Candidate]) -> Option<Evaluation> {
     let dropped = |index: usize| study.steps.iter().any(|step| step.dropped.contains(&index));

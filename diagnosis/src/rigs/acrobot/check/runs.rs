@@ -59,7 +59,7 @@ mod tests {
             off: 2.0,
             steps: vec![0.002],
             range: (0.5, 8.0),
-            bends: false,
+            nonlinear: false,
             attributes: &[],
         }
     }
@@ -79,7 +79,7 @@ mod tests {
                 hard: DMatrix::zeros(12, 0),
                 soft: DMatrix::zeros(12, 0),
                 discrepancy: 0,
-                heft: 1.0,
+                inertia_scale: 1.0,
                 columns: column,
                 floor: Vec::new(),
                 state: vec![0.0; 4],
@@ -93,7 +93,7 @@ mod tests {
             known: Some(0.01),
             sigma: 0.01,
             least: 0.0,
-            honest: 0.0,
+            tolerance: 0.0,
         };
         Evaluation::of(blocks.collect(), &[2.0], &[Probe { candidate: 0, by: 0.002 }], &[signal])
     }

@@ -19,10 +19,10 @@ const WORTH: f64 = 0.02;
 const EXACT: f64 = 0.01;
 /// More terms than this say that the dictionary has no law for the rest.
 const MOST: usize = 5;
-/// Where the plant, led by torques of its own, is further than this from the log (rad), nothing can be said of what it
+/// Where the plant, held by slack torques, is further than this from the log (rad), nothing can be said of what it
 /// lacks.
 const LOST: f64 = 0.02;
-/// Sizes of what may be lacking beside the terms, N·m at an arm of heft 1: the likeliest is taken.
+/// Sizes of what may be lacking beside the terms, N·m at an arm of inertia scale 1: the likeliest is taken.
 const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 
 /// Chosen terms with their size.
@@ -90,7 +90,7 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
     }
 }
 
-/// The plant comes close to the log at least where it is led.
+/// The plant comes close to the log at least where slack torques hold it.
 fn followed(block: &Block) -> bool {
     block.cells.iter().all(|cell| {
         if !cell.floor.is_empty() {
@@ -214,10 +214,10 @@ impl Rest<'_> {
         for (sigma, signal) in sharper.sigmas.iter_mut().zip(signals) {
             *sigma = signal.known.unwrap_or(*sigma);
         }
-        let size = |softness: f64| Evaluation { softness, ..sharper.clone() };
-        let likely = |softness: &f64| sharper.under(&size(*softness)).deviance();
-        let heft = sharper.heft();
-        let sizes = SIZES.map(|size| heft * size);
+        let size = |discrepancy_sd: f64| Evaluation { discrepancy_sd, ..sharper.clone() };
+        let likely = |discrepancy_sd: &f64| sharper.under(&size(*discrepancy_sd)).deviance();
+        let inertia_scale = sharper.inertia_scale();
+        let sizes = SIZES.map(|size| inertia_scale * size);
         let best = sizes.iter().map(|size| (likely(size), *size)).min_by(|a, b| a.0.total_cmp(&b.0));
         self.evaluation = self.evaluation.under(&size(best.map_or(0.0, |(_, size)| size)));
     }

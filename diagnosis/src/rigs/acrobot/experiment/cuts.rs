@@ -73,15 +73,15 @@ impl<'a> Cuts<'a> {
 
     /// A column. In the plant it is a tangent: secants over whole sizes bend with the motion that runs away, each its
     /// own way, and promise to tell members apart that no fit would. In the picture it is a secant over a step of some
-    /// pixels, since the lattice is no part of a prediction. What has separate values only, or a ceiling, is moved by
+    /// pixels, since the lattice is no part of a prediction. What has separate values only, or a saturation, is moved by
     /// its whole `size`.
     pub fn probe(&self, candidate: usize, x: f64, size: f64) -> Probe {
         let here = &self.list[candidate];
         let step = here.derivative_step(x);
         let by = match here.motion {
-            Motion::Ceiling { .. } | Motion::Count { .. } | Motion::Switch if x == here.off => size,
+            Motion::Saturation { .. } | Motion::Count { .. } | Motion::Switch if x == here.off => size,
             Motion::Count { .. } | Motion::Switch => here.off - x,
-            Motion::Ceiling { .. } => step,
+            Motion::Saturation { .. } => step,
             _ if here.side == Side::Plant => step * TANGENT,
             _ => step,
         };
@@ -123,7 +123,7 @@ impl<'a> Cuts<'a> {
                 for (sigma, signal) in cell.sigma.iter_mut().zip(&cell.signal) {
                     *sigma *= factors[*signal];
                 }
-                sum.add(&reduce(cell, self.question.softness).dispersed(1.0 / (*share * self.repeats)));
+                sum.add(&reduce(cell, self.question.discrepancy_sd).dispersed(1.0 / (*share * self.repeats)));
             }
         }
         Ok(sum)

@@ -90,7 +90,7 @@ pub struct Question<'a> {
     point: &'a [f64],
     members: Vec<Member>,
     noise: Noise,
-    softness: f64,
+    discrepancy_sd: f64,
     units: &'a UnitPath,
 }
 
@@ -122,8 +122,8 @@ pub fn next<'a>(
         seen: signals.map(|(signal, sigma)| (signal.name.clone(), *sigma)).collect(),
         encoders: Logs::of(data).encoders,
     };
-    let softness = found.map(|(study, _, _)| study.last.softness).fold(0.0, f64::max);
-    let question = Question { data, model, list, point, members, noise, softness, units };
+    let discrepancy_sd = found.map(|(study, _, _)| study.last.discrepancy_sd).fold(0.0, f64::max);
+    let question = Question { data, model, list, point, members, noise, discrepancy_sd, units };
     choice(&question)
 }
 
@@ -151,7 +151,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     }
     // what can't be simulated can't be checked either
     let same = first_look(question, &AGAIN, likely).ok().flatten();
-    // what honest renderers differ by does not become less with more pictures
+    // the tolerance of renderers does not become less with more pictures
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
     let weigh = |one: &mut Tried| {
         same.iter().for_each(|same| one.discount(&same.losses, CLASS));

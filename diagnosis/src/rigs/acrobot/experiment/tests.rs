@@ -149,8 +149,16 @@ fn proposed(data: &DataSet, model: &Model, class: &[(&str, f64)]) -> NextExperim
     point[members[0].candidate] = members[0].x;
     let noise = Noise { stated: BTreeMap::new(), seen: BTreeMap::new(), encoders: Logs::of(data).encoders };
     let units = scenarios::unit_path();
-    let question =
-        Question { data, model, list: &list, point: &point, members, noise, softness: 0.0, units: &units };
+    let question = Question {
+        data,
+        model,
+        list: &list,
+        point: &point,
+        members,
+        noise,
+        discrepancy_sd: 0.0,
+        units: &units,
+    };
     let (next, text) = choice(&question);
     let text = text.expect("its scenario");
     orchestrator::Scenario::parse(&text, "next_experiment.toml").expect("a scenario that loads");

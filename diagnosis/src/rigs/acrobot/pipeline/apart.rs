@@ -18,7 +18,7 @@ pub(super) fn told_apart(
     watch: &mut Watch<'_>,
 ) {
     let study = &part.study;
-    if study.outweighed || study.last.softness > 0.0 {
+    if study.discrepancy_dominated || study.last.discrepancy_sd > 0.0 {
         return;
     }
     let kept = rows.nuisances.clone();

@@ -1,6 +1,6 @@
 //! The camera's part: at the measured motion, or with the pose free where none was measured.
 
-use super::looks::averaged;
+use super::averages::averaged;
 use super::sensor::with_noise;
 use super::*;
 use crate::rigs::acrobot::residual::chain::Chain;

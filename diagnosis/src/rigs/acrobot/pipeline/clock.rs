@@ -232,7 +232,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
     let clock = own_clock(list)?;
     let of_log = |index: usize| list[index].side.is_of_log();
     let study = &compared.parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?.study;
-    if study.outweighed {
+    if study.discrepancy_dominated {
         return None;
     }
     let open = study.screen.hits.iter().filter(|hit| !of_log(hit.candidate));

@@ -222,7 +222,7 @@ impl Conclusion {
         }
         let gone = self.superseded();
         let stands = |part: &&Part| part.study.active.iter().all(|index| !self.withdrawn.contains(index));
-        let certain = parts.iter().filter(|part| !part.study.outweighed).filter(stands);
+        let certain = parts.iter().filter(|part| !part.study.discrepancy_dominated).filter(stands);
         let cuts = certain.filter(|part| !part.torque || gone.is_empty());
         let cuts = cuts.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
         experiment::next(logs.data, logs.model, logs.list, point, cuts, logs.units)

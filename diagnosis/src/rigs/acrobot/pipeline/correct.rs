@@ -13,7 +13,7 @@ const FAR_LESS: f64 = 0.7;
 /// How many of the effects that were named last are tried without, one at a time.
 const SINGLES: usize = 3;
 
-/// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of heft 1.
+/// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of inertia scale 1.
 const ROUNDING: f64 = 1e-6;
 
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
@@ -31,7 +31,7 @@ pub(super) fn correct(
     let point = &part.study.last.point;
     let found = cut(data, model, list, part, point).and_then(|cut| {
         let Some(mut cut) = cut else { return Ok(None) };
-        let scattering = cut.policy().explained > model.heft() * ROUNDING;
+        let scattering = cut.policy().explained > model.inertia_scale() * ROUNDING;
         // each begins from the data again
         let mut at = |point: &[f64]| {
             cut.reset();
@@ -110,7 +110,7 @@ fn cut(
     part: &Part,
     point: &[f64],
 ) -> Result<Option<Box<Tracked<dyn Forced>>>, Error> {
-    if part.study.outweighed {
+    if part.study.discrepancy_dominated {
         return Ok(Weak::new(data, model, list.clone())?
             .map(|cut| Box::new(Tracked::new(cut)) as Box<Tracked<dyn Forced>>));
     }

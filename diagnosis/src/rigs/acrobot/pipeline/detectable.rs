@@ -28,14 +28,14 @@ pub(super) fn detectable(
         } else {
             let columns = last.probes.iter().zip(&part.study.screen.errors).zip(&differs);
             let own = columns.filter(|((probe, error), _)| probe.candidate == *index && error.is_finite());
-            // what a picture shows must be more than honest renderers differ by
+            // what a picture shows must be more than right renderers differ by
             let own = own.map(|((probe, error), differs)| match candidate.side {
                 Side::Camera => (probe, error.max(PICTURED * error.hypot(*differs) / threshold)),
                 _ => (probe, *error),
             });
             match candidate.motion {
-                // a tangent says nothing of a ceiling: it has none above the largest torque
-                Motion::Ceiling { .. } => own
+                // a tangent says nothing of a saturation: it has none above the largest torque
+                Motion::Saturation { .. } => own
                     .filter(|(probe, error)| probe.by.abs() >= threshold * error)
                     .map(|(probe, _)| probe.by.abs())
                     .min_by(f64::total_cmp)

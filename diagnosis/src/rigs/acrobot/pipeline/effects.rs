@@ -14,11 +14,11 @@ pub(super) fn part_effects(
     list: &[Candidate],
     free: &[usize],
     doubts: &[(usize, f64)],
-    imitates: Option<bool>,
+    confounded: Option<bool>,
 ) -> Vec<(Effect, Option<Swap>)> {
     let errors = interval::errors(&part.study, free);
     let systematic = part.study.last.systematic(free, &part.signals);
-    let worth = imitates.map(|imitates| interval::worth(&part.study, list, free, imitates));
+    let worth = confounded.map(|confounded| interval::worth(&part.study, list, free, confounded));
     let worth = |index: usize| {
         let place = free.iter().position(|other| *other == index);
         let worth = worth.as_ref()?;

@@ -6,7 +6,7 @@ use crate::rigs::acrobot::selection::discrepancy;
 use crate::statistics::linear::{inverse, submatrix};
 use nalgebra::DMatrix;
 
-/// A ceiling whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
+/// A saturation whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
 const NEVER_REACHED: f64 = 100.0;
 /// Share of its certainty that a name keeps where names only imitate something else (none of 23 names beside `unknown` that imitated was
 /// right, one of 23 in all), as measured on blind sets whose answers were opened afterwards.
@@ -26,11 +26,11 @@ pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 
     let (low, high) = match (known, candidate.motion) {
         (Some(error), _) => (at - 1.96 * error, at + 1.96 * error),
         // nothing is known but that it is there
-        (None, Motion::Ceiling { .. }) => (0.0, at * NEVER_REACHED),
+        (None, Motion::Saturation { .. }) => (0.0, at * NEVER_REACHED),
         (None, _) => candidate.range,
     };
     let ends = match candidate.motion {
-        Motion::Ceiling { .. } => [low.max(at / NEVER_REACHED), high.max(at)],
+        Motion::Saturation { .. } => [low.max(at / NEVER_REACHED), high.max(at)],
         _ => [low, high],
     };
     let ends = ends.map(|end| candidate.value(end));
@@ -69,7 +69,7 @@ impl Worth {
 
 /// What each of the continuous active effects is worth beside a rest: what it alone explains against what nothing does. One that leans on
 /// others moves when they go.
-pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], imitates: bool) -> Vec<Worth> {
+pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], confounded: bool) -> Vec<Worth> {
     let hard = study.last.hard();
     let places = hard.places(free);
     let gram = submatrix(&hard.total.gram, &places);
@@ -87,7 +87,7 @@ pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], imitates:
             // without another one, this one takes its part over
             let moves = |j: usize| (bread[(k, j)] / bread[(j, j)] * sizes[j]).abs();
             let moves = (0..free.len()).filter(|j| *j != k).map(moves).fold(0.0, f64::max);
-            let share = if imitates { share.min(IMITATED) } else { share };
+            let share = if confounded { share.min(IMITATED) } else { share };
             Worth { share, moves, wider: dispersion.sqrt() }
         })
         .collect()
@@ -102,7 +102,7 @@ fn beside(alone: f64, left: f64) -> f64 {
 const ALONE: f64 = 0.99;
 
 /// Share of its certainty that a name keeps of which a single run tells, so that no run left out could contradict it: as after n
-/// agreeing cases in all (rule of succession, (n + 1)/(n + 2)), n the blocks in which it shows, or the commands that a ceiling has cut. A
+/// agreeing cases in all (rule of succession, (n + 1)/(n + 2)), n the blocks in which it shows, or the commands that a saturation has cut. A
 /// push from outside may look like two of these.
 pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index: usize) -> f64 {
     let (last, folds) = (&study.last, &study.folds);
@@ -118,7 +118,9 @@ pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index
     }
     let blocks = all * all / told().map(|own| own * own).sum::<f64>();
     let cases = match list[index].motion {
-        Motion::Ceiling { cuts: Cuts::Torque } => blocks.max(cut(data, list[index].value(last.point[index]))),
+        Motion::Saturation { cuts: Cuts::Torque } => {
+            blocks.max(cut(data, list[index].value(last.point[index])))
+        }
         _ => blocks,
     };
     (cases + 1.0) / (cases + 2.0)
@@ -142,11 +144,11 @@ fn unexplained(study: &Study) -> f64 {
 mod tests {
     use super::*;
 
-    fn ceiling() -> Candidate {
-        let motion = Motion::Ceiling { cuts: Cuts::Torque };
+    fn saturation() -> Candidate {
+        let motion = Motion::Saturation { cuts: Cuts::Torque };
         let (name, side, phrase) = ("plant.tau_max", Side::Plant, "");
         let (off, steps, range) = (0.0, vec![1.0], (0.0, f64::INFINITY));
-        Candidate { name, side, phrase, motion, off, steps, range, bends: true, attributes: &[] }
+        Candidate { name, side, phrase, motion, off, steps, range, nonlinear: true, attributes: &[] }
     }
 
     #[test]
@@ -163,11 +165,11 @@ mod tests {
     #[test]
     fn value_no_interval_of_a_ceiling_is_nothing() {
         // 1 / 0.5 N·m, known to a fifth
-        let [low, high] = ci95(&ceiling(), 2.0, Some(0.4));
+        let [low, high] = ci95(&saturation(), 2.0, Some(0.4));
         assert!((low - 1.0 / 2.784).abs() < 1e-12 && (high - 1.0 / 1.216).abs() < 1e-12);
-        // not told from none, and not known at all: neither end is 0, which would say that there is no ceiling
+        // not told from none, and not known at all: neither end is 0, which would say that there is no saturation
         for error in [Some(2.0), Some(f64::NAN), None] {
-            let [low, high] = ci95(&ceiling(), 2.0, error);
+            let [low, high] = ci95(&saturation(), 2.0, error);
             assert!(0.0 < low && low < 0.5 && (high - 50.0).abs() < 1e-9, "{error:?}: {low} {high}");
         }
     }

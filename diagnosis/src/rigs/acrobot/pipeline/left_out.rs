@@ -194,7 +194,8 @@ impl Judge<'_> {
             }
             let noise = &part.study.noise;
             let sums = if part.torque {
-                let (sums, followed) = self.plant(point, correction, part.study.outweighed, noise)?;
+                let (sums, followed) =
+                    self.plant(point, correction, part.study.discrepancy_dominated, noise)?;
                 motions = followed;
                 sums
             } else {
@@ -215,14 +216,14 @@ impl Judge<'_> {
         &self,
         point: &[f64],
         correction: Option<&Correction>,
-        outweighed: bool,
+        discrepancy_dominated: bool,
         noise: &[f64],
     ) -> Result<(Sums, Option<(Vec<Logged>, f64)>), Error> {
         let Some(mut rows) = PlantCut::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
         else {
             return Ok((Sums::default(), None));
         };
-        if outweighed {
+        if discrepancy_dominated {
             let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
             else {
                 return Ok((Sums::default(), None));
@@ -300,7 +301,7 @@ impl Judge<'_> {
         };
         let judged = |cut: &mut Tracked, point: &[f64]| {
             let first = Evaluation::at(cut, point, &[])?;
-            // the look itself has put frames elsewhere
+            // the linearisation itself has put frames elsewhere
             if cut.policy().free_pose { Evaluation::at(cut, point, &[]) } else { Ok(first) }
         };
         let nominal = judged(cut.as_mut(), &self.off())?;

@@ -1,8 +1,8 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
 mod apart;
+mod averages;
 mod camera;
-mod ceilings;
 mod clock;
 mod conclude;
 mod correct;
@@ -12,8 +12,8 @@ mod effects;
 mod even;
 mod interval;
 mod left_out;
-mod looks;
 mod plant;
+mod saturations;
 mod scale;
 mod sensor;
 
@@ -33,13 +33,13 @@ use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, s
 use crate::watch::{Listener, Watch};
 use apart::told_apart;
 use camera::camera_part;
-use ceilings::ceilings;
 use clock::{Clocks, MISSES, doubts};
 use conclude::conclude;
 use left_out::{First, left_out, told};
 use orchestrator::UnitPath;
 use orchestrator::suggest::nearest;
 use plant::plant_part;
+use saturations::saturations;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -78,7 +78,7 @@ struct Part {
     coarse: Vec<usize>,
     /// What the scatter of the picture says of the sensor.
     noise: Option<Noise>,
-    /// By how much some values differ from look to look.
+    /// By how much some values differ from linearisation to linearisation.
     rough: Vec<(usize, f64)>,
 }
 
@@ -107,7 +107,7 @@ pub fn diagnose(
         ))?;
     }
     let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
-    let mut list = candidates(&model, &options.without, &|cuts| ceilings(&data, cuts, contact));
+    let mut list = candidates(&model, &options.without, &|cuts| saturations(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {
         // the picture has a mount of its own, and knows the angles

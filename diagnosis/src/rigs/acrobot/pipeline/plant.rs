@@ -9,8 +9,8 @@ use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
 use crate::rigs::acrobot::selection::Hit;
 
-/// Share of windows in which the plant must be led, beyond which torques are compared instead of angles.
-const MOSTLY_LED: f64 = 0.5;
+/// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
+const MOSTLY_SLACK: f64 = 0.5;
 /// Share of these that a switch of the model may leave where it is what was missing.
 const SWITCHED: f64 = 0.5;
 /// So many of what torques resemble are tried where they show nothing certain.
@@ -19,7 +19,7 @@ const HINTS: usize = 3;
 const FEW: usize = 8;
 /// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
 const MOTION_STEP: f64 = 1.0 / 120.0;
-/// How well it is known where the model had to be led along the log, rad.
+/// How well it is known where the model needed slack torques to follow the log, rad.
 const COARSE_MOTION: f64 = 1e-3;
 /// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
 const MOTION_SHARE: f64 = 0.5;
@@ -46,7 +46,7 @@ pub(super) fn plant_part(
     rows.begin(point)?;
     let mut start = Vec::new();
     let mut coarse = None;
-    if rows.led() > MOSTLY_LED
+    if rows.share_with_slack() > MOSTLY_SLACK
         && !switch_leads(&mut rows, list, point)?
         && let Some(mut weak) = Weak::new(data, model, list.clone())?.map(Tracked::new)
     {
@@ -84,12 +84,12 @@ pub(super) fn plant_part(
         }
     };
     let found = (part.study.last.point.clone(), part.study.active.clone());
-    if !found.1.is_empty() && !part.study.outweighed && !rows.still_scatters(&found.0)? {
+    if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.still_scatters(&found.0)? {
         part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
     point.clone_from(&part.study.last.point);
     told_apart(&mut rows, data, model, list, &mut part, watch);
-    let sigma = match part.study.outweighed {
+    let sigma = match part.study.discrepancy_dominated {
         true => COARSE_MOTION,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
     };
@@ -149,13 +149,13 @@ fn hinted(
         there[hit.candidate] =
             (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
         let few = rows.windows().0 <= FEW;
-        let follows = few || rows.follows(&there, MOSTLY_LED).unwrap_or(false);
+        let follows = few || rows.follows(&there, MOSTLY_SLACK).unwrap_or(false);
         // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
         if !follows || rows.linearise(&there, &[]).is_err() {
             continue;
         }
         let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
-        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_LED).unwrap_or(false) {
+        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_SLACK).unwrap_or(false) {
             rows.linearise(&fine.last.point, &[])?;
             return classed(rows, list, fine, true, watch).map(Some);
         }
@@ -191,7 +191,7 @@ fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool 
 }
 
 /// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,
-/// torques that lead the plant take its place, and fits end anywhere.
+/// slack torques take its place, and fits end anywhere.
 fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candidate]) -> bool {
     let lost = known.iter().any(|index| !fine.active.contains(index));
     lost && unknown(fine, signals, list, true).is_some()
@@ -208,7 +208,7 @@ fn leading(
     let mut there = point.clone();
     for most in (found.len().min(1)..=found.len()).rev() {
         found[most..].iter().for_each(|index| there[*index] = list[*index].off);
-        if rows.follows(&there, MOSTLY_LED).unwrap_or(false) {
+        if rows.follows(&there, MOSTLY_SLACK).unwrap_or(false) {
             (*point, _) = (there, found.truncate(most));
             return true;
         }
@@ -221,7 +221,7 @@ fn leading(
 /// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
 /// model.
 fn switch_leads(rows: &mut Tracked<PlantCut>, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
-    let (mut leads, most) = (false, SWITCHED * rows.led());
+    let (mut leads, most) = (false, SWITCHED * rows.share_with_slack());
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
         let mut other = point.to_vec();
         other[index] += candidate.steps[0];

@@ -113,7 +113,7 @@ mod tests {
                 off,
                 steps: vec![0.001],
                 range: (0.25, 4.0),
-                bends: false,
+                nonlinear: false,
                 attributes: if name == GAIN { &[Attribute::Gain] } else { &[] },
             }
         };

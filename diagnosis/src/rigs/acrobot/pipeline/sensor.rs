@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::rigs::acrobot::candidates::Side;
-use crate::rigs::acrobot::gap::led;
+use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::image::ImageCut;
 use crate::rigs::acrobot::selection::{Evaluation, lacking, study_until};
 
@@ -148,7 +148,7 @@ fn clear(noise: &Option<Noise>) -> bool {
 /// A torque that lacks is no sensor's, and where more than noise is left a sensor's isn't named.
 fn lacks(part: &Part) -> bool {
     let study = &part.study;
-    led(&part.signals) && lacking(&study.last, &study.folds, study.explained, true)
+    chained(&part.signals) && lacking(&study.last, &study.folds, study.explained, true)
 }
 
 /// By how much signals are off on average, in squares of standard errors: pictures that are averaged scatter the more the noisier they

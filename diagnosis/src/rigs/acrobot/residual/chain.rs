@@ -35,7 +35,7 @@ pub struct Chain {
     plant: PlantCut,
     candidates: Arc<Vec<Candidate>>,
     signals: Vec<Signal>,
-    /// Nuisances after a first look at the nominal model.
+    /// Nuisances after a first linearisation at the nominal model.
     first: Nuisances,
 }
 
@@ -50,7 +50,7 @@ impl Chain {
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
         let most = usize::MAX;
-        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Led, most)? else {
+        let Some(image) = ImageCut::new(data, model, candidates.clone(), Pose::Chained, most)? else {
             return Ok(None);
         };
         let mut seen = data.clone();
@@ -71,7 +71,7 @@ impl Chain {
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         for signal in signals[image.signals().len()..].iter_mut().take(2) {
-            signal.honest = if image.read { READ_ANGLE } else { ANGLES_APART };
+            signal.tolerance = if image.read { READ_ANGLE } else { ANGLES_APART };
         }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let first = Nuisances { frames: Some(image.state()), ..plant.initial() };
@@ -209,7 +209,7 @@ impl Cut for Chain {
         let mut blocks = self.image.settle(at, probes)?;
         let read = self.hand_on(&mut blocks, at, probes);
         let (more, in_vain) = self.plant.settle_all(at, probes, from.in_vain)?;
-        // only where a new look begins: frames that move change the lattice, and comparisons with it
+        // only where a new linearisation begins: frames that move change the lattice, and comparisons with it
         if !probes.is_empty() {
             self.smooth(at, &read)?;
         }

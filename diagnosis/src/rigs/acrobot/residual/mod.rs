@@ -53,8 +53,8 @@ pub struct Signal {
     pub sigma: f64,
     /// Least standard deviation that is believed: nothing is measured more finely.
     pub least: f64,
-    /// By how much two honest renderers differ in it at one place on the pixel lattice.
-    pub honest: f64,
+    /// By how much two right renderers differ in it at one place on the pixel lattice.
+    pub tolerance: f64,
 }
 
 /// Rows that belong together in time: the independent unit of the statistics.
@@ -84,7 +84,7 @@ pub struct Policy {
     /// A linearisation needs no nuisances, so that another one gives the same.
     pub steady: bool,
     /// What the model lacks outweighs noise, so that gains must be judged by how well blocks agree.
-    pub outweighed: bool,
+    pub discrepancy_dominated: bool,
     /// By how much the log may be late before an effect that looks like it stands before its clock, s.
     pub clock_doubt: f64,
     /// Size of the discrepancy that scattering timestamps of the torque explain, in its own unit.
@@ -98,7 +98,7 @@ impl Policy {
         free_pose: false,
         reads_angles: false,
         steady: false,
-        outweighed: false,
+        discrepancy_dominated: false,
         clock_doubt: 0.0,
         explained: 0.0,
     };

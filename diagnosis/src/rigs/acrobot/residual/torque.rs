@@ -68,7 +68,7 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
     (0..all).map(deviation).collect()
 }
 
-/// Torques beyond this many typical sizes come from windows in which the plant could not be led along the log.
+/// Torques beyond this many typical sizes come from windows in which the plant could not be held to the log by slack torques.
 const WILD: f64 = 10.0;
 
 /// The largest torque that counts.

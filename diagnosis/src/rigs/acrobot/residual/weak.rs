@@ -41,7 +41,7 @@ const BLOCKS: f64 = 40.0;
 const SHORT_BLOCK: f64 = 0.15;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
-/// How many of the latest answers are kept: a look at all candidates and the fits around it.
+/// How many of the latest answers are kept: a linearisation at all candidates and the fits around it.
 const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
@@ -59,7 +59,7 @@ pub struct Weak {
     actuator: Actuator,
     stretches: Vec<Stretch>,
     nodes: Vec<Node>,
-    /// What the unit gave lately: fits come back to where a look or another fit was.
+    /// What the unit gave lately: fits come back to where a linearisation or another fit was.
     known: VecDeque<(Vec<u64>, Given)>,
     signals: Vec<Signal>,
     inputs: [u32; 6],
@@ -102,7 +102,7 @@ impl Weak {
             known: None,
             sigma: 0.1,
             least: 0.0,
-            honest: 0.0,
+            tolerance: 0.0,
         };
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
@@ -237,7 +237,7 @@ impl Cut for Weak {
     }
 
     fn policy(&self) -> Policy {
-        Policy { steady: true, outweighed: true, explained: self.explained, ..Policy::USUAL }
+        Policy { steady: true, discrepancy_dominated: true, explained: self.explained, ..Policy::USUAL }
     }
 
     fn initial(&self) -> Nuisances {
@@ -270,7 +270,7 @@ impl Cut for Weak {
                 hard: DMatrix::zeros(2, 0),
                 soft: DMatrix::zeros(2, 0),
                 discrepancy: 0,
-                heft: 1.0,
+                inertia_scale: 1.0,
                 columns: matrix,
                 floor: stretch.floor().to_vec(),
                 state: Vec::new(),

@@ -68,7 +68,7 @@ impl Bare {
             return Opinion::Forlorn;
         }
         let candidate = &candidates[index];
-        if explained > SMALL * temper || candidate.bends || candidate.is_discrete() {
+        if explained > SMALL * temper || candidate.nonlinear || candidate.is_discrete() {
             return Opinion::Fit;
         }
         match hit(index).map(|hit| (self.at.point[index] + hit.displacement, explained - hit.gain)) {

@@ -123,7 +123,7 @@ struct Seat<'a> {
     others: Vec<usize>,
     effect: usize,
     temper: f64,
-    /// What honest renderers differ by, along the columns.
+    /// The tolerance of renderers, along the columns.
     offsets: DMatrix<f64>,
     /// Deviance of its own fit.
     own: f64,
@@ -145,16 +145,16 @@ impl Seat<'_> {
         (!apart || !hopeless).then_some(strength)
     }
 
-    /// Loss by another's column, less what is not known of columns. What bends is believed only if seen from either fit.
+    /// Loss by another's column, less what is not known of columns. What is nonlinear in its size is believed only if seen from either fit.
     fn along_columns(&self, cut: &mut Tracked, index: usize, replaced: &Replaced, strength: f64) -> f64 {
-        let bent = self.candidates[self.effect].bends || self.candidates[index].bends;
-        let honest = honest(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
+        let bent = self.candidates[self.effect].nonlinear || self.candidates[index].nonlinear;
+        let tolerance = tolerance(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
         let allowed = |loss: f64| {
             let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
-            loss / (1.0 + honest + COLUMN * COLUMN * strength + blur)
+            loss / (1.0 + tolerance + COLUMN * COLUMN * strength + blur)
         };
         let loss = allowed(replaced.loss);
-        // a column over another step than the one it asks for says nothing of what bends
+        // a column over another step than the one it asks for says nothing of what is nonlinear in its size
         let blurs = blurs(&self.candidates[index]);
         if !bent || (loss <= CLASS * self.temper && !blurs) {
             return loss;
@@ -167,7 +167,7 @@ impl Seat<'_> {
         if blurs { allowed(there).max(lost) } else { loss.min(there) }
     }
 
-    /// What frames weigh that the camera lost at the last look, and the data have.
+    /// What frames weigh that the camera lost at the last linearisation, and the data have.
     fn lost(&self, cut: &Tracked) -> f64 {
         UNSEEN * cut.unseen.saturating_sub(self.unseen) as f64
     }
@@ -202,19 +202,19 @@ impl Seat<'_> {
 
 /// Whether a candidate's picture changes otherwise with each step.
 fn blurs(candidate: &Candidate) -> bool {
-    candidate.bends && candidate.side == Side::Camera
+    candidate.nonlinear && candidate.side == Side::Camera
 }
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
 /// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
-/// times only, and a plant leaves pictures alone. A ceiling's column is that of another level.
+/// times only, and a plant leaves pictures alone. A saturation's column is that of another level.
 fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
         candidate.side == Side::Camera && !candidate.is(Attribute::ImageDelay)
     };
-    let ceiling = |index: usize| matches!(candidates[index].motion, Motion::Ceiling { .. });
-    let smooth = |index: usize| !candidates[index].is_discrete() && !ceiling(index);
+    let saturation = |index: usize| matches!(candidates[index].motion, Motion::Saturation { .. });
+    let smooth = |index: usize| !candidates[index].is_discrete() && !saturation(index);
     cut.policy().lattice
         && !cut.policy().reads_angles
         && (pictured(effect) || pictured(index) || !cut.policy().free_pose)
@@ -261,7 +261,7 @@ fn predicted_loss(
     let weights = if places.is_empty() { DVector::zeros(0) } else { solve(&gram_oo, &across(own))? };
     let length = gram[(own, own)] - weights.dot(&across(own));
     let size = last.point[effect] - candidates[effect].off;
-    let nonlinear = matches!(candidates[effect].motion, Motion::Ceiling { .. });
+    let nonlinear = matches!(candidates[effect].motion, Motion::Saturation { .. });
     last.probes
         .iter()
         .enumerate()
@@ -311,7 +311,7 @@ fn seen_from(
         .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(fit.point[*index]) })
         .collect();
     probes.push(Probe { candidate: other, by: last.point[other] - candidates[other].off });
-    if candidates[from.effect].bends {
+    if candidates[from.effect].nonlinear {
         let by = candidates[from.effect].off - fit.point[from.effect];
         probes.push(Probe { candidate: from.effect, by });
     }
@@ -329,8 +329,8 @@ struct Replaced {
     other: usize,
 }
 
-/// Variance, in that of the noise, that honest renderers add along what tells two columns apart.
-fn honest(last: &Evaluation, offsets: &DMatrix<f64>, others: &[usize], own: usize, other: usize) -> f64 {
+/// Variance, in that of the noise, that right renderers add along what tells two columns apart.
+fn tolerance(last: &Evaluation, offsets: &DMatrix<f64>, others: &[usize], own: usize, other: usize) -> f64 {
     let gram = &last.total.gram;
     let mut rest = last.places(others);
     rest.push(other);

@@ -8,7 +8,7 @@ use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, subma
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of heft 1.
+/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of inertia scale 1.
 const SIZES: usize = 15;
 const SMALLEST: f64 = 2e-4;
 
@@ -68,7 +68,7 @@ pub struct Evaluation {
     /// Their sum.
     pub total: Reduced,
     /// Size of the discrepancy that is taken to be there, in the cut's own unit.
-    pub softness: f64,
+    pub discrepancy_sd: f64,
     /// Standard deviation of each signal in use.
     pub sigmas: Vec<f64>,
     /// Standard deviation of each signal as it shows in this data after the nuisances.
@@ -118,14 +118,14 @@ impl Evaluation {
                 break;
             }
         }
-        let softness = likely_size(&blocks);
+        let discrepancy_sd = likely_size(&blocks);
         let mut evaluation = Self {
             point: point.to_vec(),
             probes: probes.to_vec(),
             blocks,
             reduced: Vec::new(),
             total: Reduced::zero(probes.len()),
-            softness,
+            discrepancy_sd,
             sigmas,
             seen,
         };
@@ -138,27 +138,27 @@ impl Evaluation {
         let mut same = self.clone();
         rescale(&mut same.blocks, &self.sigmas, &other.sigmas);
         same.sigmas.clone_from(&other.sigmas);
-        same.softness = other.softness;
+        same.discrepancy_sd = other.discrepancy_sd;
         same.reduce();
         same
     }
 
     /// The same residuals without a discrepancy.
     pub fn hard(&self) -> Self {
-        let mut same = Self { softness: 0.0, ..self.clone() };
+        let mut same = Self { discrepancy_sd: 0.0, ..self.clone() };
         same.reduce();
         same
     }
 
     fn reduce(&mut self) {
-        let softness = self.softness;
+        let discrepancy_sd = self.discrepancy_sd;
         let p = self.probes.len();
         self.reduced = self
             .blocks
             .par_iter()
             .map(|block| {
                 let mut sum = Reduced::zero(p);
-                block.cells.iter().for_each(|cell| sum.add(&reduce(cell, softness)));
+                block.cells.iter().for_each(|cell| sum.add(&reduce(cell, discrepancy_sd)));
                 sum
             })
             .collect();
@@ -169,8 +169,8 @@ impl Evaluation {
     }
 
     /// What sizes of the discrepancy are counted in.
-    pub fn heft(&self) -> f64 {
-        heft(&self.blocks)
+    pub fn inertia_scale(&self) -> f64 {
+        inertia_scale(&self.blocks)
     }
 
     /// -2 log likelihood, up to a constant, with noise and discrepancy at their most likely.
@@ -189,7 +189,7 @@ impl Evaluation {
     }
 
     /// The fall of the deviance that a straight step of some active values promises.
-    pub fn promise(&self, free: &[usize]) -> Option<f64> {
+    pub fn predicted_decrease(&self, free: &[usize]) -> Option<f64> {
         let places = self.places(free);
         let score = subvector(&self.total.score, &places);
         let shift = solve(&submatrix(&self.total.gram, &places), &score)?;
@@ -318,9 +318,9 @@ fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
 }
 
 /// What sizes of the discrepancy are counted in.
-fn heft(blocks: &[Block]) -> f64 {
+fn inertia_scale(blocks: &[Block]) -> f64 {
     let mut cells = blocks.iter().flat_map(|block| &block.cells);
-    cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.heft)
+    cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.inertia_scale)
 }
 
 /// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
@@ -329,7 +329,7 @@ fn likely_size(blocks: &[Block]) -> f64 {
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
-    let smallest = SMALLEST * heft(blocks);
+    let smallest = SMALLEST * inertia_scale(blocks);
     let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
     let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
@@ -352,7 +352,7 @@ fn likely_size(blocks: &[Block]) -> f64 {
     best.1
 }
 
-/// Columns for a first look at everything: each candidate's steps, and a derivative for the active ones first.
+/// Columns for a first linearisation at everything: each candidate's steps, and a derivative for the active ones first.
 pub fn all_probes(
     candidates: &[Candidate],
     point: &[f64],
@@ -366,7 +366,7 @@ pub fn all_probes(
                 probes.push(Probe { candidate: index, by: candidate.derivative_step(point[index]) });
             }
             // all of it taken away again: what it does as a whole
-            if candidate.bends && !candidate.is_discrete() && point[index] != candidate.off {
+            if candidate.nonlinear && !candidate.is_discrete() && point[index] != candidate.off {
                 probes.push(Probe { candidate: index, by: candidate.off - point[index] });
             }
             continue;

@@ -16,7 +16,7 @@ pub const STAMPS: f64 = 3.0;
 
 /// Fall of the deviance that a torque of its own in each part of each window brings.
 pub fn discrepancy(evaluation: &Evaluation) -> f64 {
-    let size = evaluation.softness;
+    let size = evaluation.discrepancy_sd;
     if size <= 0.0 {
         return 0.0;
     }
@@ -32,5 +32,5 @@ pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured:
     } else {
         TORQUE_EVIDENCE
     };
-    evaluation.softness > STAMPS * explained && discrepancy(evaluation) >= enough
+    evaluation.discrepancy_sd > STAMPS * explained && discrepancy(evaluation) >= enough
 }

@@ -1,5 +1,5 @@
 //! Fits of a plant that lost their windows on the way, and where they should have gone. Where a model is far off, a window's columns and
-//! start state hold for no other model; looks that begin from the data again do.
+//! start state hold for no other model; linearisations that begin from the data again do.
 
 use super::evaluation::Evaluation;
 use super::evidence::{TORQUE_EVIDENCE, discrepancy};
@@ -8,7 +8,7 @@ use super::trials::{Trials, with};
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::residual::Tracked;
 
-/// A ceiling is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
+/// A saturation is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
 const PACES: [f64; 4] = [1.03, 1.01, 1.003, 1.001];
 const FURTHEST: i32 = 12;
 const LEFT: f64 = 0.5;
@@ -30,19 +30,19 @@ impl Trials<'_> {
         again.or_else(|| self.begun_anew(cut, candidate, &trial.point, last)).unwrap_or(trial)
     }
 
-    /// A fit of what bends that leaves a torque lacking, begun anew where it ended, and a ceiling where looks lead it, for as long as each
+    /// A fit of what is nonlinear in its size that leaves a torque lacking, begun anew where it ended, and a saturation where linearisations lead it, for as long as each
     /// pace of that takes half of what lacks away.
     pub(super) fn followed(&self, cut: &mut Tracked, candidate: usize, trial: Evaluation) -> Evaluation {
         if cut.policy().lattice
             || cut.policy().steady
-            || !self.candidates[candidate].bends
+            || !self.candidates[candidate].nonlinear
             || discrepancy(&trial) < TORQUE_EVIDENCE
         {
             return trial;
         }
         let enough = trial.deviance() - TORQUE_EVIDENCE;
         let mut best = self.begun_anew(cut, candidate, &trial.point, enough).unwrap_or(trial);
-        if !matches!(self.candidates[candidate].motion, Motion::Ceiling { .. }) {
+        if !matches!(self.candidates[candidate].motion, Motion::Saturation { .. }) {
             return best;
         }
         for pace in PACES {
@@ -61,7 +61,7 @@ impl Trials<'_> {
         best
     }
 
-    /// Where looks that begin from the data lead a ceiling. Far from where it belongs it leaves a window or two that nothing follows, and
+    /// Where linearisations that begin from the data lead a saturation. Far from where it belongs it leaves a window or two that nothing follows, and
     /// their columns lead nowhere.
     fn walked(&self, cut: &mut Tracked, candidate: usize, from: &[f64], pace: f64) -> Option<Vec<f64>> {
         cut.restore_linearised();
@@ -88,7 +88,7 @@ impl Trials<'_> {
         (best.0 < here.0).then_some(best.1)
     }
 
-    /// A fit that begins from the data, if a look there leaves less than `enough`. Windows that were led along the log by a model without
+    /// A fit that begins from the data, if a linearisation there leaves less than `enough`. Windows that followed the log by slack torques by a model without
     /// the candidate may not find back by the columns that they had there, and a fit then flees from where the candidate belongs.
     fn begun_anew(
         &self,

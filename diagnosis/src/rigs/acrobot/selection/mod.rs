@@ -6,7 +6,7 @@ mod classes;
 mod evaluation;
 mod evidence;
 mod follow;
-mod honest;
+
 mod refit;
 mod screen;
 mod search;
@@ -14,6 +14,7 @@ mod settle;
 mod starts;
 mod steady;
 mod switched;
+mod tolerance;
 mod trials;
 
 pub use classes::{Alternative, CLASS, alternatives};
@@ -67,10 +68,10 @@ pub struct Study {
     pub folds: Folds,
     /// Which candidates the cut sees.
     pub seen: Vec<usize>,
-    /// Size of the discrepancy that scattering time stamps explain.
+    /// Size of the discrepancy that scattering timestamps explain.
     pub explained: f64,
     /// What the model lacks outweighs noise.
-    pub outweighed: bool,
+    pub discrepancy_dominated: bool,
     /// Standard deviation that noise alone gives a row of each signal, whatever the model.
     pub noise: Vec<f64>,
 }

@@ -15,11 +15,11 @@ const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
 /// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
-/// one that promises no more: chords of windows leave some 5 of deviance more or less from look to look, and shorter steps found
+/// one that promises no more: chords of windows leave some 5 of deviance more or less from linearisation to linearisation, and shorter steps found
 /// nothing there.
 const REFUSED: f64 = 1.0;
 /// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
-/// of each step there, and a ceiling without encoders was found by such steps only.
+/// of each step there, and a saturation without encoders was found by such steps only.
 const SHORTER: f64 = 1.0;
 const SHORTER_SEEN: f64 = 0.3;
 
@@ -30,14 +30,14 @@ const FEW: f64 = 0.3;
 
 /// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
 /// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
-/// anew at each look a log took seven times as long and came out no better.
+/// anew at each linearisation a log took seven times as long and came out no better.
 const DOUBT: f64 = 5.0;
 const FEW_DOUBTED: f64 = 0.15;
 
 /// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
 const FINE: f64 = 1.5e-4;
 
-/// So many times what the next step promises, a fit that bends may still fall: twice is the most that was seen.
+/// So many times what the next step promises, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
 const REACH: f64 = 5.0;
 
 /// Fits `active` from a point; discrete ones stay where they are.
@@ -53,7 +53,7 @@ pub fn refit(
     fitted(cut, candidates, start, active, f64::INFINITY, |_, best| some_ran_away(best))
 }
 
-/// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each look.
+/// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each linearisation.
 /// A fit that is only compared may be a little off.
 ///
 /// # Errors
@@ -104,9 +104,9 @@ fn fitted(
     let shorter = if cut.policy().lattice { SHORTER_SEEN } else { SHORTER };
     let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
     for _ in 0..ROUNDS {
-        let Some((next, promise)) = propose(&best, candidates, &free, damping, stride) else { break };
+        let Some((next, predicted)) = propose(&best, candidates, &free, damping, stride) else { break };
         let least = if damping < shorter { SETTLED } else { REFUSED };
-        if promise < least || best.deviance() - REACH * promise > enough {
+        if predicted < least || best.deviance() - REACH * predicted > enough {
             break;
         }
         // columns are wanted only of a step that is taken
@@ -115,13 +115,13 @@ fn fitted(
         let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
         match trial {
             Some(trial) if trial.deviance() < best.deviance() => {
-                let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * promise;
+                let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * predicted;
                 stride = if straight && damping == 0.0 { STRETCH * stride } else { 1.0 };
                 best = trial;
                 damping *= 0.1;
                 settled = cut.nuisances.clone();
             }
-            _ if promise < REFUSED && stride == 1.0 => break,
+            _ if predicted < REFUSED && stride == 1.0 => break,
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
                 if chords {
@@ -146,7 +146,7 @@ fn fitted(
     Ok(best)
 }
 
-/// The coordinate of the effect and the deviance of its own fit: where the last look's columns promise little more, it is that
+/// The coordinate of the effect and the deviance of its own fit: where the last linearisation's columns promise little more, it is that
 /// look, less what they promise.
 pub(super) fn own_fit(
     cut: &mut Tracked,
@@ -156,10 +156,11 @@ pub(super) fn own_fit(
     effect: usize,
 ) -> Result<(f64, f64), Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-    let promise = last.promise(&free).filter(|promise| !cut.policy().lattice && *promise < REFUSED);
-    if let Some(promise) = promise {
+    let predicted =
+        last.predicted_decrease(&free).filter(|predicted| !cut.policy().lattice && *predicted < REFUSED);
+    if let Some(predicted) = predicted {
         cut.restore_linearised();
-        return Ok((last.point[effect], last.deviance() - promise));
+        return Ok((last.point[effect], last.deviance() - predicted));
     }
     let fit = refit_closely(cut, candidates, &last.point, active)?;
     let fit = settled(cut, fit)?;
@@ -276,7 +277,9 @@ fn followed(best: &Evaluation, candidates: &[Candidate], free: &[usize]) -> Redu
 /// No more than a factor of three at once for what is already on and works by its size.
 fn limited(candidate: &Candidate, x: f64, wanted: f64) -> f64 {
     match candidate.motion {
-        crate::rigs::acrobot::candidates::Motion::Ceiling { .. } if x > 0.0 => wanted.clamp(x / 3.0, 3.0 * x),
+        crate::rigs::acrobot::candidates::Motion::Saturation { .. } if x > 0.0 => {
+            wanted.clamp(x / 3.0, 3.0 * x)
+        }
         _ => wanted,
     }
 }

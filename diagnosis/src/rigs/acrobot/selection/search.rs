@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
         let cut: &mut Tracked = *cut;
         let threshold = found.null.threshold(ALPHA);
-        let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().outweighed);
+        let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().discrepancy_dominated);
         let switched = switched(cut, candidates, last, active, refused, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };
         match set.best(cut, &shortlist, switched, refused, watch)? {
@@ -182,14 +182,15 @@ impl<'a> Search<'a> {
         let before = (self.active.clone(), self.last.point.clone(), self.last.deviance());
         self.class = None;
         self.active.push(candidate);
-        // windows that had to be led may follow the log by themselves now
+        // windows that needed slack torques may follow the log by themselves now
         self.cut.reset();
         step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
         self.last = look(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.again()?);
         step.rest.1 = rest(&self.last);
         let compared = !self.cut.policy().lattice || self.cut.policy().free_pose;
-        let astray = compared && !self.cut.policy().outweighed && self.last.deviance() > before.2 + ASTRAY;
+        let astray =
+            compared && !self.cut.policy().discrepancy_dominated && self.last.deviance() > before.2 + ASTRAY;
         // what went with one that didn't stay itself comes back
         let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
         if !astray && !for_nothing {
@@ -233,14 +234,14 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Fits again and looks again where a look has put frames elsewhere, so that values aren't at their best any more. Answers who
+    /// Fits again and looks again where a linearisation has put frames elsewhere, so that values aren't at their best any more. Answers who
     /// was dropped.
     fn again(&mut self) -> Result<Vec<usize>, Error> {
         let mut dropped = Vec::new();
         for _ in 0..AGAIN {
             let continuous = |index: &usize| !self.candidates[*index].is_discrete();
             let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
-            let settled = self.last.promise(&free).is_none_or(|promise| promise < UNSETTLED);
+            let settled = self.last.predicted_decrease(&free).is_none_or(|predicted| predicted < UNSETTLED);
             if settled || !self.cut.policy().free_pose {
                 break;
             }
@@ -256,7 +257,7 @@ impl<'a> Search<'a> {
         Study {
             name: cut.name(),
             explained: cut.policy().explained,
-            outweighed: cut.policy().outweighed,
+            discrepancy_dominated: cut.policy().discrepancy_dominated,
             seen: seen(cut, self.candidates),
             noise: floor::of(&self.nominal, &self.last, cut.signals()),
             active: self.active,
@@ -274,7 +275,7 @@ fn seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
     (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect()
 }
 
-/// A look at a point, with the columns of all candidates.
+/// A linearisation at a point, with the columns of all candidates.
 ///
 /// # Errors
 /// A unit failed.
@@ -286,7 +287,7 @@ pub fn look(
 ) -> Result<Evaluation, Error> {
     let probes = all_probes(candidates, point, &|candidate| cut.sees(candidate), active);
     let first = Evaluation::at(cut, point, &probes)?;
-    // the look itself has put frames elsewhere
+    // the linearisation itself has put frames elsewhere
     if cut.policy().free_pose { Evaluation::at(cut, point, &probes) } else { Ok(first) }
 }
 

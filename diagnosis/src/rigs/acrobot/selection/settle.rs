@@ -81,7 +81,7 @@ pub(super) fn settle(
 ) -> Result<Vec<usize>, Error> {
     let mut all = Vec::new();
     for _ in 0..SETTLE {
-        // the nuisances first, since a fit leaves them where the last look found them
+        // the nuisances first, since a fit leaves them where the last linearisation found them
         Evaluation::at(cut, point, &[])?;
         let before = point.clone();
         let (dropped, tiny) = prune(cut, candidates, active, point)?;
@@ -93,7 +93,7 @@ pub(super) fn settle(
     Ok(all)
 }
 
-/// The last value that nothing shows, be it taken away as a whole: a ceiling that cuts nothing any more, which stands in the way of all
+/// The last value that nothing shows, be it taken away as a whole: a saturation that cuts nothing any more, which stands in the way of all
 /// others. A delay shows nothing in small either, where torques are held from step to step.
 fn idle(
     cut: &mut Tracked,

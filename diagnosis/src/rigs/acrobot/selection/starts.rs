@@ -4,7 +4,7 @@ use super::evaluation::Evaluation;
 use crate::rigs::acrobot::candidates::{Candidate, Motion};
 use crate::statistics::linear::subvector;
 
-/// As far as its column resembles the effect's; all whole numbers, and the likeliest ceilings.
+/// As far as its column resembles the effect's; all whole numbers, and the likeliest saturations.
 pub(super) fn starts(
     candidate: &Candidate,
     last: &Evaluation,
@@ -15,7 +15,7 @@ pub(super) fn starts(
     if candidate.is_discrete() {
         return candidate.steps.iter().map(|step| candidate.off + step).collect();
     }
-    if matches!(candidate.motion, Motion::Ceiling { .. }) {
+    if matches!(candidate.motion, Motion::Saturation { .. }) {
         // the two levels whose columns resemble the effect most
         let own = last.places(&[effect]).first().copied();
         let mut levels: Vec<(f64, f64)> = (last.probes.iter().enumerate())

@@ -1,4 +1,4 @@
-//! What no column leads to: half a law of motion, and a ceiling from which a machine ran away.
+//! What no column leads to: half a law of motion, and a saturation from which a machine ran away.
 
 use super::evaluation::Evaluation;
 use super::refit::ran_away;
@@ -12,17 +12,17 @@ use std::cmp::Ordering;
 const SWITCHED: f64 = 200.0;
 /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
 const FOLLOWS: f64 = 0.2;
-/// Levels of a ceiling are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
+/// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
 const APART: f64 = 1.25;
 const LEVELS: f64 = 30.0;
 /// How far beside the best level it is looked once more.
 const BESIDE: f64 = 1.1;
-/// After so many levels at which windows must be led so many times more than at the best, looser ones are no better.
+/// After so many levels at which windows need slack torques so many times more than at the best, looser ones are no better.
 const BEYOND: usize = 2;
 const FAR: f64 = 8.0;
 
 /// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
-/// windows that had to be led along the log say nothing linear of it. Tried only where more than noise is left, and once for all
+/// windows that needed slack torques to follow the log say nothing linear of it. Tried only where more than noise is left, and once for all
 /// (`in_vain`) where it makes things worse.
 ///
 /// # Errors
@@ -37,15 +37,18 @@ pub(super) fn switched(
 ) -> Result<Option<Trial>, Error> {
     let mut best: Option<Trial> = None;
     let pictured = cut.policy().lattice;
-    if last.softness == 0.0 || cut.policy().outweighed || (pictured && !cut.policy().free_pose) {
+    if last.discrepancy_sd == 0.0
+        || cut.policy().discrepancy_dominated
+        || (pictured && !cut.policy().free_pose)
+    {
         return Ok(None);
     }
-    // a machine that ran away from its ceiling: no tangent says anything of such a window
+    // a machine that ran away from its saturation: no tangent says anything of such a window
     let wild = last.reduced.iter().any(ran_away);
     for (index, candidate) in candidates.iter().enumerate() {
         let worth = match candidate.motion {
             Motion::Switch => true,
-            Motion::Ceiling { cuts } => wild && cuts == Cuts::Torque,
+            Motion::Saturation { cuts } => wild && cuts == Cuts::Torque,
             _ => false,
         };
         let open = worth && [active, refused, in_vain].iter().all(|known| !known.contains(&index));
@@ -60,7 +63,7 @@ pub(super) fn switched(
             continue;
         };
         // half a law of motion less and every window follows, or it isn't that
-        let follows = trial.softness <= FOLLOWS * last.softness;
+        let follows = trial.discrepancy_sd <= FOLLOWS * last.discrepancy_sd;
         let fall = last.deviance() - trial.deviance();
         if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
             best = Some((index, fall, trial));
@@ -69,7 +72,7 @@ pub(super) fn switched(
     Ok(best)
 }
 
-/// Of all values of a candidate the one with which windows, begun anew, must be led least.
+/// Of all values of a candidate the one with which windows, begun anew, need the least slack torques.
 fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usize) -> Option<Evaluation> {
     let mut look = |x: f64| {
         let mut point = last.point.clone();
@@ -79,8 +82,8 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
         Evaluation::at(cut, &point, &[]).ok()
     };
     let steps = candidate.steps.iter().map(|step| candidate.off + step);
-    if !matches!(candidate.motion, Motion::Ceiling { .. }) {
-        return steps.filter_map(look).min_by(led);
+    if !matches!(candidate.motion, Motion::Saturation { .. }) {
+        return steps.filter_map(look).min_by(by_slack);
     }
     let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     let apart = APART.max((high / low).powf(LEVELS.recip()));
@@ -88,18 +91,18 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
     let (mut best, mut beyond): (Option<Evaluation>, _) = (None, 0);
     // the tightest first: under one that is too loose machines run away, which takes long
     for trial in (0..=count).filter_map(|k| look(high / apart.powi(k))) {
-        let far = best.as_ref().is_some_and(|best| trial.softness > FAR * best.softness);
+        let far = best.as_ref().is_some_and(|best| trial.discrepancy_sd > FAR * best.discrepancy_sd);
         beyond = if far { beyond + 1 } else { 0 };
-        best = best.into_iter().chain([trial]).min_by(led);
+        best = best.into_iter().chain([trial]).min_by(by_slack);
         if beyond == BEYOND {
             break;
         }
     }
     let x = best.as_ref()?.point[index];
-    best.into_iter().chain([BESIDE * x, x / BESIDE].into_iter().filter_map(look)).min_by(led)
+    best.into_iter().chain([BESIDE * x, x / BESIDE].into_iter().filter_map(look)).min_by(by_slack)
 }
 
-/// The deviance alone says little: under a ceiling that is far too tight all windows are led, and so meet the rows.
-fn led(a: &Evaluation, b: &Evaluation) -> Ordering {
-    a.softness.total_cmp(&b.softness).then(a.deviance().total_cmp(&b.deviance()))
+/// The deviance alone says little: under a saturation that is far too tight all windows have slack torques, and so meet the rows.
+fn by_slack(a: &Evaluation, b: &Evaluation) -> Ordering {
+    a.discrepancy_sd.total_cmp(&b.discrepancy_sd).then(a.deviance().total_cmp(&b.deviance()))
 }

@@ -90,9 +90,9 @@ impl Trials<'_> {
         self.handicap(&mut trials, cut.policy().clock_doubt, most);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
-            // a part of a whole step is none, however well columns would have it, and no column is a ceiling's beyond its own level
+            // a part of a whole step is none, however well columns would have it, and no column is a saturation's beyond its own level
             let own = &self.candidates[candidate];
-            let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Ceiling { .. });
+            let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Saturation { .. });
             let held_out = self.held_out(&trial, candidate, by_columns);
             let before = self.last.under(&trial);
             let share = 1.0 - trial.total.square / before.total.square;
@@ -105,12 +105,15 @@ impl Trials<'_> {
         Ok(None)
     }
 
-    /// What shows in a few windows only, a ceiling or a short delay, has a small statistic over all blocks. Where more than noise
+    /// What shows in a few windows only, a saturation or a short delay, has a small statistic over all blocks. Where more than noise
     /// remains of a plant and nothing else is named, the likeliest is taken with which the rest is noise, if runs left out agree.
     pub(super) fn sparse(&self, cut: &mut Tracked, refused: &[usize]) -> Result<Option<Accepted>, Error> {
         let (explained, pictured) = (cut.policy().explained, cut.policy().lattice);
         let driven = !pictured || cut.policy().free_pose;
-        if cut.policy().outweighed || !driven || !lacking(self.last, self.folds, explained, pictured) {
+        if cut.policy().discrepancy_dominated
+            || !driven
+            || !lacking(self.last, self.folds, explained, pictured)
+        {
             return Ok(None);
         }
         let kept = cut.nuisances.clone();
@@ -173,7 +176,11 @@ impl Trials<'_> {
                 beginnings.extend(self.candidates[hit.candidate].after(x));
             }
             // a composite likelihood's gain counts as much as its blocks agree
-            let temper = if cut.policy().outweighed { hit.statistic * hit.statistic / hit.gain } else { 1.0 };
+            let temper = if cut.policy().discrepancy_dominated {
+                hit.statistic * hit.statistic / hit.gain
+            } else {
+                1.0
+            };
             into.push((hit.candidate, (self.last.deviance() - trial.deviance()) * temper, trial));
         }
     }
@@ -234,17 +241,19 @@ pub(super) fn shortlist(
     candidates: &[Candidate],
     refused: &[usize],
     threshold: f64,
-    outweighed: bool,
+    discrepancy_dominated: bool,
 ) -> Vec<Hit> {
     let mut hits: Vec<Hit> =
         found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
-    if outweighed || !hits.iter().any(|hit| hit.statistic > threshold) {
+    if discrepancy_dominated || !hits.iter().any(|hit| hit.statistic > threshold) {
         hits.retain(|hit| hit.statistic > threshold);
     }
-    let worth = |hit: &Hit| if outweighed { hit.statistic * hit.statistic } else { hit.gain };
+    let worth = |hit: &Hit| if discrepancy_dominated { hit.statistic * hit.statistic } else { hit.gain };
     hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     let best = hits.first().map_or(0.0, worth);
-    let least = |hit: &Hit| if candidates[hit.candidate].bends && !outweighed { BENT_WORTH } else { WORTH };
+    let least = |hit: &Hit| {
+        if candidates[hit.candidate].nonlinear && !discrepancy_dominated { BENT_WORTH } else { WORTH }
+    };
     hits.retain(|hit| worth(hit) >= least(hit) * best);
     hits.truncate(SHORTLIST);
     hits
@@ -272,11 +281,11 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     }
     let by = last.probes[hit.column].by;
     let wanted = match candidate.motion {
-        Motion::Ceiling { .. } => x + by,
+        Motion::Saturation { .. } => x + by,
         _ => x + hit.displacement,
     };
     let mut all = vec![wanted.clamp(candidate.range.0, candidate.range.1)];
-    if candidate.bends {
+    if candidate.nonlinear {
         all.push((x + FURTHER * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
     }
     all
@@ -296,7 +305,7 @@ mod tests {
             off: 0.0,
             steps: Vec::new(),
             range: (-1.0, 1.0),
-            bends: false,
+            nonlinear: false,
             attributes: &[],
         };
         assert!(stamped_late(&clock, 1e-3, 2e-3) && stamped_late(&clock, -3e-5, 2e-3));

@@ -40,7 +40,7 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         }
         for index in &step.dropped {
             let why = match list[*index].side {
-                Side::Camera => "became superfluous, or is no larger than what honest renderers differ by,",
+                Side::Camera => "became superfluous, or is no larger than what right renderers differ by,",
                 _ => "became superfluous",
             };
             lines.push(format!("{} {why} and was dropped.", list[*index].name));

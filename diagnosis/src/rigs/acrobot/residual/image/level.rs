@@ -1,4 +1,4 @@
-//! The level of all areas: no sign of anything, as far as honest renderers differ in it.
+//! The level of all areas: no sign of anything, as far as right renderers differ in it.
 
 use super::*;
 use nalgebra::RowDVector;
@@ -6,7 +6,7 @@ use nalgebra::RowDVector;
 /// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes 0.06.
 const LEVEL: f64 = 0.12;
 
-/// Takes off the areas what they differ by alike, as far as honest renderers may: that is no sign of anything.
+/// Takes off the areas what they differ by alike, as far as right renderers may: that is no sign of anything.
 pub(super) fn level(blocks: &mut [Block]) {
     let mut cells: Vec<&mut Cell> = blocks.iter_mut().flat_map(|block| &mut block.cells).collect();
     let areas = |cell: &Cell| -> Vec<usize> {

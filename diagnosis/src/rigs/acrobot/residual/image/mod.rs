@@ -63,7 +63,7 @@ pub enum Pose {
     /// A motion per run, and how well it is known (rad).
     Logged(Vec<Motion>, f64),
     /// The picture itself, where a plant that is driven by the torque will follow it.
-    Led,
+    Chained,
     /// The picture alone.
     Free,
 }
@@ -159,14 +159,14 @@ impl ImageCut {
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
                 let noise = channel.noise.unwrap_or_default();
                 let unplaced = read && channel.measures == Measures::VisionAngle;
-                let honest = if unplaced { READ_ANGLE } else { noise.tolerance };
+                let tolerance = if unplaced { READ_ANGLE } else { noise.tolerance };
                 Signal {
                     name,
                     unit: channel.unit,
                     known,
                     sigma: known.unwrap_or(noise.guess),
                     least: noise.least,
-                    honest,
+                    tolerance,
                 }
             })
             .collect();
@@ -356,7 +356,7 @@ impl ImageCut {
                 hard: if free { pose.clone() } else { none.clone() },
                 soft: if free { none } else { pose * uncertain },
                 discrepancy: if free { 0 } else { 2 },
-                heft: 1.0,
+                inertia_scale: 1.0,
                 columns: matrix,
                 floor: Vec::new(),
                 state: frame.shot.end.to_vec(),
@@ -391,7 +391,7 @@ impl Cut for ImageCut {
     fn name(&self) -> &'static str {
         match self.pose {
             Pose::Logged(..) => "camera: motion in, picture out",
-            Pose::Led | Pose::Free => "camera: picture alone, pose free",
+            Pose::Chained | Pose::Free => "camera: picture alone, pose free",
         }
     }
 

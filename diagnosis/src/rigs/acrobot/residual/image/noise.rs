@@ -12,7 +12,7 @@ use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
 
-/// Signals of circle 1, and the scatter (px) below which two honest renderers may differ.
+/// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
 const CHANNELS: [(usize, f64); 3] = [(0, 0.003), (1, 0.003), (6, 0.05)];
 /// Realisations of the noise for each frame.
 const MADE: i32 = 4;
@@ -24,7 +24,7 @@ const BESIDE: f64 = 0.01;
 const ENOUGH: usize = 60;
 /// Rows of one block, whose scatter is independent of the next one's.
 const BLOCK: usize = 25;
-/// To what share a predicted variance is known: honest renderers cut the rim's pixels differently, and one more pixel
+/// To what share a predicted variance is known: right renderers cut the rim's pixels differently, and one more pixel
 /// near the threshold is a tenth of all that flicker.
 const KNOWN: f64 = 0.1;
 /// Standard deviations from which a different noise is named, and by which a channel may contradict the others.

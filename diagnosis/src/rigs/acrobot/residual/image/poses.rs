@@ -117,7 +117,7 @@ impl ImageCut {
                 here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
             })
             .collect();
-        let beside = if let Pose::Led = self.pose { BESIDE } else { 0 };
+        let beside = if let Pose::Chained = self.pose { BESIDE } else { 0 };
         let smooth = |place: usize| {
             let run = self.frames[place].run;
             let near = place.saturating_sub(beside)..(place + beside + 1).min(shifts.len());

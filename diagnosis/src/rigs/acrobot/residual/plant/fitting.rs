@@ -1,4 +1,4 @@
-//! Fits a window: its start state and leading torques, by Gauss-Newton through the unit, and the columns that are left.
+//! Fits a window: its start state and slack torques, by Gauss-Newton through the unit, and the columns that are left.
 
 use super::*;
 
@@ -10,43 +10,43 @@ const HELD: [f64; 3] = [0.3, 0.03, 0.003];
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
     pub(super) start: State,
-    pub(super) leads: Vec<f64>,
+    pub(super) slack: Vec<f64>,
     pub(super) base: Vec<Row>,
     pub(super) cell: Cell,
-    /// Whether the cell's hard and soft columns were taken at this very start and these leads.
+    /// Whether the cell's hard and soft columns were taken at this very start and these slack torques.
     pub(super) here: [bool; 2],
 }
 
-/// What a look at a window finds.
-pub(super) struct Look {
+/// What a linearisation or a chord step finds in a window.
+pub(super) struct WindowFit {
     pub(super) start: State,
-    pub(super) leads: Vec<f64>,
+    pub(super) slack: Vec<f64>,
     pub(super) block: Block,
-    /// The fit without leads, if there was one.
+    /// The fit without slack torques, if there was one.
     pub(super) free: Option<Fit>,
 }
 
 impl PlantCut {
-    /// Gauss-Newton for the start state (and the leading torques, if `led`), a step only if it brings the rows
+    /// Gauss-Newton for the start state (and the slack torques, if `slackened`), a step only if it brings the rows
     /// closer. What is left then is so small that the linear projection takes care of it.
     pub(super) fn settle(
         &self,
         window: &Window,
         layout: &Layout,
         settings: &[Setting],
-        led: bool,
+        slackened: bool,
         from: Fit,
     ) -> Result<Fit, Error> {
         let mut fit = from;
         for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
-            self.nuisance_columns(window, layout, settings, led, &mut fit)?;
-            let Some((whole, leads)) = next(&fit, led) else { break };
+            self.nuisance_columns(window, layout, settings, slackened, &mut fit)?;
+            let Some((whole, slack)) = next(&fit, slackened) else { break };
             let mut length = 1.0;
             let better = loop {
                 let part = |from: f64, to: f64| from + length * (to - from);
                 let start: State = std::array::from_fn(|place| part(fit.start[place], whole[place]));
-                let leads = fit.leads.iter().zip(&leads).map(|(from, to)| part(*from, *to)).collect();
-                if let Ok(trial) = self.fit(window, layout, settings, start, leads)
+                let slack = fit.slack.iter().zip(&slack).map(|(from, to)| part(*from, *to)).collect();
+                if let Ok(trial) = self.fit(window, layout, settings, start, slack)
                     && square(&trial.cell) < square(&fit.cell)
                 {
                     break Some(trial);
@@ -73,7 +73,7 @@ impl PlantCut {
     fn held(&self, window: &Window, layout: &Layout, settings: &[Setting], fit: &Fit) -> Option<Fit> {
         HELD.iter().find_map(|by| {
             let start = held(fit, *by)?;
-            let trial = self.fit(window, layout, settings, start, fit.leads.clone()).ok()?;
+            let trial = self.fit(window, layout, settings, start, fit.slack.clone()).ok()?;
             (square(&trial.cell) < square(&fit.cell)).then_some(trial)
         })
     }
@@ -84,13 +84,13 @@ impl PlantCut {
         window: &Window,
         layout: &Layout,
         settings: &[Setting],
-        led: bool,
+        slackened: bool,
         from: Fit,
     ) -> Result<Fit, Error> {
         let mut fit = from;
-        for _ in 0..if led { 1 } else { 4 } {
-            let Some((start, leads)) = next(&fit, led) else { break };
-            let Ok(trial) = self.fit(window, layout, settings, start, leads) else { break };
+        for _ in 0..if slackened { 1 } else { 4 } {
+            let Some((start, slack)) = next(&fit, slackened) else { break };
+            let Ok(trial) = self.fit(window, layout, settings, start, slack) else { break };
             if square(&trial.cell) >= square(&fit.cell) {
                 break;
             }
@@ -107,12 +107,12 @@ impl PlantCut {
         layout: &Layout,
         settings: &[Setting],
         start: State,
-        leads: Vec<f64>,
+        slack: Vec<f64>,
     ) -> Result<Fit, Error> {
         let base =
-            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&leads))?;
+            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&slack))?;
         let cell = layout.cell(self, window, &base);
-        Ok(Fit { start, leads, base, cell, here: [false; 2] })
+        Ok(Fit { start, slack, base, cell, here: [false; 2] })
     }
 
     pub(super) fn nuisance_columns(
@@ -123,7 +123,7 @@ impl PlantCut {
         soft: bool,
         fit: &mut Fit,
     ) -> Result<(), Error> {
-        let pushes = window.pushes(&fit.leads);
+        let pushes = window.pushes(&fit.slack);
         let [hard_here, soft_here] = fit.here;
         if !hard_here {
             let mut hard = DMatrix::zeros(layout.len(), 4);
@@ -137,9 +137,9 @@ impl PlantCut {
             fit.cell.hard = hard;
         }
         if soft && !soft_here {
-            let by = self.span.gentle() * self.heft * PUSH;
-            let mut columns = DMatrix::zeros(layout.len(), fit.leads.len());
-            for place in 0..fit.leads.len() {
+            let by = self.span.gentle() * self.inertia_scale * PUSH;
+            let mut columns = DMatrix::zeros(layout.len(), fit.slack.len());
+            for place in 0..fit.slack.len() {
                 let mut more = pushes.clone();
                 more.push(window.push(place, by));
                 let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &fit.start, &more)?;
@@ -152,31 +152,41 @@ impl PlantCut {
     }
 
     /// Settles a window's nuisances at a point.
-    pub(super) fn linearised(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<Look, Error> {
+    pub(super) fn linearised(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+    ) -> Result<WindowFit, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let begin = self.fit(window, &layout, &settings, window.start, window.slack.clone())?;
         let (fit, free) = self.settled(window, &layout, &settings, begin)?;
         self.compared(window, &layout, point, probes, fit, free)
     }
 
     /// A chord step of a window, by the sensitivities of its last linearisation; without any, it is linearised.
-    pub(super) fn stepped(&self, window: &Window, point: &[f64], probes: &[Probe]) -> Result<Look, Error> {
+    pub(super) fn stepped(
+        &self,
+        window: &Window,
+        point: &[f64],
+        probes: &[Probe],
+    ) -> Result<WindowFit, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let mut begin = self.fit(window, &layout, &settings, window.start, window.leads.clone())?;
+        let mut begin = self.fit(window, &layout, &settings, window.start, window.slack.clone())?;
         let known = window.kept.as_ref().filter(|kept| kept.hard.nrows() == layout.len());
         let (fit, free) = match known {
             Some(kept) => {
                 (begin.cell.hard, begin.cell.soft) = (kept.hard.clone(), kept.soft.clone());
-                (self.chord(window, &layout, &settings, window.is_led(), begin)?, None)
+                (self.chord(window, &layout, &settings, window.has_slack(), begin)?, None)
             }
             None => self.settled(window, &layout, &settings, begin)?,
         };
         self.compared(window, &layout, point, probes, fit, free)
     }
 
-    /// A window's nuisances settled from `begin`, and, if there was one, the fit without leads.
+    /// A window's nuisances settled from `begin`, and, if there was one, the fit without slack torques.
     fn settled(
         &self,
         window: &Window,
@@ -185,15 +195,15 @@ impl PlantCut {
         mut begin: Fit,
     ) -> Result<(Fit, Option<Fit>), Error> {
         let (mut fit, mut free) = (begin.clone(), None);
-        let led_before = window.is_led();
-        if !led_before {
-            // before the fit is settled: leading begins with these columns again
+        let slack_before = window.has_slack();
+        if !slack_before {
+            // before the fit is settled: slack torques begin with these columns again
             self.nuisance_columns(window, layout, settings, false, &mut begin)?;
             fit = self.settle(window, layout, settings, false, begin.clone())?;
             free = Some(fit.clone());
         }
-        if led_before || self.astray(layout, &fit) {
-            // from the first guess again: a state that was fitted without leads may be far away
+        if slack_before || self.astray(layout, &fit) {
+            // from the first guess again: a state that was fitted without slack torques may be far away
             fit = self.settle(window, layout, settings, true, begin)?;
         }
         self.nuisance_columns(window, layout, settings, true, &mut fit)?;
@@ -209,12 +219,12 @@ impl PlantCut {
         probes: &[Probe],
         fit: Fit,
         free: Option<Fit>,
-    ) -> Result<Look, Error> {
-        let Fit { start, leads, base, mut cell, .. } = fit;
-        // the model itself has no leads: what they did is part of the rest
-        let missing = &cell.soft * DVector::from_column_slice(&leads);
-        cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, lead)| *rest += lead);
-        let pushes = window.pushes(&leads);
+    ) -> Result<WindowFit, Error> {
+        let Fit { start, slack, base, mut cell, .. } = fit;
+        // the model itself has no slack torques: what they did is part of the rest
+        let missing = &cell.soft * DVector::from_column_slice(&slack);
+        cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, torque)| *rest += torque);
+        let pushes = window.pushes(&slack);
         let (from, to) = (window.drive.start(), window.drive.end());
         let mut columns = DMatrix::zeros(layout.len(), probes.len());
         for (place, probe) in probes.iter().enumerate() {
@@ -246,7 +256,7 @@ impl PlantCut {
             cells: vec![cell],
             state,
         };
-        Ok(Look { start, leads, block, free })
+        Ok(WindowFit { start, slack, block, free })
     }
 }
 
@@ -266,15 +276,15 @@ fn held(fit: &Fit, by: f64) -> Option<State> {
     Some(std::array::from_fn(|place| fit.start[place] + shift[place]))
 }
 
-/// Start state and leads after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
+/// Start state and slack torques after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
 /// deviation. Leads are free while they are looked for.
-pub(super) fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
+pub(super) fn next(fit: &Fit, slackened: bool) -> Option<(State, Vec<f64>)> {
     let cell = &fit.cell;
-    // nothing is a discrepancy yet but the leads
-    let shift = nuisances(cell, &cell.residual, if led { cell.free() } else { 0.0 });
+    // nothing is a discrepancy yet but the slack torques
+    let shift = nuisances(cell, &cell.residual, if slackened { cell.free() } else { 0.0 });
     let hard = cell.hard.ncols();
     let mut moved = &cell.hard * shift.rows(0, hard);
-    if led {
+    if slackened {
         moved += &cell.soft * shift.rows(hard, shift.len() - hard);
     }
     let size = moved.iter().zip(&cell.sigma).map(|(moved, sigma)| (moved / sigma).powi(2)).sum::<f64>();
@@ -282,9 +292,9 @@ pub(super) fn next(fit: &Fit, led: bool) -> Option<(State, Vec<f64>)> {
         return None;
     }
     let start = std::array::from_fn(|place| fit.start[place] + shift[place]);
-    let mut leads = fit.leads.clone();
-    if led {
-        leads.iter_mut().enumerate().for_each(|(place, lead)| *lead += shift[hard + place]);
+    let mut slack = fit.slack.clone();
+    if slackened {
+        slack.iter_mut().enumerate().for_each(|(place, torque)| *torque += shift[hard + place]);
     }
-    Some((start, leads))
+    Some((start, slack))
 }

@@ -1,16 +1,16 @@
-//! Whether the plant follows the log by itself, or must be led along it.
+//! Whether the plant follows the log by itself, or needs slack torques to do so.
 
 use super::fitting::Fit;
 use super::*;
 
-/// Where the rest is this many standard deviations, the plant is first led along the log by such torques, so that
+/// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
 /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
-const LED: f64 = 4.0;
-/// Parts in which windows are asked whether they must be led.
-const LOOKS: usize = 8;
+const SLACK: f64 = 4.0;
+/// Parts in which windows are asked whether they needs slack torques.
+const SHARES: usize = 8;
 impl PlantCut {
-    /// Whether the share of windows in which the plant must be led stays within `most` at a point, all windows begun
-    /// anew. Answers the question alone, without leading: that is what a look there costs most.
+    /// Whether the share of windows in which the plant needs slack torques stays within `most` at a point, all windows begun
+    /// anew. Answers the question alone, without slack torques: that is what a linearisation there costs most.
     ///
     /// # Errors
     /// The unit failed.
@@ -19,19 +19,19 @@ impl PlantCut {
         self.begin_anew();
         let settings = self.settings(point, None)?;
         let total = self.windows.len();
-        let (mut led, mut seen) = (0, 0);
+        let (mut slackened, mut seen) = (0, 0);
         // a part at a time, spread over all runs: often half of them say enough
-        for part in 0..LOOKS {
-            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(LOOKS).collect();
+        for part in 0..SHARES {
+            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(SHARES).collect();
             seen += some.len();
             let each: Vec<bool> =
                 some.par_iter().map(|window| self.strays(window, &settings)).collect::<Result<_, _>>()?;
-            led += each.into_iter().filter(|led| *led).count();
+            slackened += each.into_iter().filter(|slackened| *slackened).count();
             let share = |count: usize| count as f64 / total.max(1) as f64;
-            if share(led) > most {
+            if share(slackened) > most {
                 return Ok(false);
             }
-            if share(led + total - seen) <= most {
+            if share(slackened + total - seen) <= most {
                 break;
             }
         }
@@ -40,24 +40,24 @@ impl PlantCut {
 
     /// Far more than noise is left.
     pub(super) fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
-        self.loose(layout, fit) > LED * LED
+        self.loose(layout, fit) > SLACK * SLACK
     }
 
-    /// Whether a window that was begun anew must be led along the log.
+    /// Whether a window that was begun anew needs slack torques to follow the log.
     pub(super) fn strays(&self, window: &Window, settings: &[Setting]) -> Result<bool, Error> {
         let layout = Layout::of(self, window);
-        let begin = self.fit(window, &layout, settings, window.start, window.leads.clone())?;
+        let begin = self.fit(window, &layout, settings, window.start, window.slack.clone())?;
         let fit = self.settle(window, &layout, settings, false, begin)?;
         Ok(self.astray(&layout, &fit))
     }
 
-    /// Where another scatter of the stamps changes whether the plant must be led, looks again from the beginning;
+    /// Where another scatter of the stamps changes whether the plant needs slack torques, looks again from the beginning;
     /// elsewhere that would find the same once more.
-    pub(super) fn lead_again(&mut self, point: &[f64], in_vain: bool) -> Result<bool, Error> {
+    pub(super) fn slacken_again(&mut self, point: &[f64], in_vain: bool) -> Result<bool, Error> {
         let changed = |place: &usize| {
             let window = &self.windows[*place];
             let layout = Layout::of(self, window);
-            window.free.as_ref().is_none_or(|free| self.astray(&layout, free) != window.is_led())
+            window.free.as_ref().is_none_or(|free| self.astray(&layout, free) != window.has_slack())
         };
         let places: Vec<usize> = (0..self.windows.len()).filter(changed).collect();
         for place in &places {
@@ -69,10 +69,10 @@ impl PlantCut {
 }
 
 impl Tracked<PlantCut> {
-    /// Share of windows in which the plant must be led to stay with the log.
-    pub fn led(&self) -> f64 {
+    /// Share of windows in which the plant needs slack torques to stay with the log.
+    pub fn share_with_slack(&self) -> f64 {
         let windows = self.nuisances.windows.iter().flat_map(|windows| windows.iter());
-        windows.filter(|window| window.is_led()).count() as f64 / self.windows().0.max(1) as f64
+        windows.filter(|window| window.has_slack()).count() as f64 / self.windows().0.max(1) as f64
     }
 
     /// As [`PlantCut::follows`]; windows begin from the data afterwards.

@@ -5,7 +5,7 @@ use crate::rigs::acrobot::residual::forced::{Forced, Pair};
 
 /// Length of a piece, s: friction changes its sign within one or two of them.
 const PIECE: f64 = 6e-3;
-/// Root mean square to which a torque is scaled for its column, N·m at an arm of heft 1: as a leading torque's.
+/// Root mean square to which a torque is scaled for its column, N·m at an arm of inertia scale 1: as a slack torque's.
 const SIZE: f64 = PUSH;
 
 /// Edges of the pieces of a window, s.
@@ -24,8 +24,8 @@ impl PlantCut {
         torque: &[Pair],
     ) -> Result<(Vec<Row>, f64), Error> {
         let square: f64 = torque.iter().flatten().map(|x| x * x).sum::<f64>() / torque.len().max(1) as f64;
-        let by = if square > 0.0 { self.heft * SIZE / square.sqrt() } else { 0.0 };
-        let mut pushes = window.pushes(&window.leads);
+        let by = if square > 0.0 { self.inertia_scale * SIZE / square.sqrt() } else { 0.0 };
+        let mut pushes = window.pushes(&window.slack);
         for (piece, pair) in edges(window).windows(2).zip(torque) {
             for (joint, size) in [(false, by * pair[0]), (true, by * pair[1])] {
                 if size != 0.0 {
@@ -75,7 +75,7 @@ impl Forced for PlantCut {
                     edges(window).windows(2).map(|piece| 0.5 * (piece[0] + piece[1])).collect();
                 let run = &self.runs[window.run];
                 let drive = Drive::new(run, window.drive.start(), &middles, &window.edges);
-                let pushes = window.pushes(&window.leads);
+                let pushes = window.pushes(&window.slack);
                 let rows = simulate(&self.bench, &self.ports, &settings, &drive, &window.start, &pushes)?;
                 Ok(rows.iter().map(state_of).collect())
             })

@@ -4,7 +4,7 @@
 //! there the arm may never come to where it was seen, nor a fit out of that valley. But a window begins before the one before it
 //! ends, and where that one follows the log it knows the state; and a joint that sticks has no rate.
 
-use super::fitting::{Fit, Look, square};
+use super::fitting::{Fit, WindowFit, square};
 use super::*;
 
 /// A mean square of the whitened rest that no noise gives.
@@ -18,27 +18,27 @@ const FEW: f64 = 0.3;
 /// A valley is left for one that is deeper by this share.
 const DEEPER: f64 = 0.95;
 
-fn squares(look: &Look) -> f64 {
+fn squares(look: &WindowFit) -> f64 {
     look.block.cells.iter().map(square).sum()
 }
 
-fn rows(look: &Look) -> f64 {
+fn rows(look: &WindowFit) -> f64 {
     look.block.cells.iter().map(|cell| cell.residual.len() as f64).sum()
 }
 
-fn lost(look: &Look) -> bool {
+fn lost(look: &WindowFit) -> bool {
     squares(look) > FAR * rows(look)
 }
 
 /// Mean square of the usual window.
-fn usual(found: &[Result<Look, Error>]) -> f64 {
+fn usual(found: &[Result<WindowFit, Error>]) -> f64 {
     let means = found.iter().flatten().map(|look| squares(look) / rows(look));
     let mut each: Vec<f64> = means.filter(|mean| mean.is_finite()).collect();
     each.sort_by(f64::total_cmp);
     each.get(each.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
-fn doubted(look: &Look, usual: f64) -> bool {
+fn doubted(look: &WindowFit, usual: f64) -> bool {
     squares(look) > usual * (rows(look) + DOUBT * (2.0 * rows(look)).sqrt())
 }
 
@@ -50,7 +50,7 @@ impl PlantCut {
         places: &[usize],
         point: &[f64],
         probes: &[Probe],
-        found: &mut [Result<Look, Error>],
+        found: &mut [Result<WindowFit, Error>],
         in_vain: bool,
     ) -> Result<bool, Error> {
         let (mut doubts, mut helped) = (0, 0);
@@ -73,7 +73,7 @@ impl PlantCut {
                 helped += usize::from(deepest.is_some());
                 deepest
             } else {
-                let better = |(_, known): (&Window, &Look)| squares(known) <= BETTER * squares(look);
+                let better = |(_, known): (&Window, &WindowFit)| squares(known) <= BETTER * squares(look);
                 if lost(look) && before.is_some_and(better) { handed() } else { None }
             };
             let Some(begun) = begun else { continue };
@@ -90,7 +90,7 @@ impl PlantCut {
     fn deepest(
         &self,
         here: &Window,
-        look: &Look,
+        look: &WindowFit,
         handed: Option<State>,
         settings: &[Setting],
     ) -> Option<State> {
@@ -101,7 +101,7 @@ impl PlantCut {
         let layout = Layout::of(self, here);
         let settled = |start: &State| -> Option<Fit> {
             let begun = here.begun_at(*start);
-            let fit = self.fit(&begun, &layout, settings, *start, begun.leads.clone()).ok()?;
+            let fit = self.fit(&begun, &layout, settings, *start, begun.slack.clone()).ok()?;
             self.settle(&begun, &layout, settings, false, fit).ok()
         };
         let fits: Vec<Fit> = starts.par_iter().filter_map(settled).collect();
@@ -110,13 +110,19 @@ impl PlantCut {
     }
 
     /// The state of one window where the next begins, if it goes so far.
-    fn state_of(&self, before: &Window, known: &Look, next: &Window, settings: &[Setting]) -> Option<State> {
+    fn state_of(
+        &self,
+        before: &Window,
+        known: &WindowFit,
+        next: &Window,
+        settings: &[Setting],
+    ) -> Option<State> {
         let (begin, at) = (before.drive.start(), next.drive.start());
         if before.run != next.run || at <= begin || at >= before.drive.end() {
             return None;
         }
         let drive = Drive::new(&self.runs[before.run], begin, &[at], &before.edges);
-        let pushes = before.pushes(&known.leads);
+        let pushes = before.pushes(&known.slack);
         let rows = simulate(&self.bench, &self.ports, settings, &drive, &known.start, &pushes).ok()?;
         rows.last().map(state_of)
     }

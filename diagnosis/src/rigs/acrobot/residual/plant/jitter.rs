@@ -1,4 +1,4 @@
-//! Time stamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
+//! Timestamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
 //! the same time. That is a nuisance with a prior for each row; its size is found by maximum likelihood.
 
 use super::fitting::Fit;
@@ -15,7 +15,7 @@ const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
 const UNIT: f64 = 1e-4;
 /// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
 const EVIDENCE: f64 = 20.0;
-/// Share of the windows in which something else than stamps may have happened: a ceiling of the torque that cut two windows of sixty
+/// Share of the windows in which something else than stamps may have happened: a saturation of the torque that cut two windows of sixty
 /// passed for stamps that scatter, which then hid it.
 const EVENTS: f64 = 0.1;
 
@@ -33,7 +33,7 @@ impl PlantCut {
     /// The unit failed.
     pub fn find_jitter(&mut self, point: &[f64], from: &Nuisances) -> Result<Nuisances, Error> {
         self.begin_from(from);
-        // stamps that stand unevenly may scatter by as much: a plant that was led along such rows would hide it
+        // stamps that stand unevenly may scatter by as much: a plant that was held to such rows by slack torques would hide it
         let uneven = (self.runs.iter())
             .filter_map(|run| run.plant.as_ref())
             .map(|log| unevenness(&log.time))
@@ -73,7 +73,7 @@ impl PlantCut {
             self.jitter = 0.0;
         }
         if self.jitter > 0.0 || uneven > UNIT {
-            in_vain = self.lead_again(point, in_vain)?;
+            in_vain = self.slacken_again(point, in_vain)?;
         }
         self.windows.iter_mut().for_each(|window| window.free = None);
         Ok(self.nuisances(in_vain))
@@ -90,7 +90,7 @@ impl PlantCut {
         logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Puts the stamps' columns before the leads.
+    /// Puts the stamps' columns before the slack torques.
     pub(super) fn stamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
         if self.jitter == 0.0 {
             return;

@@ -68,7 +68,7 @@ impl Layout {
             hard: empty(),
             soft: empty(),
             discrepancy: 0,
-            heft: cut.heft,
+            inertia_scale: cut.inertia_scale,
             columns: empty(),
             floor: Vec::new(),
             state: Vec::new(),

@@ -8,7 +8,7 @@ const SAME: f64 = 1e-6;
 
 impl PlantCut {
     /// The same log in windows twice as long. They begin where every second usual one does, and in its state, `at` where a linearisation at the point left it: where these windows
-    /// have been fitted to all that follows, noise grows by no more than in the second half. `None` where a window must be led,
+    /// have been fitted to all that follows, noise grows by no more than in the second half. `None` where a window needs slack torques,
     /// since a model that lacks more than noise leaves the data before a long window ends.
     ///
     /// # Errors
@@ -41,12 +41,12 @@ impl PlantCut {
         let mut long = Tracked::new(long);
         long.restore(&begun);
         long.linearise(point, &[])?;
-        Ok((long.led() == 0.0).then_some(long))
+        Ok((long.share_with_slack() == 0.0).then_some(long))
     }
 
-    /// A probe that bends no column. Ceilings and switches have columns of their whole size only.
+    /// A probe that is nonlinear in its size no column. Saturations and switches have columns of their whole size only.
     pub(super) fn gentle(&self, probe: Probe) -> Probe {
-        let whole = matches!(self.candidates[probe.candidate].motion, Way::Ceiling { .. } | Way::Switch);
+        let whole = matches!(self.candidates[probe.candidate].motion, Way::Saturation { .. } | Way::Switch);
         Probe { by: if whole { probe.by } else { self.span.gentle() * probe.by }, ..probe }
     }
 }

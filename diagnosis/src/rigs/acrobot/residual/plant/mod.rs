@@ -29,7 +29,7 @@ mod long;
 mod through;
 mod window;
 
-use fitting::Look;
+use fitting::WindowFit;
 use layout::Layout;
 use log::steered;
 pub use log::zeros;
@@ -54,7 +54,7 @@ const BINS: usize = 25;
 const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
-const PUSH: f64 = 2e-4; // at an arm of heft 1
+const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
 /// A window starts from a straight line through rows this far around, s.
 const AROUND: f64 = 0.03;
 
@@ -72,7 +72,7 @@ pub struct PlantCut {
     clock: Option<usize>,
     /// By how much the log's angles were turned back, rad.
     zeros: [f64; 2],
-    /// Scatter of the log's time stamps, s.
+    /// Scatter of the log's timestamps, s.
     jitter: f64,
     /// By how much the log may be late, s: no bound where runs were found to have clocks of their own.
     doubt: f64,
@@ -83,7 +83,7 @@ pub struct PlantCut {
     /// Windows that the logs were cut into, before they were thinned.
     cut: usize,
     /// How heavy the arm is.
-    heft: f64,
+    inertia_scale: f64,
 }
 
 impl PlantCut {
@@ -105,7 +105,7 @@ impl PlantCut {
         candidates: Arc<Vec<Candidate>>,
         span: Span,
     ) -> Result<Option<Self>, Error> {
-        let (ports, heft) = (Ports::of(&model.plant, lost(data, model))?, model.heft());
+        let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
         let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (QUICK / growth).min(1.0));
@@ -127,10 +127,10 @@ impl PlantCut {
             .map(|channel| {
                 let name = format!("plant.{}", channel.column);
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let scale = if channel.measures == Measures::AppliedTorque { heft } else { 1.0 };
+                let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
                 let noise = channel.noise.unwrap_or_default();
                 let sigma = known.unwrap_or(scale * noise.guess);
-                Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, honest: 0.0 }
+                Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, tolerance: 0.0 }
             })
             .collect();
         let runs = Arc::new(data.runs.clone());
@@ -159,7 +159,7 @@ impl PlantCut {
             first,
             doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
             cut,
-            heft,
+            inertia_scale,
         }))
     }
 
@@ -222,15 +222,15 @@ impl PlantCut {
         let in_vain = !self.handed(places, point, probes, &mut done, in_vain)? || in_vain;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
-            let Look { start, leads, block, free } = result?;
+            let WindowFit { start, slack, block, free } = result?;
             let window = &mut self.windows[*place];
             window.free = free.map(Arc::new);
             window.kept = block.cells.first().map(|cell| {
                 let count = cell.soft.ncols() - cell.discrepancy;
                 let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
-                Arc::new(Kept { start, leads: leads.clone(), hard: cell.hard.clone(), soft })
+                Arc::new(Kept { start, slack: slack.clone(), hard: cell.hard.clone(), soft })
             });
-            (window.start, window.leads) = (start, leads);
+            (window.start, window.slack) = (start, slack);
             blocks.push(block);
         }
         Ok((blocks, in_vain))
@@ -243,8 +243,8 @@ impl PlantCut {
         let done: Vec<_> = self.windows.par_iter().map(look).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
-            let Look { start, leads, block, .. } = result?;
-            (window.start, window.leads) = (start, leads);
+            let WindowFit { start, slack, block, .. } = result?;
+            (window.start, window.slack) = (start, slack);
             blocks.push(block);
         }
         Ok(blocks)
@@ -350,7 +350,7 @@ impl PlantCut {
                     &settings,
                     &drive,
                     &window.start,
-                    &window.pushes(&window.leads),
+                    &window.pushes(&window.slack),
                 )?;
                 let states: Vec<State> = rows.iter().map(state_of).collect();
                 Ok::<_, Error>((window.run, times, states))

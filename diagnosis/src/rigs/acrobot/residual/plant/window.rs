@@ -19,7 +19,7 @@ const GENTLE: f64 = 0.03;
 #[derive(Debug, Clone)]
 pub(super) struct Kept {
     pub(super) start: State,
-    pub(super) leads: Vec<f64>,
+    pub(super) slack: Vec<f64>,
     pub(super) hard: DMatrix<f64>,
     pub(super) soft: DMatrix<f64>,
 }
@@ -40,7 +40,7 @@ impl Span {
         if self == Self::USUAL { 1.0 } else { growth.map_or(1.0, |growth| (1.1 * GROWTH / growth).min(1.0)) }
     }
 
-    /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
+    /// Share of a perturbation that is nonlinear in its size a column no more than all of it bends that of a usual window.
     pub(super) fn gentle(self) -> f64 {
         (1..self.0).map(|_| GENTLE).product()
     }
@@ -83,7 +83,7 @@ pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
 #[derive(Debug, Clone)]
 pub struct WindowState {
     start: State,
-    leads: Vec<f64>,
+    slack: Vec<f64>,
     kept: Option<Arc<Kept>>,
     free: Option<Arc<super::fitting::Fit>>,
 }
@@ -92,14 +92,14 @@ impl WindowState {
     /// Where the last linearisation had them.
     pub(in crate::rigs::acrobot::residual) fn linearised(&self) -> Self {
         match &self.kept {
-            Some(kept) => Self { start: kept.start, leads: kept.leads.clone(), ..self.clone() },
+            Some(kept) => Self { start: kept.start, slack: kept.slack.clone(), ..self.clone() },
             None => self.clone(),
         }
     }
 
-    /// Whether the plant must be led along the log in it.
-    pub(super) fn is_led(&self) -> bool {
-        self.leads.iter().any(|lead| *lead != 0.0)
+    /// Whether the plant needs slack torques to follow the log in it.
+    pub(super) fn has_slack(&self) -> bool {
+        self.slack.iter().any(|torque| *torque != 0.0)
     }
 }
 
@@ -114,11 +114,11 @@ pub(super) struct Window {
     curve: Curve,
     /// Edges of the parts, s.
     pub(super) edges: Vec<f64>,
-    /// Torques that lead the plant along the log: link 1 and joint of each part, N·m.
-    pub(super) leads: Vec<f64>,
-    /// Start, leads and columns of the nuisances, from the last linearisation.
+    /// Slack torques, which hold the plant to the log: link 1 and joint of each part, N·m.
+    pub(super) slack: Vec<f64>,
+    /// Start, slack torques and columns of the nuisances, from the last linearisation.
     pub(super) kept: Option<Arc<Kept>>,
-    /// The fit without leads of the last linearisation: by it the window was led, or not.
+    /// The fit without slack torques of the last linearisation: by it the window got slack torques, or not.
     pub(super) free: Option<Arc<super::fitting::Fit>>,
     /// It was lost, and is begun anew: its fit tries harder.
     pub(super) again: bool,
@@ -134,7 +134,7 @@ impl Window {
             start,
             curve: self.curve,
             edges: self.edges.clone(),
-            leads: vec![0.0; self.leads.len()],
+            slack: vec![0.0; self.slack.len()],
             kept: None,
             free: None,
             again: true,
@@ -148,27 +148,27 @@ impl Window {
         {
             self.start = guess(&plant.time, q1, q2, self.drive.start(), self.curve);
         }
-        self.leads.iter_mut().for_each(|lead| *lead = 0.0);
+        self.slack.iter_mut().for_each(|torque| *torque = 0.0);
         self.kept = None;
         self.free = None;
     }
 
     pub(super) fn state(&self) -> WindowState {
         let (kept, free) = (self.kept.clone(), self.free.clone());
-        WindowState { start: self.start, leads: self.leads.clone(), kept, free }
+        WindowState { start: self.start, slack: self.slack.clone(), kept, free }
     }
 
     pub(super) fn put(&mut self, state: &WindowState) {
-        let WindowState { start, leads, kept, free } = state.clone();
-        (self.start, self.leads, self.kept, self.free) = (start, leads, kept, free);
+        let WindowState { start, slack, kept, free } = state.clone();
+        (self.start, self.slack, self.kept, self.free) = (start, slack, kept, free);
     }
 
-    pub(super) fn is_led(&self) -> bool {
-        self.leads.iter().any(|lead| *lead != 0.0)
+    pub(super) fn has_slack(&self) -> bool {
+        self.slack.iter().any(|torque| *torque != 0.0)
     }
 
-    pub(super) fn pushes(&self, leads: &[f64]) -> Vec<Push> {
-        (leads.iter().enumerate())
+    pub(super) fn pushes(&self, slack: &[f64]) -> Vec<Push> {
+        (slack.iter().enumerate())
             .filter(|(_, size)| **size != 0.0)
             .map(|(place, size)| self.push(place, *size))
             .collect()
@@ -244,7 +244,7 @@ pub(super) fn cut_run(
                 start: guess(&plant.time, q1, q2, start, curve),
                 curve,
                 edges,
-                leads: vec![0.0; 2 * PARTS],
+                slack: vec![0.0; 2 * PARTS],
                 kept: None,
                 free: None,
                 again: false,

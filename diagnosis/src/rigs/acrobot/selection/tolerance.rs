@@ -1,4 +1,4 @@
-//! What honest renderers differ by, and what that makes uncertain: an error of `Signal::honest` for all rows of a signal at one place
+//! The tolerance of renderers, and what that makes uncertain: an error of `Signal::tolerance` for all rows of a signal at one place
 //! on the pixel lattice.
 
 use super::evaluation::Evaluation;
@@ -13,18 +13,18 @@ impl Evaluation {
         let mut errors: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
         for cell in self.blocks.iter().flat_map(|block| &block.cells).filter(|cell| !cell.lattice.is_empty())
         {
-            let columns = projected(cell, self.softness).columns;
+            let columns = projected(cell, self.discrepancy_sd).columns;
             for (row, (signal, place)) in cell.signal.iter().zip(&cell.lattice).enumerate() {
                 let sum =
                     errors.entry((*signal, *place)).or_insert_with(|| DVector::zeros(self.probes.len()));
-                sum.axpy(signals[*signal].honest / cell.sigma[row], &columns.row(row).transpose(), 1.0);
+                sum.axpy(signals[*signal].tolerance / cell.sigma[row], &columns.row(row).transpose(), 1.0);
             }
         }
         let all: Vec<DVector<f64>> = errors.into_values().collect();
         if all.is_empty() { DMatrix::zeros(self.probes.len(), 0) } else { DMatrix::from_columns(&all) }
     }
 
-    /// Variance that honest differences between simulations add to each of the active values.
+    /// Variance that systematic differences between simulations add to each of the active values.
     pub fn systematic(&self, active: &[usize], signals: &[Signal]) -> DVector<f64> {
         let places = self.places(active);
         let Some(bread) = inverse(&submatrix(&self.total.gram, &places)) else {
@@ -34,7 +34,7 @@ impl Evaluation {
         DVector::from_fn(places.len(), |i, _| shifts.row(i).norm_squared())
     }
 
-    /// Standard deviation that honest differences add to the value of each column, fitted beside the active ones.
+    /// Standard deviation that systematic differences add to the value of each column, fitted beside the active ones.
     pub fn systematic_beside(&self, active: &[usize], signals: &[Signal]) -> Vec<f64> {
         let (places, offsets, gram) = (self.places(active), self.offsets(signals), &self.total.gram);
         let among = submatrix(gram, &places);

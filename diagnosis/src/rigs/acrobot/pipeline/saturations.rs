@@ -1,10 +1,10 @@
-//! Where ceilings of the torque are looked for.
+//! Where saturations of the torque are looked for.
 
 use crate::rigs::acrobot::candidates::Cuts;
 use crate::rigs::acrobot::dataset::DataSet;
 
-/// Levels at which a ceiling would cut what was commanded while the arm was seen to move, before it lay in its stop, `contact` (rad).
-pub(super) fn ceilings(data: &DataSet, cuts: Cuts, contact: f64) -> Vec<f64> {
+/// Levels at which a saturation would cut what was commanded while the arm was seen to move, before it lay in its stop, `contact` (rad).
+pub(super) fn saturations(data: &DataSet, cuts: Cuts, contact: f64) -> Vec<f64> {
     let mut sizes: Vec<f64> = Vec::new();
     for run in &data.runs {
         let Some(controller) = &run.controller else { continue };

@@ -1,28 +1,28 @@
-//! Values of the plant that pictures alone tell, averaged over several looks: poses are read off frames that are rendered near by, and
-//! where on the pixel lattice those lie is chance. A torque's bias of 0.00123 N·m wanted 0.0011 to 0.0012 from look to look, where
+//! Values of the plant that pictures alone tell, averaged over several linearisations: poses are read off frames that are rendered near by, and
+//! where on the pixel lattice those lie is chance. A torque's bias of 0.00123 N·m wanted 0.0011 to 0.0012 from linearisation to linearisation, where
 //! noise alone makes 0.00002.
 
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::selection::look;
 
-/// Looks that are averaged, and the standard errors by which they lie off the fit.
+/// Linearisations that are averaged, and the standard errors by which they lie off the fit.
 const LOOKS: usize = 6;
 const OFF: f64 = 0.5;
-/// A look that wants a value so many standard errors away has lost the motion.
+/// A linearisation that wants a value so many standard errors away has lost the motion.
 const LOST: f64 = 6.0;
 /// Frames go with the values, so that these are averaged again where they moved by more than this share of a standard error.
 const PASSES: usize = 3;
 const MOVED: f64 = 0.5;
 
-/// Puts the values of the plant where looks about the fit want them on average, and notes by how much these differ.
+/// Puts the values of the plant where linearisations about the fit want them on average, and notes by how much these differ.
 pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
     let continuous = |index: &usize| !list[*index].is_discrete();
     let free: Vec<usize> = part.study.active.iter().copied().filter(continuous).collect();
     let Some(covariance) = part.study.last.covariance(&free) else { return Ok(()) };
-    // a ceiling's windows come and go
+    // a saturation's windows come and go
     let plants = |index: usize| {
-        list[index].side == Side::Plant && !matches!(list[index].motion, Motion::Ceiling { .. })
+        list[index].side == Side::Plant && !matches!(list[index].motion, Motion::Saturation { .. })
     };
     let values: Vec<Value> = (free.iter().enumerate())
         .filter(|(_, index)| plants(**index))
@@ -78,7 +78,7 @@ impl Value {
     }
 }
 
-/// What looks about the fit want the values to be; `None` where one has lost the motion.
+/// What linearisations about the fit want the values to be; `None` where one has lost the motion.
 fn wanted(
     cut: &mut Tracked,
     list: &[Candidate],

@@ -7,6 +7,7 @@
 //! - A picture: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames. Whatever a lens, a mount or a delay does
 //!   to a picture changes slowly with these; noise doesn't.
 
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::selection::Evaluation;
@@ -14,8 +15,6 @@ use crate::statistics::linear::bare;
 
 /// Neighbouring frames of a fit, which has seven numbers.
 const FRAMES: usize = 12;
-/// A fit that leaves so many times the median's squares is of no noise: a circle that was mistaken, a fall.
-const WILD: f64 = 10.0;
 /// Below this share of its length a regressor depends on others.
 const DEPENDENT: f64 = 1e-6;
 /// Fits that tell a scatter.
@@ -84,7 +83,7 @@ fn local(nominal: &Evaluation, signal: usize) -> Option<f64> {
     }
     let mut each: Vec<f64> = fits.iter().map(|(square, freedom)| square / freedom).collect();
     each.sort_by(f64::total_cmp);
-    let most = WILD * each[each.len() / 2];
+    let most = POLICY.wild * each[each.len() / 2];
     let tame = fits.iter().filter(|(square, freedom)| square / freedom <= most);
     let (square, freedom) = tame.fold((0.0, 0.0), |(a, b), (square, freedom)| (a + square, b + freedom));
     (freedom > 0.0).then(|| (square / freedom).sqrt())

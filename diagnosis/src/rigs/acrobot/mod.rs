@@ -10,6 +10,9 @@
 //! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
 //! 8. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
+//!
+//! `channels` is the table of all columns of logs, `parameters` names what is asked for and never freed, `policy` holds the numbers that
+//! several rooms share.
 
 mod amend;
 mod bench;
@@ -28,6 +31,7 @@ mod parameters;
 pub(crate) mod pipeline;
 mod places;
 pub(crate) mod plausibility;
+mod policy;
 pub mod record;
 mod replay;
 pub mod residual;

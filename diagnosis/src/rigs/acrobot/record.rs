@@ -7,6 +7,7 @@
 
 use crate::error::Error;
 use crate::rigs::acrobot::channels::{File, Measures, columns, measuring};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::random::Random;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -100,9 +101,6 @@ fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
     let path = path.to_owned();
     move |source| Error::Io { path, source }
 }
-
-/// Times that are the same in the file but for rounding, s.
-const ROUNDING: f64 = 5e-7;
 
 /// When frames were ready: frame k at k/omega_cam + T_delay.
 #[derive(Debug, Clone, Copy)]
@@ -200,7 +198,7 @@ impl Results {
         let before = row.checked_sub(1).map_or(now, |before| self.number(before, 0));
         let clock = self.clock.zip(self.column("camera.frame_index"));
         match clock.map(|(clock, at)| clock.ready(self.number(row, at))) {
-            Some(ready) if ready > before && ready < now - ROUNDING => ready.to_string(),
+            Some(ready) if ready > before && ready < now - POLICY.same_time => ready.to_string(),
             _ => self.time(row).to_owned(),
         }
     }
@@ -240,7 +238,7 @@ impl Results {
         let mut next = f64::NEG_INFINITY;
         for row in 0..self.rows.len() {
             let time = self.number(row, 0);
-            if time + ROUNDING < next {
+            if time + POLICY.same_time < next {
                 continue;
             }
             next = if next.is_finite() { next } else { time } + 1.0 / recording.encoder_rate;

@@ -4,6 +4,7 @@ use super::shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, place};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Study, steadiness};
 
 /// Where something is left that has no name, the drift of any cut's clock stands for it; elsewhere this cut's own.
@@ -13,9 +14,6 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
         None => drifting(found.study, found.list).into(),
     }
 }
-
-/// Standard errors from which a clock drifts.
-const DRIFTING: f64 = 4.5;
 
 /// Clocks that drift apart: by how much the log's, or the picture's delay, moves along the runs.
 pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
@@ -32,6 +30,6 @@ pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
             nearest: nearest(study, candidates),
             ..Unknown::default()
         };
-        (clear.abs() > DRIFTING).then(told)
+        (clear.abs() > POLICY.clear).then(told)
     })
 }

@@ -4,12 +4,11 @@
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
 
-/// Fall of the deviance that values of their own must bring: by chance, of two or three runs and some thirty candidates, once in 10⁵.
-const APART: f64 = 30.0;
-/// And what share of the squares that noise doesn't leave: a drag, too, looks like a friction that is larger in quicker runs.
+/// What share of the squares that noise doesn't leave values of their own must take away: a drag, too, looks like a friction that is larger in quicker runs.
 const MOST: f64 = 0.5;
 
 /// A rest that runs differ by is told so, where no clock drifts.
@@ -27,7 +26,7 @@ fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[Str
         (0..list.len()).filter(plants).filter_map(|index| Some((index, steadiness(at, index, active)?)));
     let (index, runs) = all.max_by(|a, b| a.1.apart.total_cmp(&b.1.apart))?;
     let left = at.total.square - at.total.freedom;
-    if runs.runs.len() < 2 || runs.apart < APART || runs.apart * runs.over < MOST * left {
+    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart || runs.apart * runs.over < MOST * left {
         return None;
     }
     let own = &list[index];

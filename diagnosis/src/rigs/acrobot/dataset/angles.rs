@@ -2,6 +2,7 @@
 
 use super::{Manifest, Table};
 use crate::rigs::acrobot::dataset::manifest::number;
+use crate::rigs::acrobot::policy::POLICY;
 use mechanics::Theta;
 use std::f64::consts::{PI, TAU};
 
@@ -9,10 +10,6 @@ use std::f64::consts::{PI, TAU};
 const LARGEST_ANGLE: f64 = 12.0 * PI;
 /// Degrees are 57 times radians; halfway on a logarithmic scale.
 const DEGREE_RATIO: f64 = 7.6;
-/// Time between rows over the time of falling: 30 Hz gives 0.2, milliseconds taken for seconds 6 and more at 1 kHz.
-const FALLEN: f64 = 1.5;
-/// Motion below this (rad) can't tell degrees from radians.
-const LEAST_MOTION: f64 = 0.02;
 
 /// The rate (rad/s) that gravity gives each link of the nominal model, √(θ₉/θ₁) and √(θ₁₀/θ₅). A free arm of 9 cm that
 /// tumbles moves up to 4 times as fast (seen on a real one); in degrees a swing of 10° is 10 times as fast.
@@ -39,7 +36,7 @@ pub fn gravity(manifest: &Manifest) -> f64 {
 
 /// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
-    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > FALLEN)
+    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > POLICY.fallen)
 }
 
 /// Median time between rows, s.
@@ -131,7 +128,7 @@ pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)>
 /// How many times as far as another an angle moves, if that is more than any error of either.
 pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
     let times = spread(angle) / spread(other);
-    (spread(other) > LEAST_MOTION && times > DEGREE_RATIO).then_some(times)
+    (spread(other) > POLICY.least_motion && times > DEGREE_RATIO).then_some(times)
 }
 
 fn spread(values: &[f64]) -> f64 {

@@ -6,9 +6,8 @@ use super::stamps::{self, Moved};
 use super::{Run, TORN, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
+use crate::rigs::acrobot::policy::POLICY;
 
-/// A log with fewer rows says nothing after four start values were fitted.
-const FEWEST_ROWS: usize = 12;
 /// A torque is held from its row to the next: one row is a log of it.
 const FEWEST_TORQUES: usize = 1;
 /// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
@@ -41,9 +40,9 @@ pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
 pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [
-        (&mut run.camera, "camera.csv", FEWEST_ROWS),
+        (&mut run.camera, "camera.csv", POLICY.rows),
         (&mut run.controller, "controller.csv", FEWEST_TORQUES),
-        (&mut run.plant, "plant.csv", FEWEST_ROWS),
+        (&mut run.plant, "plant.csv", POLICY.rows),
     ] {
         if let Some((line, why)) = table.as_ref().and_then(|table| unusable(table, fewest)) {
             let message = format!("{why}; file put aside");
@@ -83,10 +82,11 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             let message = format!("column `{name}` is missing; the plant's log is put aside");
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
             run.plant = None;
-        } else if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < FEWEST_ROWS) {
+        } else if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < POLICY.rows) {
             let message = format!(
-                "`{name}` is measured in {} rows ({FEWEST_ROWS} or more are needed); file put aside",
-                measured(plant, name)
+                "`{name}` is measured in {} rows ({} or more are needed); file put aside",
+                measured(plant, name),
+                POLICY.rows
             );
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
             run.plant = None;

@@ -21,6 +21,7 @@ pub use table::Table;
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::channels::{File, columns};
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
+use crate::rigs::acrobot::policy::POLICY;
 use stamps::Moved;
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,6 @@ use std::path::{Path, PathBuf};
 /// cubic does.
 pub const TORN: f64 = 0.08;
 
-/// Torques from which on a log has a beginning and an end of its own.
-const MANY_TORQUES: usize = 12;
 /// So many of its usual steps a torque is held after its last row: the next one would have come by then.
 const HELD: f64 = 1.5;
 
@@ -104,7 +103,7 @@ impl Run {
     /// From when to when the torque is known, s: from the first row of its log to when one should have followed the last. A few rows are
     /// held as long as it takes, and no torque was before them.
     pub fn driven(&self) -> (f64, f64) {
-        let log = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES);
+        let log = self.controller.as_ref().filter(|log| log.len() >= POLICY.rows);
         let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
             return (f64::NEG_INFINITY, f64::INFINITY);
         };
@@ -138,7 +137,7 @@ impl Run {
     /// Times between which the torque isn't known, s: where its rows were ignored, or a few hold no number. Where many don't,
     /// other columns are logged more often.
     pub fn undriven(&self) -> Vec<(f64, f64)> {
-        let Some(log) = self.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES) else {
+        let Some(log) = self.controller.as_ref().filter(|log| log.len() >= POLICY.rows) else {
             return Vec::new();
         };
         let torques: Vec<&[f64]> = ["tau", "tau_1"].iter().filter_map(|name| log.column(name)).collect();

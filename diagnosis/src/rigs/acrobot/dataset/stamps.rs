@@ -4,8 +4,9 @@
 //! motions agree sets them to one time, to some milliseconds; what is left is a matter of the residuals.
 
 use super::angles::unwrapped;
-use super::{MANY_TORQUES, Run, Table};
+use super::{Run, Table};
 use crate::error::Notice;
+use crate::rigs::acrobot::policy::POLICY;
 
 /// Pictures that are late by this much against the encoders are late, and not stamped by another clock, s.
 const LATE: (f64, f64) = (-0.05, 1.0);
@@ -37,7 +38,7 @@ pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     let other = others.into_iter().find_map(|(file, log)| log.as_ref().map(|log| (file, span(log))));
     if let (Some(torque), Some((file, (from, to)))) = (&run.controller, other) {
         let (first, last) = span(torque);
-        if torque.len() >= MANY_TORQUES && (last < from || first > to) {
+        if torque.len() >= POLICY.rows && (last < from || first > to) {
             let message = format!(
                 "time runs from {first} to {last} s, in {file} from {from} to {to} s: stamped by another clock? Nothing shows \
                  by how much it is off; file put aside"
@@ -57,7 +58,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     let (logged, seen) = (span(plant), span(camera));
     let apart = logged.1 < seen.0 - LATE.1 || logged.0 > seen.1 - LATE.0;
     // a torque goes with the log that it began and ended with
-    let torque = run.controller.as_ref().filter(|log| log.len() >= MANY_TORQUES).map(span);
+    let torque = run.controller.as_ref().filter(|log| log.len() >= POLICY.rows).map(span);
     let beside = |log: (f64, f64), torque: (f64, f64)| (log.0 - torque.0).abs() + (log.1 - torque.1).abs();
     let keeps_plant = torque.is_some_and(|torque| beside(logged, torque) < beside(seen, torque));
     let file = if keeps_plant { "camera.csv" } else { "plant.csv" };

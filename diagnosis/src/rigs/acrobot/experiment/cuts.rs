@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::chain::Chain;
 use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
 use crate::rigs::acrobot::residual::plant::PlantCut;
@@ -17,8 +18,6 @@ use std::sync::Arc;
 
 /// Frames that are rendered for a prediction: enough to visit the picture, few enough to be quick.
 const FRAMES: usize = 100;
-/// How well a motion is known beside the encoders' noise, as the pipeline has it.
-const MOTION_SHARE: f64 = 0.5;
 /// A tangent in the plant is taken over this share of the step at which a candidate is looked for: far above the
 /// integrator's 1e-9, far below where a window bends.
 const TANGENT: f64 = 0.01;
@@ -56,7 +55,7 @@ impl<'a> Cuts<'a> {
             all.extend(plant.map(|cut| (Box::new(Tracked::new(cut)) as Box<Tracked>, 1.0)));
         }
         if logs.encoders && logs.picture && filmed {
-            let sigma = MOTION_SHARE * question.noise.of("plant.q1", true);
+            let sigma = POLICY.motion_share * question.noise.of("plant.q1", true);
             let pose = Pose::Logged(vec![trial.motion.clone()], sigma);
             let frames: usize =
                 data.runs.iter().filter_map(|run| run.camera.as_ref()).map(|log| log.len()).sum();

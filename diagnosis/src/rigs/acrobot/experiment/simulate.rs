@@ -5,16 +5,13 @@ use super::scenario::{Logs, Prepared, record, refused};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Manifest, Run, Table};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
 
 /// Rows of the encoders per second where none were logged before.
 const ENCODER_RATE: f64 = 30.0;
-/// Step of the motion that is handed on, s: the cubic between is good to 1e-8 rad.
-const MOTION_STEP: f64 = 1.0 / 120.0;
-/// Half a microsecond: recorded times are rounded doubles of exact points.
-const ROUNDING: f64 = 5e-7;
 
 /// One simulated run.
 pub struct Trial {
@@ -161,8 +158,8 @@ impl Recorded {
         // a row at the very time of a command may hold the torque before or after it, as a lab's clock will have it
         let commands = self.controller()?.time;
         let sure = |time: &f64| {
-            let next = commands.partition_point(|command| *command < time - ROUNDING);
-            commands.get(next).is_none_or(|command| *command > time + ROUNDING)
+            let next = commands.partition_point(|command| *command < time - POLICY.same_time);
+            commands.get(next).is_none_or(|command| *command > time + POLICY.same_time)
         };
         let sure: Vec<bool> = log.time.iter().map(sure).collect();
         for (torque, sure) in log.column_mut("tau_applied").into_iter().flatten().zip(sure) {
@@ -176,7 +173,7 @@ impl Recorded {
         let begin = times.first().copied().unwrap_or(0.0);
         let mut count = 0.0;
         let due = |row: &usize| {
-            let here = times[*row] + ROUNDING >= begin + count * interval;
+            let here = times[*row] + POLICY.same_time >= begin + count * interval;
             count += f64::from(u8::from(here));
             here
         };
@@ -184,7 +181,7 @@ impl Recorded {
     }
 
     fn motion(&self) -> Result<Motion, Error> {
-        let rows = self.every(MOTION_STEP);
+        let rows = self.every(POLICY.motion_step);
         let names = ["plant.q1", "plant.q2", "plant.dq1", "plant.dq2"];
         let series = names.iter().map(|name| self.series(name)).collect::<Result<Vec<_>, _>>()?;
         let states = rows.iter().map(|row| std::array::from_fn(|i| series[i][*row])).collect();

@@ -4,6 +4,7 @@ use super::*;
 use crate::rigs::acrobot::candidates::Attribute::{Exposure, ImageDelay, Retards};
 use crate::rigs::acrobot::candidates::place;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::steadiness;
 
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
@@ -99,10 +100,6 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     [of(ImageDelay, 1.0), of(Exposure, twice)].into_iter().flatten().collect()
 }
 
-/// By how much more clocks of their own must explain than any effect, where runs are compared, and how clearly they must be apart
-/// (falls of the deviance).
-const MORE: f64 = 10.0;
-const APART: f64 = 30.0;
 /// So often the logs are set back and all is compared again.
 const ROUNDS: usize = 3;
 
@@ -246,7 +243,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
         [(&study.last, study.active.as_slice(), best), (&study.nominal, &[], gains.fold(0.0, f64::max))];
     looks.into_iter().find_map(|(evaluation, active, best)| {
         let clocks = steadiness(evaluation, clock, active)?;
-        let clear = clocks.apart > APART && clocks.fall > best + MORE;
+        let clear = clocks.apart > POLICY.runs_apart && clocks.fall > best + POLICY.clock_behind;
         clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
     })
 }

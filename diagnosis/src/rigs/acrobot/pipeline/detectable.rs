@@ -3,7 +3,8 @@
 use super::effects::doubt;
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::selection::{ALPHA, PICTURED};
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::selection::ALPHA;
 use std::collections::BTreeMap;
 
 /// Smallest size that would have been found, for each candidate of a part.
@@ -30,7 +31,7 @@ pub(super) fn detectable(
             let own = columns.filter(|((probe, error), _)| probe.candidate == *index && error.is_finite());
             // what a picture shows must be more than right renderers differ by
             let own = own.map(|((probe, error), differs)| match candidate.side {
-                Side::Camera => (probe, error.max(PICTURED * error.hypot(*differs) / threshold)),
+                Side::Camera => (probe, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
                 _ => (probe, *error),
             });
             match candidate.motion {

@@ -1,11 +1,9 @@
 //! Whether stamps that scatter are to be believed: rows may have been taken so unevenly, or stamped so badly. The motion knows.
 
 use super::*;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::selection::Evaluation;
-
-/// By how much ticks must explain the motion better than stamps (deviance): nothing else is fitted for it.
-const EVIDENCE: f64 = 20.0;
 
 /// The data with rows at the ticks of even clocks, where the nominal plant follows such a log better than the one that was stamped.
 pub(super) fn evened(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Option<DataSet> {
@@ -13,7 +11,7 @@ pub(super) fn evened(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) 
     let (stamped, ticked) = (each_row(data, model, list)?, each_row(&even, model, list)?);
     // windows may begin and end a row apart
     let better = (stamped.0 - ticked.0) * stamped.1.min(ticked.1);
-    (better > EVIDENCE).then_some(even)
+    (better > POLICY.evidence).then_some(even)
 }
 
 /// Deviance of the nominal model for each row, and their number. A log that can't be judged is no better one.

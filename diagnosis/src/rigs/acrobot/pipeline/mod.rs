@@ -78,7 +78,7 @@ struct Part {
     coarse: Vec<usize>,
     /// What the scatter of the picture says of the sensor.
     noise: Option<Noise>,
-    /// By how much some values differ from linearisation to linearisation.
+    /// By how much some values differ from one linearisation to the next.
     rough: Vec<(usize, f64)>,
 }
 

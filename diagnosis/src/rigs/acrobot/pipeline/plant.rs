@@ -4,6 +4,7 @@ use super::*;
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::check::unknown;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::logged;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
@@ -17,12 +18,8 @@ const SWITCHED: f64 = 0.5;
 const HINTS: usize = 3;
 /// Windows, of which none may follow the log before a value is fitted: short falls.
 const FEW: usize = 8;
-/// Step of a fitted motion, s: the cubic between is good to 1e-8 rad.
-const MOTION_STEP: f64 = 1.0 / 120.0;
 /// How well it is known where the model needed slack torques to follow the log, rad.
 const COARSE_MOTION: f64 = 1e-3;
-/// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
-const MOTION_SHARE: f64 = 0.5;
 
 pub(super) fn plant_part(
     data: &DataSet,
@@ -118,9 +115,9 @@ pub(super) fn pose_of(
     if data.runs.iter().all(|run| run.camera.is_none()) {
         return Ok(None);
     }
-    let mut motions = rows.motion(point, MOTION_STEP)?;
+    let mut motions = rows.motion(point, POLICY.motion_step)?;
     let others = as_logged(data, &mut motions).unwrap_or(0.0);
-    Ok(Some((motions, others.max(MOTION_SHARE * sigma))))
+    Ok(Some((motions, others.max(POLICY.motion_share * sigma))))
 }
 
 /// Why a log of motion and torque wasn't compared, where none was.

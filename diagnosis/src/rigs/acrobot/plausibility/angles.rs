@@ -2,12 +2,11 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, angle_in_degrees, directions, in_degrees};
+use crate::rigs::acrobot::policy::POLICY;
 
 /// Share of a motion that may be left where pictures and encoders agree, and from which on they surely don't.
 const AGREES: f64 = 0.25;
 const DIFFERS: f64 = 0.6;
-/// A motion that tells, rad.
-const MOTION: f64 = 0.02;
 /// Frames that are compared at least.
 const FRAMES: usize = 30;
 
@@ -107,7 +106,7 @@ fn left(pairs: &[Pair], way: fn(f64, f64) -> (f64, f64)) -> Option<f64> {
     };
     let motion: f64 = (0..2).map(|link| spread(&|pair| pair.0[link])).sum();
     let rest: f64 = (0..2).map(|link| spread(&|pair| pair.0[link] - counted(pair, link))).sum();
-    ((motion / pairs.len() as f64).sqrt() > MOTION).then(|| (rest / motion).sqrt())
+    ((motion / pairs.len() as f64).sqrt() > POLICY.least_motion).then(|| (rest / motion).sqrt())
 }
 
 /// A log of angles as pictures show them, for what only the motion can tell.

@@ -2,12 +2,11 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::policy::POLICY;
 
 /// Circle 1 rolls at one height. So near to where it should be it is there, px: lenses and mounts move it by less, and any other
 /// origin by more.
 const NEAR: f64 = 60.0;
-/// Rows that tell a height.
-const ROWS: usize = 12;
 
 /// Pixels from a corner, or with v down.
 pub(super) fn origin(facts: &Facts<'_>) -> Option<Finding> {
@@ -37,5 +36,5 @@ fn height(run: &Run) -> Option<f64> {
     let log = run.camera.as_ref()?;
     let mut heights: Vec<f64> = log.column("v1")?.iter().copied().filter(|v| v.is_finite()).collect();
     heights.sort_by(f64::total_cmp);
-    if heights.len() < ROWS { None } else { heights.get(heights.len() / 2).copied() }
+    if heights.len() < POLICY.rows { None } else { heights.get(heights.len() / 2).copied() }
 }

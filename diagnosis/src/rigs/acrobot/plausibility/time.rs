@@ -2,15 +2,12 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
+use crate::rigs::acrobot::policy::POLICY;
 
 /// Frames so many times as far apart as the nominal camera takes them are stamped in another unit: none is that slow.
 const OTHER_UNIT: f64 = 300.0;
-/// Time between rows over the time of falling, beyond which an arm falls in between.
-const FALLEN: f64 = 1.5;
 /// Seconds since 1970 of anything that is logged today.
 const EPOCH: std::ops::Range<f64> = 1e9..1e10;
-/// A log with fewer rows has no usual time between them.
-const ROWS: usize = 12;
 /// Logs pause where none has a row for so long, s, and for so many times what is usual.
 const PAUSE: f64 = 1.0;
 const TIMES: f64 = 15.0;
@@ -27,7 +24,7 @@ pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
 }
 
 fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
-    let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= ROWS).and_then(typical_gap);
+    let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= POLICY.rows).and_then(typical_gap);
     let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let fastest = facts.falling[0].max(facts.falling[1]);
     let found = |file: &str, sentence: String, unit: &str| Finding {
@@ -53,8 +50,8 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = gap(&run.plant)?;
     // counted from 1970, a time tells its unit
     let epoch = units.into_iter().find(|(_, by)| EPOCH.contains(&(log.time[0] * by)));
-    let (unit, _) = epoch.or_else(|| units.into_iter().find(|(_, by)| gap * by * fastest < FALLEN))?;
-    (gap * fastest > FALLEN).then(|| {
+    let (unit, _) = epoch.or_else(|| units.into_iter().find(|(_, by)| gap * by * fastest < POLICY.fallen))?;
+    (gap * fastest > POLICY.fallen).then(|| {
         let sentence =
             format!("rows are {gap} s apart, and the arm falls in between: time looks like {unit}");
         found("plant.csv", sentence, unit)
@@ -79,7 +76,8 @@ pub(super) fn pauses(facts: &Facts<'_>) -> Option<Finding> {
 /// Times in which every log of a run pauses, s. Logs that lie apart are stamped by other clocks, and pause nowhere.
 pub fn pauses_of(run: &Run) -> Vec<(f64, f64)> {
     let logs = || [&run.plant, &run.camera, &run.controller].into_iter().flatten();
-    let usual = logs().filter(|log| log.len() >= ROWS).filter_map(typical_gap).fold(f64::NAN, f64::min);
+    let usual =
+        logs().filter(|log| log.len() >= POLICY.rows).filter_map(typical_gap).fold(f64::NAN, f64::min);
     let mut times: Vec<f64> = logs().flat_map(|log| log.time.iter().copied()).collect();
     times.sort_by(f64::total_cmp);
     let long = PAUSE.max(TIMES * usual);
@@ -111,7 +109,7 @@ pub(super) fn torque_holes(facts: &Facts<'_>) -> Option<Finding> {
 
 /// Holes in a torque that is logged by a clock: row before each, from, to (s).
 pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
-    let torque = run.controller.as_ref().filter(|log| log.len() >= ROWS);
+    let torque = run.controller.as_ref().filter(|log| log.len() >= POLICY.rows);
     let Some((torque, usual)) = torque.and_then(|log| Some((log, typical_gap(log)?))) else {
         return Vec::new();
     };

@@ -13,6 +13,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
 use crate::rigs::acrobot::channels::ANGLES_APART;
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -85,7 +86,7 @@ impl Chain {
     /// Puts the frames where the plant that was fitted to them has them, if that is within what a picture can tell:
     /// a pose read off one picture follows the pixel lattice, and rendered there, areas come out a little wrong.
     fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
-        let motions = self.plant.motion_now(point, 1.0 / 120.0)?;
+        let motions = self.plant.motion_now(point, POLICY.motion_step)?;
         let (delay, interval) = (self.image.delay(point), self.image.interval());
         let mut rows = vec![0; read.len()];
         for frame in &mut self.image.frames {

@@ -3,16 +3,14 @@
 use super::plant::jitter::unevenness;
 use super::trajectory::{State, average};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
+use crate::rigs::acrobot::policy::POLICY;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use std::collections::BTreeMap;
 
 /// Length of a stretch, s; at least so many rows; the next one begins half of it later.
 const LENGTH: f64 = 0.3;
-const ROWS: f64 = 12.0;
 /// Most time between states at which the unit is asked, s.
 const GRID: f64 = 0.008;
-/// A state is read off a local cubic over rows this far to either side, s, and at least so many rows in all.
-const AROUND: f64 = 0.03;
 const AROUND_ROWS: usize = 7;
 /// So many times a stretch's usual length may these rows take: at 20 rows a second they do once.
 const SEEN: f64 = 1.1;
@@ -91,7 +89,7 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
             angles: [q1, q2].map(|q| rows.iter().map(|row| q[*row]).collect()),
             late: unevenness(&plant.time),
         };
-        if log.time.len() > ROWS as usize && log.tells_states() {
+        if log.time.len() > POLICY.rows as f64 as usize && log.tells_states() {
             let first = all.len();
             cut(&mut Grid::new(index, &log, controller, &mut nodes), &sigma, &mut all);
             let undriven = run.undriven();
@@ -147,7 +145,7 @@ struct Grid<'a> {
 impl<'a> Grid<'a> {
     fn new(run: usize, log: &'a Log, controller: &'a Table, all: &'a mut Vec<Node>) -> Self {
         let typical = log.typical();
-        let length = LENGTH.max(ROWS * typical);
+        let length = LENGTH.max(POLICY.rows as f64 * typical);
         let count = 2 * (0.5 * length / GRID).ceil() as usize;
         let step = length / count as f64;
         Self { run, log, controller, length, typical, count, step, known: BTreeMap::new(), all }
@@ -259,8 +257,10 @@ fn second(s: f64) -> f64 {
 /// Angle and rate by a cubic through the rows around, least squares (Savitzky and Golay, Anal. Chem. 36 (1964) 1627).
 fn local(log: &Log, axis: usize, time: f64) -> Option<(f64, f64)> {
     let at = log.time.partition_point(|t| *t < time);
-    let (mut from, mut to) =
-        (log.time.partition_point(|t| *t < time - AROUND), log.time.partition_point(|t| *t <= time + AROUND));
+    let (mut from, mut to) = (
+        log.time.partition_point(|t| *t < time - POLICY.around),
+        log.time.partition_point(|t| *t <= time + POLICY.around),
+    );
     while to - from < AROUND_ROWS && (from > 0 || to < log.time.len()) {
         // the nearer side first
         let left = if from > 0 { time - log.time[from - 1] } else { f64::INFINITY };

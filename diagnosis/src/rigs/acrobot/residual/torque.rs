@@ -3,6 +3,7 @@
 //! a weak form: nothing is differentiated.
 
 use super::Block;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::linear::{Cell, inverse, moved, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -68,15 +69,12 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
     (0..all).map(deviation).collect()
 }
 
-/// Torques beyond this many typical sizes come from windows in which the plant could not be held to the log by slack torques.
-const WILD: f64 = 10.0;
-
 /// The largest torque that counts.
 fn limit(torques: &[Torque]) -> f64 {
     let usable = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite()));
     let mut sizes: Vec<f64> = usable.flat_map(|t| t.torque).map(f64::abs).collect();
     sizes.sort_by(f64::total_cmp);
-    WILD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745
+    POLICY.wild * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745
 }
 
 impl Torque {

@@ -41,7 +41,7 @@ const BLOCKS: f64 = 40.0;
 const SHORT_BLOCK: f64 = 0.15;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
-/// How many of the latest answers are kept: a linearisation at all candidates and the fits around it.
+/// How many of the latest answers are kept: a linearisation with all candidates and the fits around it.
 const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;

@@ -3,6 +3,7 @@
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Probe, Signal, Tracked};
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
@@ -271,9 +272,6 @@ impl Evaluation {
     }
 }
 
-/// A block that scatters by more than this many times what the median block does isn't all noise.
-const WILD: f64 = 10.0;
-
 /// Standard deviation of each signal after start states and free discrepancy. A few blocks that the model can't follow at all
 /// say nothing of noise.
 fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
@@ -298,7 +296,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
                 each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
             ratios.sort_by(f64::total_cmp);
             let most = match ratios.get(ratios.len() / 2) {
-                Some(median) if signals[s].unit != "px" => WILD * median,
+                Some(median) if signals[s].unit != "px" => POLICY.wild * median,
                 // areas in whole pixels may not scatter at all in most blocks
                 _ => f64::INFINITY,
             };
@@ -352,7 +350,7 @@ fn likely_size(blocks: &[Block]) -> f64 {
     best.1
 }
 
-/// Columns for a first linearisation at everything: each candidate's steps, and a derivative for the active ones first.
+/// Columns for a linearisation with everything: each candidate's steps, and a derivative for the active ones first.
 pub fn all_probes(
     candidates: &[Candidate],
     point: &[f64],

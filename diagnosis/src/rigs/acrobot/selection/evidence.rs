@@ -2,12 +2,11 @@
 //! of each window takes away.
 
 use super::evaluation::{Evaluation, Folds};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::statistics::linear::Sized;
 
-/// Evidence for a lacking torque that noise doesn't give (deviance; a chi-squared mixture of one degree).
-pub const TORQUE_EVIDENCE: f64 = 20.0;
-/// The same for poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
+/// Evidence for a lacking torque by poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
 /// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
 const PICTURED_EVIDENCE: f64 = 200.0;
 const PICTURED_EACH: f64 = 0.5;
@@ -30,7 +29,7 @@ pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured:
         let parts = torques(&evaluation.blocks, &[], &[], &folds.of).len() as f64;
         PICTURED_EVIDENCE.max(PICTURED_EACH * parts)
     } else {
-        TORQUE_EVIDENCE
+        POLICY.evidence
     };
     evaluation.discrepancy_sd > STAMPS * explained && discrepancy(evaluation) >= enough
 }

@@ -2,10 +2,11 @@
 //! start state hold for no other model; linearisations that begin from the data again do.
 
 use super::evaluation::Evaluation;
-use super::evidence::{TORQUE_EVIDENCE, discrepancy};
+use super::evidence::discrepancy;
 use super::refit::refit;
 use super::trials::{Trials, with};
 use crate::rigs::acrobot::candidates::Motion;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
 
 /// A saturation is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
@@ -36,22 +37,22 @@ impl Trials<'_> {
         if cut.policy().lattice
             || cut.policy().steady
             || !self.candidates[candidate].nonlinear
-            || discrepancy(&trial) < TORQUE_EVIDENCE
+            || discrepancy(&trial) < POLICY.evidence
         {
             return trial;
         }
-        let enough = trial.deviance() - TORQUE_EVIDENCE;
+        let enough = trial.deviance() - POLICY.evidence;
         let mut best = self.begun_anew(cut, candidate, &trial.point, enough).unwrap_or(trial);
         if !matches!(self.candidates[candidate].motion, Motion::Saturation { .. }) {
             return best;
         }
         for pace in PACES {
             let lacks = discrepancy(&best);
-            if lacks < TORQUE_EVIDENCE {
+            if lacks < POLICY.evidence {
                 break;
             }
             let Some(there) = self.walked(cut, candidate, &best.point, pace) else { continue };
-            let enough = best.deviance() - TORQUE_EVIDENCE;
+            let enough = best.deviance() - POLICY.evidence;
             let Some(again) = self.begun_anew(cut, candidate, &there, enough) else { break };
             best = again;
             if discrepancy(&best) > LEFT * lacks {
@@ -88,7 +89,7 @@ impl Trials<'_> {
         (best.0 < here.0).then_some(best.1)
     }
 
-    /// A fit that begins from the data, if a linearisation there leaves less than `enough`. Windows that followed the log by slack torques by a model without
+    /// A fit that begins from the data, if a linearisation there leaves less than `enough`. Windows that slack torques held to the log under a model without
     /// the candidate may not find back by the columns that they had there, and a fit then flees from where the candidate belongs.
     fn begun_anew(
         &self,

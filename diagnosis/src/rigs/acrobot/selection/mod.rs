@@ -23,7 +23,6 @@ pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::{look, study, study_until};
-pub use settle::PICTURED;
 pub use steady::{Steadiness, steadiness};
 
 /// Family-wise error of one look; a cut is looked at once where nothing is missing.

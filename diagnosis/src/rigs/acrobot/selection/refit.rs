@@ -3,6 +3,7 @@
 use super::evaluation::Evaluation;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Probe, Tracked};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
@@ -15,7 +16,7 @@ const ROUNDS: usize = 8;
 /// A step that promises less fall of the sum of squares than this ends the fit.
 const SETTLED: f64 = 0.02;
 /// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
-/// one that promises no more: chords of windows leave some 5 of deviance more or less from linearisation to linearisation, and shorter steps found
+/// one that promises no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
 /// nothing there.
 const REFUSED: f64 = 1.0;
 /// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
@@ -23,10 +24,9 @@ const REFUSED: f64 = 1.0;
 const SHORTER: f64 = 1.0;
 const SHORTER_SEEN: f64 = 0.3;
 
-/// Squares over what noise gives from which a window is one in which the machine ran away, and the share of such ones up to which a
-/// fit can do without.
+/// Squares over what noise gives from which a window is one in which the machine ran away: a fit can do without
+/// a few such ones.
 const RUNAWAY: f64 = 30.0;
-const FEW: f64 = 0.3;
 
 /// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
 /// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
@@ -146,8 +146,8 @@ fn fitted(
     Ok(best)
 }
 
-/// The coordinate of the effect and the deviance of its own fit: where the last linearisation's columns promise little more, it is that
-/// look, less what they promise.
+/// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
+/// one, less what they promise.
 pub(super) fn own_fit(
     cut: &mut Tracked,
     candidates: &[Candidate],
@@ -248,7 +248,7 @@ pub(super) fn ran_away(block: &Reduced) -> bool {
 /// Some windows ran away, but few.
 fn some_ran_away(best: &Evaluation) -> bool {
     let count = best.reduced.iter().filter(|block| ran_away(block)).count();
-    count > 0 && count as f64 <= FEW * best.reduced.len() as f64
+    count > 0 && count as f64 <= POLICY.few_windows * best.reduced.len() as f64
 }
 
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.

@@ -4,17 +4,15 @@ use super::Step;
 use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit_closely;
-use super::trials::{HANDICAP, stamped_late};
+use super::trials::stamped_late;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::watch::Watch;
 
 /// An active effect below this many standard errors is dropped again.
 const KEEP: f64 = 2.6;
-/// The same for what a picture shows, which other renderers would show a little otherwise: at 3x the minimum detectable effect
-/// no right one had less than 6.9 on five seeds, and a vignetting that wasn't there had 3.1.
-pub const PICTURED: f64 = 4.5;
 /// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
 /// standard error.
 const SETTLE: usize = 3;
@@ -50,7 +48,7 @@ pub(super) fn second_opinion(
     let kept = cut.nuisances.clone();
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let late = stamped_late(&candidates[candidate], last.point[candidate], cut.policy().clock_doubt);
-    let better = if late { HANDICAP } else { BETTER };
+    let better = if late { POLICY.clock_behind } else { BETTER };
     let first = others.first().filter(|best| !before.contains(&best.candidate));
     let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + better) else {
         return Ok(Opinion::Stays(others));
@@ -142,7 +140,7 @@ fn prune(
             let (candidate, x) = (&candidates[index], fit.point[index]);
             if candidate.is_at_its_end(x) { 0.0 } else { (x - candidate.off).abs() / error(place) }
         };
-        let keep = |index: usize| if candidates[index].side == Side::Camera { PICTURED } else { KEEP };
+        let keep = |index: usize| if candidates[index].side == Side::Camera { POLICY.clear } else { KEEP };
         let weakest = (free.iter().enumerate())
             .map(|(place, index)| (size(place, *index) / keep(*index), *index))
             .min_by(|a, b| a.0.total_cmp(&b.0));

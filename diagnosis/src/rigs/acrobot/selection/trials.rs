@@ -7,6 +7,7 @@ use super::screen::{Hit, Screen, screen};
 use super::search::SEARCH;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::statistics::linear::submatrix;
 use crate::watch::Watch;
@@ -18,9 +19,6 @@ const WORTH: f64 = 0.5;
 const BENT_WORTH: f64 = 0.15;
 /// Where a column says little, a fit also begins this many times further out.
 const FURTHER: f64 = 2.5;
-/// By how much a clock that is off must explain more than an effect whose column looks like its own: forwards it looks just
-/// like a delay. Where the log may be late by as much, since its stamps scatter, by how much it may explain less.
-pub(super) const HANDICAP: f64 = 10.0;
 /// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
 /// windows by more than their columns say.
 const DOUBTED: f64 = 0.3;
@@ -195,9 +193,9 @@ impl Trials<'_> {
             // clocks that have nothing to do with each other were set by the motion, and what that leaves is theirs
             let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Stamps;
             let by = match known_to_be_off {
-                true => -HANDICAP.max(DOUBTED * most),
-                false if late => -HANDICAP,
-                false => HANDICAP,
+                true => -POLICY.clock_behind.max(DOUBTED * most),
+                false if late => -POLICY.clock_behind,
+                false => POLICY.clock_behind,
             };
             if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
                 *fall -= by;

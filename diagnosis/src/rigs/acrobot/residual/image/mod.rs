@@ -28,6 +28,7 @@ mod frames;
 mod level;
 mod noise;
 mod poses;
+mod state;
 mod surface;
 
 use frames::frames;
@@ -35,6 +36,7 @@ use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses};
+pub use state::ImageState;
 
 /// Length of a block, s.
 const BLOCK: f64 = 0.5;
@@ -76,19 +78,6 @@ type Followed = (Vec<Setting>, f64);
 
 /// Poses, and what they have followed.
 type Poses = (Vec<Shot>, Option<Followed>);
-
-/// Where the poses of all frames are, and where the last linearisation had them.
-#[derive(Debug, Clone)]
-pub struct ImageState {
-    now: Poses,
-    linearised: Poses,
-}
-
-impl ImageState {
-    pub(super) fn linearised(&self) -> Self {
-        Self { now: self.linearised.clone(), linearised: self.linearised.clone() }
-    }
-}
 
 /// Motion in, picture out.
 #[derive(Clone)]
@@ -203,39 +192,6 @@ impl ImageCut {
     /// Interval between frames, s.
     pub fn interval(&self) -> f64 {
         self.studio.interval()
-    }
-
-    /// Poses as they are now are those of a linearisation.
-    pub(super) fn mark(&mut self) {
-        self.linearised = self.poses();
-    }
-
-    /// Puts the frames where nuisances have them.
-    pub(super) fn begin_from(&mut self, from: &Nuisances) {
-        let state = from.frames.as_ref().unwrap_or(&self.first).clone();
-        let (shots, followed) = &state.now;
-        self.frames.iter_mut().zip(shots).for_each(|(frame, shot)| frame.shot = *shot);
-        self.followed.clone_from(followed);
-        self.linearised.clone_from(&state.linearised);
-    }
-
-    /// Where the frames are.
-    pub(super) fn state(&self) -> Arc<ImageState> {
-        Arc::new(ImageState { now: self.poses(), linearised: self.linearised.clone() })
-    }
-
-    /// Frames in which the data show what the model's camera didn't find at the last step.
-    pub(super) fn unseen(&self) -> usize {
-        self.unseen
-    }
-
-    fn found(&self, blocks: Vec<Block>, from: &Nuisances) -> Linearised {
-        let nuisances = Nuisances { frames: Some(self.state()), ..from.clone() };
-        Linearised { blocks, nuisances, unseen: self.unseen }
-    }
-
-    fn poses(&self) -> Poses {
-        (self.frames.iter().map(|frame| frame.shot).collect(), self.followed.clone())
     }
 
     /// Forgets kept columns, since the frames have moved.

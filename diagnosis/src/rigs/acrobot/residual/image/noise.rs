@@ -8,6 +8,7 @@
 use super::{ImageCut, Nuisances};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
@@ -27,8 +28,7 @@ const BLOCK: usize = 25;
 /// To what share a predicted variance is known: right renderers cut the rim's pixels differently, and one more pixel
 /// near the threshold is a tenth of all that flicker.
 const KNOWN: f64 = 0.1;
-/// Standard deviations from which a different noise is named, and by which a channel may contradict the others.
-const CLEAR: f64 = 4.5;
+/// Standard deviations by which a channel may contradict the others.
 const ALIKE: f64 = 3.5;
 /// Smallest noise that is tried where the nominal sensor has none, grey levels.
 const LEAST: f64 = 0.5;
@@ -98,10 +98,10 @@ impl ImageCut {
         let apart = compare(&seen, &here);
         let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
-            (true, true) => nominal * (libm::exp(CLEAR * apart.error / slope) - 1.0),
+            (true, true) => nominal * (libm::exp(POLICY.clear * apart.error / slope) - 1.0),
             _ => from,
         };
-        let clear = apart.mean.abs() > CLEAR * apart.error;
+        let clear = apart.mean.abs() > POLICY.clear * apart.error;
         // a sensor without noise can't have less: poses are known better than they need be; and what scatters by less than the
         // least noise is none
         let within = |least: Option<Scatter>| least.is_some_and(|least| compare(&seen, &least).mean < 0.0);
@@ -110,7 +110,7 @@ impl ImageCut {
             return Ok(Some(Noise {
                 nominal,
                 value: nominal,
-                error: detectable / CLEAR,
+                error: detectable / POLICY.clear,
                 detectable,
                 clear: false,
             }));

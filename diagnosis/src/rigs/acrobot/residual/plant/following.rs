@@ -6,7 +6,7 @@ use super::*;
 /// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
 /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
 const SLACK: f64 = 4.0;
-/// Parts in which windows are asked whether they needs slack torques.
+/// Parts in which windows are asked whether they need slack torques.
 const SHARES: usize = 8;
 impl PlantCut {
     /// Whether the share of windows in which the plant needs slack torques stays within `most` at a point, all windows begun

@@ -6,6 +6,7 @@
 
 use super::fitting::{Fit, WindowFit, square};
 use super::*;
+use crate::rigs::acrobot::policy::POLICY;
 
 /// A mean square of the whitened rest that no noise gives.
 const FAR: f64 = 4.0;
@@ -13,8 +14,6 @@ const FAR: f64 = 4.0;
 const BETTER: f64 = 0.3;
 /// Standard deviations by which noise alone gives more squares than in the usual window, beyond which a fit is doubted.
 const DOUBT: f64 = 3.0;
-/// Share of windows up to which they are doubted: beyond, it is the model that is wrong.
-const FEW: f64 = 0.3;
 /// A valley is left for one that is deeper by this share.
 const DEEPER: f64 = 0.95;
 
@@ -59,7 +58,8 @@ impl PlantCut {
         let asked = !in_vain && self.candidates.iter().zip(point).any(sticks);
         let usual = if asked { usual(found) } else { f64::INFINITY };
         let many = found.iter().flatten().filter(|look| doubted(look, usual)).count();
-        let usual = if many as f64 <= FEW * found.len() as f64 { usual } else { f64::INFINITY };
+        let usual =
+            if many as f64 <= POLICY.few_windows * found.len() as f64 { usual } else { f64::INFINITY };
         for index in 0..found.len() {
             let here = &self.windows[places[index]];
             let Ok(look) = &found[index] else { continue };

@@ -3,6 +3,7 @@
 
 use super::fitting::Fit;
 use super::*;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::linear::Reduced;
 
@@ -13,8 +14,6 @@ const SIZES: i32 = 9;
 const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
 /// Size at which the columns are taken, at least.
 const UNIT: f64 = 1e-4;
-/// Gain of deviance that a size must bring: it costs one parameter, and steady stamps are the usual case.
-const EVIDENCE: f64 = 20.0;
 /// Share of the windows in which something else than stamps may have happened: a saturation of the torque that cut two windows of sixty
 /// passed for stamps that scatter, which then hid it.
 const EVENTS: f64 = 0.1;
@@ -52,10 +51,10 @@ impl PlantCut {
             Evaluation::of(blocks, point, &[], &self.signals)
         };
         let steady = judged(0.0);
-        let mut best = (steady.deviance() - EVIDENCE, 0.0);
+        let mut best = (steady.deviance() - POLICY.evidence, 0.0);
         let mut more_likely = |size: f64| {
             let there = judged(size);
-            if there.deviance() < best.0 && spread(&steady, &there) >= EVIDENCE {
+            if there.deviance() < best.0 && spread(&steady, &there) >= POLICY.evidence {
                 best = (there.deviance(), size);
             }
             best.1

@@ -44,7 +44,7 @@ impl PlantCut {
         Ok((long.share_with_slack() == 0.0).then_some(long))
     }
 
-    /// A probe that is nonlinear in its size no column. Saturations and switches have columns of their whole size only.
+    /// A probe so small that no column bends. Saturations and switches have columns of their whole size only.
     pub(super) fn gentle(&self, probe: Probe) -> Probe {
         let whole = matches!(self.candidates[probe.candidate].motion, Way::Saturation { .. } | Way::Switch);
         Probe { by: if whole { probe.by } else { self.span.gentle() * probe.by }, ..probe }

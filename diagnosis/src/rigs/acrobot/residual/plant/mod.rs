@@ -45,8 +45,6 @@ const SHORT_WINDOW: f64 = 0.25;
 /// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
 const QUICK: f64 = 12.0;
 const PLENTY: f64 = 36.0;
-/// A window needs at least this many rows, and its length grows up to `LONGEST` for that.
-const ROWS: f64 = 12.0;
 const LONGEST: f64 = 0.6;
 /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
 const BINS: usize = 25;
@@ -55,8 +53,6 @@ const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
-/// A window starts from a straight line through rows this far around, s.
-const AROUND: f64 = 0.03;
 
 /// Torque in, motion out.
 #[derive(Clone)]

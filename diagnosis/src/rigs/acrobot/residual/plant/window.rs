@@ -1,6 +1,7 @@
 //! Windows of a log: where they begin and end, which rows count, and a guess of the state at their begin.
 
 use super::*;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::linear::solve;
 
 /// So many rows tell a curvature from noise; the fewest that are looked at.
@@ -40,7 +41,7 @@ impl Span {
         if self == Self::USUAL { 1.0 } else { growth.map_or(1.0, |growth| (1.1 * GROWTH / growth).min(1.0)) }
     }
 
-    /// Share of a perturbation that is nonlinear in its size a column no more than all of it bends that of a usual window.
+    /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
     pub(super) fn gentle(self) -> f64 {
         (1..self.0).map(|_| GENTLE).product()
     }
@@ -194,7 +195,7 @@ pub(super) fn cut_run(
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = run.touches(contact).unwrap_or(plant.len());
     let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() || q2[*row].is_finite()).collect();
-    if usable.len() < ROWS as usize {
+    if usable.len() < POLICY.rows {
         return;
     }
     let mut gaps: Vec<f64> =
@@ -210,7 +211,7 @@ pub(super) fn cut_run(
     let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { pace * PREROLL } else { 0.0 };
-    let length = span.0 as f64 * usual.max(ROWS * typical).min(LONGEST.max(6.0 * typical));
+    let length = span.0 as f64 * usual.max(POLICY.rows as f64 * typical).min(LONGEST.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
@@ -291,10 +292,10 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    pub(super) const USUAL: Self = Self { around: AROUND, power: 2 };
+    pub(super) const USUAL: Self = Self { around: POLICY.around, power: 2 };
 
     fn near(typical: f64) -> Self {
-        Self { around: (NEAR_ROWS * typical).clamp(NEAR, AROUND), power: 3 }
+        Self { around: (NEAR_ROWS * typical).clamp(NEAR, POLICY.around), power: 3 }
     }
 }
 

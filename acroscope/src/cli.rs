@@ -79,7 +79,7 @@ pub struct Run {
     #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
     pub set: Vec<String>,
     /// Simulated time at which to stop, in s (a number or a fraction such as 1/3); the scenario's own if not given.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<String>,
     /// Run every unit in a process of its own: whatever it does, the run comes to a clear end.
     #[arg(long)]
@@ -114,6 +114,10 @@ pub struct Reproduce {
     /// Studies, or claims that they decide: table-3, C25, ...; all if none is given.
     #[arg(value_name = "ID")]
     pub ids: Vec<String>,
+    /// Run part K of N of the studies only, from 1 to N, without those that are there; other machines run the others into the
+    /// same folder, and 1/1 completes it.
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    pub partition: Option<(u64, u64)>,
     /// Folder for the results, made if it is missing; studies of earlier calls stay in it [default: out/reproduce].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -226,7 +230,7 @@ pub struct Sweep {
     #[arg(long = "set", value_name = "UNIT.VARIABLE=VALUE")]
     pub set: Vec<String>,
     /// Simulated time at which runs stop, in s; the study's own if not given.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<String>,
     /// Threads [default: all cores].
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

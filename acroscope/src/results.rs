@@ -10,30 +10,28 @@ use std::fs::File;
 /// Records to `results.csv`.
 pub struct Results<'a> {
     folder: &'a Folder,
-    /// Of an earlier run.
+    /// Of an earlier run, without those that are gone on with.
     files: Vec<&'static str>,
     resolved: &'a str,
+    /// How far the rows of a checkpoint reach.
+    from: Option<Position>,
     csv: Option<CsvRecorder<File>>,
     failed: Option<Error>,
 }
 
+/// The file of rows.
+const ROWS: &str = "results.csv";
+
 impl<'a> Results<'a> {
     /// New ones, in place of these files.
     pub fn new(folder: &'a Folder, files: &[&'static str], resolved: &'a str) -> Self {
-        Self { folder, files: files.to_vec(), resolved, csv: None, failed: None }
+        Self { folder, files: files.to_vec(), resolved, from: None, csv: None, failed: None }
     }
 
-    /// Those that a checkpoint left in the first of these files; the others give way.
-    pub fn resumed(
-        folder: &'a Folder,
-        files: &[&'static str],
-        resolved: &'a str,
-        from: &Checkpoint,
-    ) -> Result<Self, Error> {
-        folder.clear(&files[1..])?;
-        folder.write("resolved.toml", resolved)?;
-        let csv = CsvRecorder::resume(folder.file(files[0]), from.position())?;
-        Ok(Self { csv: Some(csv), ..Self::new(folder, files, resolved) })
+    /// Those that a checkpoint left; these files give way but for the rows.
+    pub fn resumed(folder: &'a Folder, files: &[&'static str], resolved: &'a str, from: &Checkpoint) -> Self {
+        let others: Vec<&str> = files.iter().copied().filter(|file| *file != ROWS).collect();
+        Self { from: Some(from.position()), ..Self::new(folder, &others, resolved) }
     }
 
     /// Whether the folder is theirs.
@@ -46,18 +44,22 @@ impl<'a> Results<'a> {
         self.failed.take()
     }
 
+    /// Nothing is changed before it is known that the rows can be written.
     fn take_over(&self) -> Result<CsvRecorder<File>, Error> {
+        let rows = self.folder.file(ROWS);
+        let resumed = self.from.map(|position| CsvRecorder::resume(&rows, position)).transpose()?;
         self.folder.clear(&self.files)?;
-        clear_pictures(&self.folder.file("frames"))?;
+        if resumed.is_none() {
+            clear_pictures(&self.folder.file("frames"))?;
+        }
         self.folder.write("resolved.toml", self.resolved)?;
-        Ok(CsvRecorder::create(self.folder.file("results.csv"))?)
+        Ok(resumed.map_or_else(|| CsvRecorder::create(rows), Ok)?)
     }
-}
 
-impl Recorder for Results<'_> {
-    fn begin(&mut self, columns: &[Column]) -> Result<(), orchestrator::Error> {
+    /// The folder's rows from now on, or why not, for whom the recorder works.
+    fn taken_over(&mut self) -> Result<&mut CsvRecorder<File>, orchestrator::Error> {
         match self.take_over() {
-            Ok(csv) => self.csv.insert(csv).begin(columns),
+            Ok(csv) => Ok(self.csv.insert(csv)),
             Err(Error::Orchestrator(error)) => Err(error),
             Err(error) => {
                 let source = std::io::Error::other(error.to_string());
@@ -65,6 +67,16 @@ impl Recorder for Results<'_> {
                 Err(orchestrator::Error::Record { target: None, source })
             }
         }
+    }
+}
+
+impl Recorder for Results<'_> {
+    fn begin(&mut self, columns: &[Column]) -> Result<(), orchestrator::Error> {
+        self.taken_over()?.begin(columns)
+    }
+
+    fn go_on(&mut self) -> Result<(), orchestrator::Error> {
+        self.taken_over().map(drop)
     }
 
     fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), orchestrator::Error> {

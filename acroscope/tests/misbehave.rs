@@ -155,4 +155,5 @@ fn law_a_run_goes_on_from_its_checkpoint() {
     let (status, text, _) = run(&units, out, 0, &["--resume", "--set", "a.k=2"]);
     assert_eq!(status, Some(2), "{text}");
     assert!(text.contains("`k = 2.0` instead of `k = 1.0`"), "{text}");
+    assert!(read() == whole, "what another run left stays, and nothing is told of it under this one's name");
 }

@@ -29,12 +29,57 @@ fn paper_one_study_by_the_name_of_a_claim() {
 }
 
 #[test]
+fn law_parts_on_many_machines_are_the_studies_on_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let ids = ["tables-1-2", "figure-11", "table-3"];
+    let call = |out: &str, more: &[&str]| {
+        let out = folder.path().join(out).to_string_lossy().into_owned();
+        let output = acroscope(&[&["reproduce"], &ids[..], &["--out", &out], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let read = |out: &str, name: &str| std::fs::read(folder.path().join(out).join(name)).expect("written");
+    call("one", &[]);
+    call("parts", &["--partition", "2/2"]);
+    let studies = |out: &str| {
+        let mut names: Vec<_> = std::fs::read_dir(folder.path().join(out).join("studies"))
+            .expect("readable")
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(studies("parts").len(), 1, "of three studies the second part has one");
+    call("parts", &["--partition", "1/2"]);
+    assert_eq!(studies("parts"), studies("one"));
+    for name in ["claims.json", "index.html"] {
+        assert!(read("parts", name) == read("one", name), "{name}");
+    }
+    let page = String::from_utf8(read("parts", "index.html")).expect("a page");
+    assert!(
+        page.contains("acroscope reproduce tables-1-2 figure-11 table-3<"),
+        "all that it holds, not the last call's"
+    );
+    // A part that is there is not made again; one that is missing or of another program is.
+    let [kept, lost, old] = ["table-3", "figure-11", "tables-1-2"]
+        .map(|id| folder.path().join(format!("parts/studies/{id}.json")));
+    let made = std::fs::metadata(&kept).and_then(|file| file.modified()).expect("a time");
+    std::fs::remove_file(&lost).expect("was there");
+    let text = std::fs::read_to_string(&old).expect("readable");
+    std::fs::write(&old, text.replacen("\"version\":\"", "\"version\":\"0.0.0-", 1)).expect("writable");
+    call("parts", &["--partition", "1/1"]);
+    assert_eq!(std::fs::metadata(&kept).and_then(|file| file.modified()).expect("a time"), made);
+    assert_eq!(std::fs::read_to_string(&old).expect("readable"), text);
+    assert!(read("parts", "index.html") == read("one", "index.html"));
+}
+
+#[test]
 fn law_an_unknown_id_ends_with_status_2_and_names_those_there_are() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = acroscope(&["reproduce", "table-9", "--out", &folder.path().to_string_lossy()]);
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("table-9") && text.contains("table-3"), "{text}");
+    assert!(text.contains("`table-9`: did you mean table-3"), "{text}");
+    assert!(text.contains("there are figures-1-2, "), "{text}");
     assert!(!folder.path().join("claims.json").exists());
 }
 

@@ -178,10 +178,11 @@ fn law_what_was_asked_differently_goes_elsewhere() {
 #[test]
 fn law_a_refused_run_leaves_nothing() {
     let folder = folder();
-    let wrong: [&[&str]; 5] = [
+    let wrong: [&[&str]; 6] = [
         &["run", "visual-servo", "--set", "plant.q1_0=nan"],
         &["run", "visual-servo", "--set", "camera.k9=1"],
         &["run", "visual-servo", "--stop", "soon"],
+        &["run", "visual-servo", "--stop", "-1"],
         // Seen by the unit only, when it is initialised.
         &["run", "visual-servo", "--set", "camera.k1=-5"],
         &["run", "visual-sevro"],
@@ -194,6 +195,8 @@ fn law_a_refused_run_leaves_nothing() {
     }
     let text = String::from_utf8_lossy(&acroscope(folder.path(), wrong[0]).stderr).into_owned();
     assert!(text.contains("a finite number in rad"), "{text}");
+    let text = String::from_utf8_lossy(&acroscope(folder.path(), wrong[3]).stderr).into_owned();
+    assert!(text.contains("stop = -1: not before the start, 0 s"), "{text}");
 }
 
 #[test]

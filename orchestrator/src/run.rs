@@ -131,7 +131,10 @@ pub(crate) fn run_on(
     simulation.reset();
     simulation.initialize()?;
     match from {
-        Some(checkpoint) => simulation.restore(checkpoint)?,
+        Some(checkpoint) => {
+            simulation.restore(checkpoint)?;
+            recorder.go_on()?;
+        }
         None => recorder.begin(simulation.columns())?,
     }
     let (start, stop) = simulation.span();

@@ -95,12 +95,12 @@ pub enum Error {
         log: Vec<String>,
     },
     /// No study or claim of that name.
-    #[error("no study or claim `{name}`; there are {known}")]
+    #[error("no study or claim `{name}`: {hint}")]
     Unknown {
         /// As typed.
         name: String,
-        /// What there is.
-        known: String,
+        /// What is like it, and what there is.
+        hint: String,
     },
     /// A file can't be written.
     #[error("{}: {why}", path.display())]
@@ -135,7 +135,28 @@ pub fn reproduce(
     bench: &Bench,
     done: &(dyn Fn(&Study) + Sync),
 ) -> Result<Reproduction, Error> {
-    let chosen = choose(ids)?;
+    run_all(choose(ids)?, bench, done)
+}
+
+/// Part `part` of `of` parts of these studies, from 1: every `of`th. `out` is a folder that the machines of the others
+/// see, too; what is there of the same program and units is not made again.
+pub fn reproduce_part(
+    ids: &[String],
+    (part, of): (u64, u64),
+    (out, provenance): (&Path, &Provenance),
+    bench: &Bench,
+    done: &(dyn Fn(&Study) + Sync),
+) -> Result<Reproduction, Error> {
+    let of = usize::try_from(of).unwrap_or(usize::MAX).max(1);
+    let mine = choose(ids)?.into_iter().skip(part.saturating_sub(1) as usize).step_by(of);
+    run_all(mine.filter(|study| !store::is_there(out, study, provenance)).collect(), bench, done)
+}
+
+fn run_all(
+    chosen: Vec<&'static Study>,
+    bench: &Bench,
+    done: &(dyn Fn(&Study) + Sync),
+) -> Result<Reproduction, Error> {
     let run = |study: &'static Study| {
         let outcome = (study.run)(bench)?;
         done(study);
@@ -153,11 +174,25 @@ pub fn choose(ids: &[String]) -> Result<Vec<&'static Study>, Error> {
     }
     for id in ids {
         if !STUDIES.iter().any(|study| study.answers_to(id)) {
-            let known: Vec<&str> = STUDIES.iter().map(|study| study.id).collect();
-            return Err(Error::Unknown { name: id.clone(), known: known.join(", ") });
+            return Err(Error::Unknown { name: id.clone(), hint: hint(id) });
         }
     }
     Ok(STUDIES.iter().filter(|study| ids.iter().any(|id| study.answers_to(id))).collect())
+}
+
+/// The nearest name if one is near, and all studies.
+fn hint(id: &str) -> String {
+    let known: Vec<&str> = STUDIES.iter().map(|study| study.id).collect();
+    let near = orchestrator::nearest(id, known.iter().copied());
+    let all = format!("there are {}", known.join(", "));
+    if near.starts_with("did you mean") { format!("{near} {all}") } else { all }
+}
+
+/// What makes all of these again, whatever calls they came from.
+fn command(joined: &[(&'static Study, Outcome)]) -> String {
+    let ids = joined.iter().map(|(study, _)| format!(" {}", study.id));
+    let some = if joined.len() < STUDIES.len() { ids.collect() } else { String::new() };
+    format!("acroscope reproduce{some}")
 }
 
 impl Reproduction {
@@ -171,20 +206,23 @@ impl Reproduction {
         Tally::of(self.claims())
     }
 
-    /// Writes `claims.json` and `index.html` into a folder, and joins in both what an earlier call left there of other
-    /// studies.
+    /// Writes `claims.json` and `index.html` into a folder, and joins in both what an earlier call, or another machine, left
+    /// there of other studies.
     pub fn write(&self, out: &Path, provenance: &Provenance) -> Result<(), Error> {
-        let failed = |path: &Path, why: &dyn std::fmt::Display| Error::File {
-            path: path.to_owned(),
-            why: why.to_string(),
-        };
-        std::fs::create_dir_all(out).map_err(|why| failed(out, &why))?;
-        let joined = store::join(out, &self.outcomes, provenance)?;
-        let claims: Vec<&Claim> = joined.iter().flat_map(|(_, outcome)| &outcome.claims).collect();
-        let path = out.join("claims.json");
-        let json = serde_json::to_string_pretty(&claims).map_err(|why| failed(&path, &why))?;
-        std::fs::write(&path, json + "\n").map_err(|why| failed(&path, &why))?;
-        let path = out.join("index.html");
-        std::fs::write(&path, pages::index(&joined, provenance)).map_err(|why| failed(&path, &why))
+        store::keep(out, &self.outcomes, provenance)?;
+        loop {
+            let there = store::stored(out);
+            let joined = store::join(out, &self.outcomes, provenance);
+            let provenance = Provenance { command: command(&joined), ..provenance.clone() };
+            let claims: Vec<&Claim> = joined.iter().flat_map(|(_, outcome)| &outcome.claims).collect();
+            let path = out.join("claims.json");
+            let json = serde_json::to_string_pretty(&claims).map_err(|why| store::failed(&path, &why))?;
+            store::write(&path, &(json + "\n"))?;
+            store::write(&out.join("index.html"), &pages::index(&joined, &provenance))?;
+            // What came from elsewhere in the meantime would be missing in the page.
+            if store::stored(out) == there {
+                return Ok(());
+            }
+        }
     }
 }

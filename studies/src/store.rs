@@ -5,6 +5,7 @@ use crate::claim::{Outcome, Study};
 use crate::{Error, STUDIES};
 use report::{Origin, Program, Provenance};
 use serde::{Deserialize, Serialize};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// One study's file.
@@ -20,17 +21,26 @@ fn file(out: &Path, study: &Study) -> PathBuf {
     out.join("studies").join(format!("{}.json", study.id))
 }
 
-/// Writes what came out of these, and answers it together with what earlier calls left, in the order of the paper. What
-/// another program or other units made says so.
-pub fn join(
-    out: &Path,
-    fresh: &[(&'static Study, Outcome)],
-    provenance: &Provenance,
-) -> Result<Vec<(&'static Study, Outcome)>, Error> {
-    let failed = |path: &Path, why: &dyn std::fmt::Display| Error::File {
-        path: path.to_owned(),
-        why: why.to_string(),
+/// A file or folder can't be written.
+pub fn failed(path: &Path, why: &dyn std::fmt::Display) -> Error {
+    Error::File { path: path.to_owned(), why: why.to_string() }
+}
+
+/// Writes a file by a rename, so that nobody ever sees half of it.
+pub fn write(path: &Path, text: &str) -> Result<(), Error> {
+    let named = || {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut file = tempfile::Builder::new().prefix(".part-").tempfile_in(folder)?;
+        file.write_all(text.as_bytes())?;
+        #[cfg(unix)]
+        file.as_file().set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))?;
+        file.persist(path).map_err(|why| why.error)
     };
+    named().map(drop).map_err(|why: std::io::Error| failed(path, &why))
+}
+
+/// Keeps what came out of these for later calls.
+pub fn keep(out: &Path, fresh: &[(&'static Study, Outcome)], provenance: &Provenance) -> Result<(), Error> {
     let folder = out.join("studies");
     std::fs::create_dir_all(&folder).map_err(|why| failed(&folder, &why))?;
     for (study, outcome) in fresh {
@@ -38,8 +48,29 @@ pub fn join(
         let (program, units) = (provenance.program.clone(), provenance.units.clone());
         let stored = Stored { program, units, outcome: outcome.clone() };
         let text = serde_json::to_string(&stored).map_err(|why| failed(&path, &why))?;
-        std::fs::write(&path, text + "\n").map_err(|why| failed(&path, &why))?;
+        write(&path, &(text + "\n"))?;
     }
+    Ok(())
+}
+
+/// The studies that a folder has.
+pub fn stored(out: &Path) -> Vec<&'static str> {
+    STUDIES.iter().filter(|study| file(out, study).exists()).map(|study| study.id).collect()
+}
+
+/// Whether a folder has a study of this program and these units.
+pub fn is_there(out: &Path, study: &Study, provenance: &Provenance) -> bool {
+    read(out, study)
+        .is_some_and(|stored| stored.program == provenance.program && stored.units == provenance.units)
+}
+
+/// These together with what earlier calls left, in the order of the paper. What another program or other units made
+/// says so.
+pub fn join(
+    out: &Path,
+    fresh: &[(&'static Study, Outcome)],
+    provenance: &Provenance,
+) -> Vec<(&'static Study, Outcome)> {
     let mut joined = Vec::new();
     for study in STUDIES {
         match fresh.iter().find(|(known, _)| known.id == study.id) {
@@ -47,13 +78,17 @@ pub fn join(
             None => joined.extend(earlier(out, study, provenance).map(|outcome| (study, outcome))),
         }
     }
-    Ok(joined)
+    joined
 }
 
-/// What an earlier call left of a study. A file that can't be read any more, by an older program, counts as none.
+/// A study's file. One that can't be read any more, by an older program, counts as none.
+fn read(out: &Path, study: &Study) -> Option<Stored> {
+    serde_json::from_str(&std::fs::read_to_string(file(out, study)).ok()?).ok()
+}
+
+/// What an earlier call left of a study.
 fn earlier(out: &Path, study: &Study, provenance: &Provenance) -> Option<Outcome> {
-    let text = std::fs::read_to_string(file(out, study)).ok()?;
-    let Stored { program, units, mut outcome } = serde_json::from_str(&text).ok()?;
+    let Stored { program, units, mut outcome } = read(out, study)?;
     if program != provenance.program || units != provenance.units {
         let which =
             if program == provenance.program { "with other units".to_owned() } else { program.line() };

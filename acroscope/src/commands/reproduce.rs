@@ -7,7 +7,6 @@ use crate::provenance;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use orchestrator::Simulation;
 use report::Provenance;
-use report::head::shell_word;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 
@@ -18,12 +17,16 @@ pub fn reproduce(arguments: &Reproduce, quiet: bool) -> Result<(), Error> {
     // Before the work, so that a folder that can't be made costs no minutes; it vanishes if nothing comes of the work.
     let _folder = Folder::make(&out)?;
     let bench = studies::Bench::new(scenarios::unit_path());
-    let reproduction = studies::reproduce(&arguments.ids, &bench, &|study| {
+    let provenance = provenance()?;
+    let done = |study: &studies::Study| {
         bar.set_message(study.id);
         bar.inc(1);
-    })?;
+    };
+    let reproduction = match arguments.partition {
+        Some(part) => studies::reproduce_part(&arguments.ids, part, (&out, &provenance), &bench, &done)?,
+        None => studies::reproduce(&arguments.ids, &bench, &done)?,
+    };
     bar.finish_and_clear();
-    let provenance = provenance(arguments)?;
     reproduction.write(&out, &provenance)?;
     if !quiet {
         summary(&reproduction, &out);
@@ -31,8 +34,8 @@ pub fn reproduce(arguments: &Reproduce, quiet: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// Where the studies of this call come from: the shipped scenarios and their units.
-fn provenance(arguments: &Reproduce) -> Result<Provenance, Error> {
+/// Where studies come from: the shipped scenarios and their units. What makes them again is told by what the folder holds.
+fn provenance() -> Result<Provenance, Error> {
     let mut found = Provenance { program: provenance::program(), ..Provenance::default() };
     for (name, text) in scenarios::SHIPPED {
         found.inputs.push(provenance::shipped("scenario", name, text));
@@ -43,8 +46,6 @@ fn provenance(arguments: &Reproduce) -> Result<Provenance, Error> {
             }
         }
     }
-    let ids = arguments.ids.iter().map(|id| format!(" {}", shell_word(id)));
-    found.command = format!("acroscope reproduce{}", ids.collect::<String>());
     Ok(found)
 }
 

@@ -16,7 +16,7 @@ use report::Figure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What a run writes, beside `frames`; the first is gone on with after a checkpoint.
+/// What a run writes, beside `frames`.
 const FILES: [&str; 5] = ["results.csv", "resolved.toml", "report.html", "summary.json", formats::MCAP];
 /// The newest checkpoint, beside the results.
 const CHECKPOINT: &str = "checkpoint.bin";
@@ -84,13 +84,13 @@ pub fn carry_out(
     let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
     let resolved = simulation.resolved();
     let mut results = match &from {
-        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?,
+        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint),
         None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved),
     };
     let mut recorder = Twice(&mut results, also);
     let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
     if !results.begun() {
-        // A unit refused to begin: what lies in the folder is of an earlier run, and stays.
+        // A unit refused to begin, or the checkpoint is another run's: what lies in the folder is of an earlier run, and stays.
         let ended = ended.map_err(|error| results.failed().unwrap_or(error));
         let replaced_starts = simulation.replaced_starts().to_vec();
         return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing: Vec::new() });

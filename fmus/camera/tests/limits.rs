@@ -193,3 +193,9 @@ fn value_the_fold_lies_on_one_side_where_the_lens_is_decentred() {
     let folded: Result<bool, ModelError> = images(|v| v.effects.decentering.horizontal = -0.2, (0.0, 0.0));
     assert!(folded.is_err(), "it folds at u = 0.8333");
 }
+
+#[test]
+fn every_word_of_the_description_is_committed() {
+    let committed = include_str!("../../../modelDescriptions/acrobot_camera.xml");
+    assert!(fmi2_export::description::Unit::of::<Camera>().xml() == committed, "stale: cargo xtask pack");
+}

@@ -149,3 +149,12 @@ fn golden_torque_at_14() {
     let answer = (variables.outputs.torque, variables.outputs.estimated_place);
     assert_eq!(answer, (-0.36542441648445056, 0.00844531008979754));
 }
+
+#[test]
+fn every_word_of_the_description_is_committed() {
+    let committed = include_str!("../../../modelDescriptions/acrobot_controller.xml");
+    assert!(
+        fmi2_export::description::Unit::of::<controller::Controller>().xml() == committed,
+        "stale: cargo xtask pack"
+    );
+}

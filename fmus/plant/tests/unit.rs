@@ -351,3 +351,12 @@ fn golden_two_seconds_with_every_effect() {
         )
     );
 }
+
+#[test]
+fn every_word_of_the_description_is_committed() {
+    let committed = include_str!("../../../modelDescriptions/acrobot_plant.xml");
+    assert!(
+        fmi2_export::description::Unit::of::<plant::Plant>().xml() == committed,
+        "stale: cargo xtask pack"
+    );
+}

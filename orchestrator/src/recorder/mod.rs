@@ -97,6 +97,11 @@ pub trait Recorder {
     /// Before the first row.
     fn begin(&mut self, columns: &[Column]) -> Result<(), Error>;
 
+    /// Instead, where a run goes on from a checkpoint that is its own.
+    fn go_on(&mut self) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Whether rows are wanted at all.
     fn records(&self) -> bool {
         true
@@ -147,6 +152,11 @@ impl Recorder for Twice<'_> {
     fn begin(&mut self, columns: &[Column]) -> Result<(), Error> {
         self.0.begin(columns)?;
         self.1.begin(columns)
+    }
+
+    fn go_on(&mut self) -> Result<(), Error> {
+        self.0.go_on()?;
+        self.1.go_on()
     }
 
     fn records(&self) -> bool {

@@ -153,9 +153,9 @@ fn augmented(run: &Linearised, column: usize, memory: f64, size: f64, around: Op
     for row in 0..rows - 1 {
         let keeps = libm::exp(-run.interval(row) / memory);
         let along = run.column(row, column);
-        for i in 0..n {
+        for (i, by) in along.iter().enumerate() {
             out.transition.extend_from_slice(&run.transition[(row * n + i) * n..(row * n + i + 1) * n]);
-            out.transition.push(along[i]);
+            out.transition.push(*by);
         }
         out.transition.extend((0..n).map(|_| 0.0));
         out.transition.push(keeps);

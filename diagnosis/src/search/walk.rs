@@ -152,7 +152,14 @@ impl Search<'_> {
             with.push(screened.chord.parameter);
             let mut start = from.at.clone();
             if screened.chord.per == 1.0 {
-                start.theta[screened.chord.parameter] = screened.chord.to;
+                let parameter = screened.chord.parameter;
+                let whole = screened.chord.to - start.theta[parameter];
+                // what works by its size begins at the share of the chord that the data ask for; a limit is one or isn't
+                let share = match self.engine.machine.parameters[parameter].scale {
+                    Scale::Absolute | Scale::Relative => screened.amount.clamp(0.0, 1.0),
+                    _ => 1.0,
+                };
+                start.theta[parameter] += share * whole;
             }
             match self.visit(&with, &start) {
                 Ok(fit) if best.as_ref().is_none_or(|(_, known)| fit.deviance < known.deviance) => {

@@ -6,7 +6,7 @@ acro.graphs = []; // {plot, description} in the order of the page
 acro.graph = function (figure, described, columns, height) {
   const over = columns(described.over);
   const data = [over, ...described.lines.map((line) => columns(line.column))];
-  const whole = described.x_range || [over[0], over[over.length - 1]];
+  const whole = described.x_range || acro.whole(described, over);
   const host = acro.element("div", { class: "plot", tabindex: 0, role: "group", "aria-label": acro.described(described) });
   const reset = acro.element("button", { type: "button", hidden: "", onclick: () => plot.setScale("x", { min: whole[0], max: whole[1] }) }, "Whole range");
   const head = acro.element("div", { class: "graph-head" }, acro.element("h3", {}, described.title), reset);
@@ -17,6 +17,7 @@ acro.graph = function (figure, described, columns, height) {
   if (still) still.before(host); else figure.append(host);
   const state = { whole, isWhole: true, reset };
   const plot = new uPlot(acro.options(described, data, state, host, height), data, host);
+  if (plot.scales.x.min !== whole[0] || plot.scales.x.max !== whole[1]) plot.setScale("x", { min: whole[0], max: whole[1] });
   plot.over.tabIndex = -1;
   new ResizeObserver(() => {
     if (host.clientWidth > 0 && host.clientWidth !== plot.width) plot.setSize({ width: host.clientWidth, height: acro.height(host, height) });
@@ -25,6 +26,13 @@ acro.graph = function (figure, described, columns, height) {
   acro.touch(plot);
   acro.graphs.push({ plot, described, host });
   return plot;
+};
+
+// What "all" is: of all graphs of the page over the same axis, since they are linked.
+acro.whole = function (described, over) {
+  const like = ((acro.packed && acro.packed.graphs) || []).filter((graph) => graph.x === described.x && !graph.x_range);
+  const ends = [over, ...new Set(like.map((graph) => graph.over))].map((column) => (typeof column === "number" ? acro.column(column) : column));
+  return [Math.min(...ends.map((end) => end[0])), Math.max(...ends.map((end) => end[end.length - 1]))];
 };
 
 acro.height = (host, height) => height || (host.clientWidth < 480 ? 240 : 300);
@@ -51,7 +59,7 @@ acro.options = function (described, data, state, host, height) {
       y: { range: (_, low, high) => acro.fitted(described, state, low, high) },
     },
     axes: [{ ...axis, label: described.x, size: 28 }, { ...axis, label: described.y, size: wide }],
-    series: [{ label: described.x, value: (_, value) => acro.text(value) }, ...described.lines.map(acro.series)],
+    series: [{ label: described.x, value: (_, value) => acro.text(value) }, ...described.lines.map((line, number) => acro.series(line, number, data[0].length))],
     legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
     cursor: {
       x: true, y: false, drag: { x: true, y: false, dist: 6 }, points: { size: 6 },
@@ -65,16 +73,17 @@ acro.options = function (described, data, state, host, height) {
   };
 };
 
-acro.dashes = (line) => (line && (line.style === "dashed" || line.style === "dotted") ? line.style : "solid");
+acro.dashes = (line) => ({ dashed: "dashed", dotted: "dotted", dots: "dotted", crosses: "dotted" })[line && line.style] || "solid";
 
-acro.series = function (line, number) {
+acro.series = function (line, number, rows) {
   const colour = () => acro.colour("line" + (number % 6));
   const made = { label: line.label, stroke: colour, width: 1.5, value: (_, value) => acro.text(value), points: { show: false } };
   if (line.style === "dashed") made.dash = [7, 4];
   if (line.style === "dotted") made.dash = [2, 3];
   if (line.style === "dots" || line.style === "crosses") {
     made.paths = () => null;
-    made.points = { show: true, size: 4, stroke: colour, fill: line.style === "dots" ? colour : null };
+    // A few dots are seen as well as many.
+    made.points = { show: true, size: rows > 80 ? 4 : 7, stroke: colour, fill: line.style === "dots" ? colour : null };
   }
   return made;
 };

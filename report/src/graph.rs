@@ -121,7 +121,7 @@ impl Graph {
             self.draw(&root, x_range, y_range).map_err(|why| self.refused(&why))?;
             root.present().map_err(|why| self.refused(&why))?;
         }
-        Ok(svg)
+        Ok(crate::compact::compact(&svg))
     }
 
     fn refused(&self, why: &dyn std::fmt::Display) -> Error {

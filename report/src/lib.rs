@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod compact;
 pub mod field;
 pub mod graph;
 pub mod head;

@@ -46,7 +46,7 @@ impl HeatMap {
             self.draw(&root, x, y)
                 .map_err(|why| Error::Draw { title: self.title.clone(), why: why.to_string() })?;
         }
-        Ok(svg)
+        Ok(crate::compact::compact(&svg))
     }
 
     fn draw(&self, root: &Area<'_>, x: (f64, f64), y: (f64, f64)) -> Result<(), Refusal> {

@@ -83,7 +83,10 @@ impl Live {
         scripts: &'static [&'static str],
         style: &'static str,
     ) {
-        self.own.push(Own { id, json, scripts, style });
+        // What two parts of a page ask for is there once.
+        if self.own.iter().all(|own| own.id != id) {
+            self.own.push(Own { id, json, scripts, style });
+        }
     }
 
     /// Takes a graph and answers its place on the page. A graph whose lines are no functions of x stays a picture.
@@ -132,7 +135,7 @@ impl Live {
         html! {
             (data_block("graphs", &data))
             @for own in &self.own { (data_block(own.id, &own.json)) }
-            script { (PreEscaped(UPLOT)) }
+            @if !self.columns.is_empty() { script { (PreEscaped(UPLOT)) } }
             script { (PreEscaped(UNPACK)) (PreEscaped(TOOLS)) (PreEscaped(GRAPHS)) }
             @for own in &self.own { script { @for script in own.scripts { (PreEscaped(script)) } } }
         }

@@ -29,6 +29,8 @@ pub enum Attribute {
     JointWeight,
     /// The image is late by it; it moves nothing else.
     ImageDelay,
+    /// A term of the lens's radial series: of a real lens these have opposite signs and mostly cancel (Brown 1971).
+    RadialSeries,
     /// How long an image is exposed.
     Exposure,
     /// The camera turned about its axis.

@@ -3,7 +3,7 @@
 use super::{Attribute, Cuts, Entry, Motion, Side};
 use Attribute::{
     Bias, CameraRoll, Exposure, Friction, Gain, Ground, ImageDelay, InActuator, JointWeight, LinkInertia,
-    LostFrames, OverTime, Retards, Rolls, SensorNoise, Sticks,
+    LostFrames, OverTime, RadialSeries, Retards, Rolls, SensorNoise, Sticks,
 };
 
 const fn real(
@@ -109,8 +109,8 @@ pub const LIST: &[Entry] = &[
     share("plant.theta_8", THOUSANDTH, PART, "inertia coupling of the links"),
     twin("spring_roll", share("plant.theta_9", THOUSANDTH, PART, "gravity torque of the first link")),
     is(&[JointWeight], twin("spring_joint", share("plant.theta_10", THOUSANDTH, PART, "gravity torque of the second link"))),
-    real("camera.k1", Side::Camera, &[0.04], (-2.0, 2.0), "radial distortion of the lens"),
-    real("camera.k2", Side::Camera, &[0.04], (-4.0, 4.0), "fifth-order radial distortion of the lens"),
+    is(&[RadialSeries], real("camera.k1", Side::Camera, &[0.04], (-2.0, 2.0), "radial distortion of the lens")),
+    is(&[RadialSeries], real("camera.k2", Side::Camera, &[0.04], (-4.0, 4.0), "fifth-order radial distortion of the lens")),
     real("camera.p1", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along u"),
     real("camera.p2", Side::Camera, &[0.02], (-1.0, 1.0), "decentring distortion along v"),
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),

@@ -3,7 +3,7 @@
 use super::shape::nominal_shape;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate};
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 use crate::statistics::linear::submatrix;
@@ -48,14 +48,18 @@ fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque
     let sizes = study.active.iter().map(|index| last.point[*index] - candidates[*index].off);
     let sizes = DVector::from_iterator(places.len(), sizes);
     let names: Vec<&str> = study.active.iter().map(|index| candidates[*index].name).collect();
-    let nearest = cancelled(&gram, &sizes, &names).or_else(|| mended(&gram, &sizes, &names))?;
+    let series: Vec<bool> =
+        study.active.iter().map(|index| candidates[*index].is(Attribute::RadialSeries)).collect();
+    let nearest = cancelled(&gram, &sizes, &names, &series).or_else(|| mended(&gram, &sizes, &names))?;
     let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
     Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }
 
-/// Effects that mostly take each other away.
-fn cancelled(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<String> {
-    let each: f64 = (0..sizes.len()).map(|i| sizes[i] * sizes[i] * gram[(i, i)]).sum();
+/// Effects that mostly take each other away. The terms of a `series` count as one: that they cancel is how series are.
+fn cancelled(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str], series: &[bool]) -> Option<String> {
+    let alone = |i: usize| sizes[i] * sizes[i] * gram[(i, i)];
+    let one = DVector::from_fn(sizes.len(), |i, _| if series[i] { sizes[i] } else { 0.0 });
+    let each = one.dot(&(gram * &one)) + (0..sizes.len()).filter(|i| !series[*i]).map(alone).sum::<f64>();
     let together = sizes.dot(&(gram * sizes));
     (together <= CANCELLED * each).then(|| {
         format!(
@@ -119,8 +123,10 @@ mod tests {
     #[test]
     fn value_effects_that_take_each_other_away_are_an_imitation() {
         let (gram, sizes) = effects([100.0, -95.0, 1.0], [0.99, 0.0, 0.0]);
-        assert!(cancelled(&gram, &sizes, &NAMES).is_some());
+        assert!(cancelled(&gram, &sizes, &NAMES, &[false; 3]).is_some());
+        // but for terms of one series, which are meant to
+        assert_eq!(cancelled(&gram, &sizes, &NAMES, &[true, true, false]), None);
         let (gram, sizes) = effects([100.0, 95.0, 1.0], [0.99, 0.0, 0.0]);
-        assert_eq!(cancelled(&gram, &sizes, &NAMES), None);
+        assert_eq!(cancelled(&gram, &sizes, &NAMES, &[false; 3]), None);
     }
 }

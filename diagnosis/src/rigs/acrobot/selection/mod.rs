@@ -14,6 +14,7 @@ mod settle;
 mod starts;
 mod steady;
 mod switched;
+mod together;
 mod tolerance;
 mod trials;
 
@@ -37,6 +38,8 @@ pub struct Step {
     pub p_value: f64,
     /// Who was accepted, if anyone.
     pub accepted: Option<usize>,
+    /// Effects that took the place of all others, since they explain only together what is left.
+    pub together: Vec<usize>,
     /// Who was dropped afterwards.
     pub dropped: Vec<usize>,
     /// Deviance before and after.

@@ -5,6 +5,7 @@ use super::evaluation::{Evaluation, Folds, all_probes};
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
+use super::together::{EACH, LATTICE, Proposal, together};
 use super::trials::{Accepted, Trials, shortlist};
 use super::{ALPHA, Alternative, Step, Study};
 use crate::error::Error;
@@ -61,10 +62,10 @@ pub fn study_until(
     enough: Enough<'_>,
 ) -> Result<Study, Error> {
     let mut search = Search::begin(cut, candidates, start, known)?;
-    while search.active.len() < MOST && search.vain <= VAIN {
-        if watch.is_over(SEARCH) || enough(&search.active, watch)? || !search.round(watch)? {
-            break;
-        }
+    search.one_by_one(MOST, watch, &mut *enough)?;
+    if !watch.is_over(SEARCH) && search.together(watch)? {
+        let most = search.active.len() + 1;
+        search.one_by_one(most, watch, enough)?;
     }
     Ok(search.end())
 }
@@ -126,12 +127,64 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// Rounds until nothing more is found, or so many are on.
+    fn one_by_one(&mut self, most: usize, watch: &mut Watch<'_>, enough: Enough<'_>) -> Result<(), Error> {
+        while self.active.len() < most && self.vain <= VAIN {
+            if watch.is_over(SEARCH) || enough(&self.active, watch)? || !self.round(watch)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries in the place of all that were found what linear effects say together. Whether they stay.
+    fn together(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+        let policy = self.cut.policy();
+        if !policy.lattice || policy.free_pose || self.active.len() < 2 {
+            return Ok(false);
+        }
+        let mut found = false;
+        // far from the truth columns bend, and more seems to be needed than is
+        for _ in 0..AGAIN {
+            let proposal = together(&self.last, self.candidates, &self.active, self.cut.signals());
+            let Some(Proposal { mut active, mut point }) = proposal else { break };
+            let new = active.iter().filter(|index| !self.active.contains(index)).count();
+            if !found && new < 2 {
+                break;
+            }
+            watch.stage(&format!("{}: effects that show only together", self.cut.name()));
+            let kept = self.cut.nuisances.clone();
+            let dropped = settle(self.cut, self.candidates, &mut active, &mut point)?;
+            let there = look(self.cut, self.candidates, &point, &active)?;
+            let more = active.len() as f64 - self.active.len() as f64;
+            let gained = self.last.under(&there).total.square - there.total.square;
+            if gained <= more * EACH + more.signum() * LATTICE * there.total.square {
+                self.cut.restore(&kept);
+                break;
+            }
+            self.steps.push(Step {
+                best: Vec::new(),
+                p_value: self.found.p_value,
+                accepted: None,
+                together: active.clone(),
+                dropped,
+                deviance: (self.last.deviance(), there.deviance()),
+                rest: (rest(&self.last), rest(&there)),
+                held_out: (f64::NAN, f64::NAN),
+            });
+            (self.active, self.last, self.class, found) = (active, there, None, true);
+            self.found = screen(&self.last, self.candidates, &self.active);
+        }
+        Ok(found)
+    }
+
     /// One look: whether it found anything.
     fn round(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
         let mut step = Step {
             best: self.found.hits.iter().take(8).cloned().collect(),
             p_value: self.found.p_value,
             accepted: None,
+            together: Vec::new(),
             dropped: Vec::new(),
             deviance: (self.last.deviance(), self.last.deviance()),
             rest: (rest(&self.last), rest(&self.last)),

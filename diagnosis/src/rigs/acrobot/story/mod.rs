@@ -16,6 +16,15 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         brief(gap.floor)
     )];
     for step in &study.steps {
+        if !step.together.is_empty() {
+            let names: Vec<&str> = step.together.iter().map(|index| list[*index].name).collect();
+            lines.push(format!(
+                "None of these explains it alone. {} together do: in the place of all that was found before, each is needed beside the \
+                 others.",
+                names.join(", ")
+            ));
+            continue;
+        }
         let best: Vec<String> = step
             .best
             .iter()

@@ -4,10 +4,12 @@
 
 mod error;
 mod mcap_file;
+mod parquet_file;
 mod rows;
 
 pub use error::Error;
 pub use mcap_file::write_mcap;
+pub use parquet_file::write_parquet;
 
 use std::path::PathBuf;
 

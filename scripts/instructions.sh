@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 
 file=benches/instructions.txt
 tolerance_percent=3
-works=(a b16 c d master mixed texts plant)
+works=(a b16 c d master mixed texts plant large)
 # Short runs of the closed loop need the packed units (cargo xtask pack).
 if [ -n "${ACROSCOPE_FMUS:-}" ] || [ -d target/fmus ]; then works+=(runs); fi
 

@@ -51,6 +51,37 @@ fn short_runs() {
     }
 }
 
+/// A description of 20 000 variables and a scenario of 1000 units and 10 000 connections, both as text: what opening a large
+/// system costs before its units.
+fn large_texts() {
+    let mut description = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"l\" guid=\"{l}\"><CoSimulation modelIdentifier=\"l\"/>\
+        <TypeDefinitions><SimpleType name=\"P\"><Real unit=\"Pa\" min=\"0\"/></SimpleType></TypeDefinitions><ModelVariables>\n"
+        .to_owned();
+    for number in 0..20_000 {
+        description += &format!(
+            "<ScalarVariable name=\"part{}.volume{number}.p\" valueReference=\"{number}\" causality=\"output\">\
+             <Real declaredType=\"P\"/></ScalarVariable>\n",
+            number / 100
+        );
+    }
+    description += "</ModelVariables><ModelStructure><Outputs>";
+    (1..=20_000).for_each(|index| description += &format!("<Unknown index=\"{index}\" dependencies=\"\"/>"));
+    description += "</Outputs></ModelStructure></fmiModelDescription>";
+    let read = orchestrator::fmu::Description::parse(&description).expect("a description");
+    let found = (0..20_000).filter(|&output| read.step_dependencies(output).is_some_and(<[usize]>::is_empty));
+    assert_eq!(found.count(), 20_000);
+    let mut scenario = "format = 1\nexperiment = { stop = 1 }\n".to_owned();
+    for unit in 0..1000 {
+        scenario += &format!("[[units]]\nname = \"u{unit}\"\nfmu = \"l.fmu\"\ninterval = 0.01\n");
+    }
+    for number in 0..10_000 {
+        let (from, to) = (number % 997, number / 10);
+        scenario += &format!("[[connections]]\nfrom = \"u{from}.y{number}\"\nto = \"u{to}.u{number}\"\n");
+    }
+    let read = orchestrator::Scenario::parse(&scenario, "large.toml").expect("a scenario");
+    assert_eq!(read.connections.len(), 10_000);
+}
+
 /// Three seconds of the closed loop at a number of frames a second: what a frame costs, by differences.
 fn closed_loop(rate: &str) {
     let scenario = benches::closed_loop::scenario("3", &[("camera.omega_cam", rate)]);
@@ -66,8 +97,9 @@ fn main() {
         Some("texts") => master_steps(&Ring::of_feedthroughs(true)),
         Some("plant") => plant_steps(),
         Some("runs") => short_runs(),
+        Some("large") => large_texts(),
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master, mixed, texts, plant, runs or loop30"),
+        None => panic!("which work? a, b16, c, d, master, mixed, texts, plant, runs, large or loop30"),
     }
 }

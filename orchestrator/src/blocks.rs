@@ -30,6 +30,12 @@ impl Block {
         self.sources[to as usize - self.at] = from;
     }
 
+    /// The plain copies: where each value comes from, and where it goes.
+    pub(crate) fn copies(&self) -> impl Iterator<Item = (usize, usize)> {
+        let copies = (self.at..).zip(&self.sources).map(|(to, from)| (*from as usize, to));
+        copies.filter(|(from, to)| from != to)
+    }
+
     /// Its values among all of the type.
     #[inline(always)]
     pub(crate) fn of<'a, T>(&self, all: &'a [T]) -> &'a [T] {
@@ -168,6 +174,58 @@ impl Blocks {
             }
         }
         Ok(finite)
+    }
+}
+
+/// The values of some blocks by themselves.
+#[derive(Debug, Default)]
+pub(crate) struct Desk {
+    pub(crate) values: Values,
+}
+
+impl Desk {
+    /// A desk for some blocks, and these as they lie there.
+    pub(crate) fn of<const N: usize>(blocks: [&Blocks; N]) -> (Self, [Blocks; N]) {
+        let mut values = Values::default();
+        let laid = blocks.map(|blocks| {
+            let mut laid = blocks.clone();
+            let lay = |block: &mut Block, begin: &mut usize| {
+                // Copies are made where all values are.
+                block.sources.clear();
+                block.at = *begin;
+                *begin += block.references.len();
+            };
+            let (mut reals, mut integers) = (values.reals.len(), values.integers.len());
+            let mut strings = values.strings.len();
+            lay(&mut laid.reals, &mut reals);
+            lay(&mut laid.integers, &mut integers);
+            lay(&mut laid.booleans, &mut integers);
+            lay(&mut laid.strings, &mut strings);
+            values.reals.resize(reals, 0.0);
+            values.integers.resize(integers, 0);
+            values.strings.resize(strings, Text::default());
+            laid
+        });
+        (Self { values }, laid)
+    }
+
+    /// Brings the values of blocks, which lie as `here`, from where they lie among all.
+    pub(crate) fn bring(&mut self, here: &Blocks, there: &Blocks, all: &Values) {
+        hand_over((there, all), (here, &mut self.values));
+    }
+
+    /// Takes them back there.
+    pub(crate) fn take(&self, here: &Blocks, there: &Blocks, all: &mut Values) {
+        hand_over((here, &self.values), (there, all));
+    }
+}
+
+fn hand_over((blocks, from): (&Blocks, &Values), (others, to): (&Blocks, &mut Values)) {
+    others.reals.within(&mut to.reals).copy_from_slice(blocks.reals.of(&from.reals));
+    if blocks.mixed {
+        others.integers.within(&mut to.integers).copy_from_slice(blocks.integers.of(&from.integers));
+        others.booleans.within(&mut to.integers).copy_from_slice(blocks.booleans.of(&from.integers));
+        others.strings.within(&mut to.strings).clone_from_slice(blocks.strings.of(&from.strings));
     }
 }
 

@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Begins every file; the number is that of the format.
-const MAGIC: &[u8] = b"acroscope checkpoint 2\n";
+const MAGIC: &[u8] = b"acroscope checkpoint 3\n";
 
 /// Where checkpoints go, and how often they are made.
 #[derive(Debug, Clone)]
@@ -43,6 +43,8 @@ pub struct Checkpoint {
     next: i64,
     units: Vec<UnitState>,
     lines: Vec<LineState>,
+    /// What the algorithm knows beside.
+    algorithm: Vec<f64>,
     notices: Vec<String>,
     replaced_starts: Vec<String>,
 }
@@ -196,6 +198,7 @@ impl Simulation {
             next: system.next,
             units,
             lines: system.lines.iter().map(Line::save).collect(),
+            algorithm: self.algorithm.save(),
             notices,
             replaced_starts,
         })
@@ -228,6 +231,7 @@ impl Simulation {
         for (line, saved) in system.lines.iter_mut().zip(&checkpoint.lines) {
             line.restore(saved);
         }
+        self.algorithm.restore(&checkpoint.algorithm);
         self.now = Point { ticks: checkpoint.ticks, time: checkpoint.time };
         self.tell_again(&checkpoint.notices, &checkpoint.replaced_starts);
         Ok(())

@@ -1,5 +1,7 @@
 //! Dependency graphs: an order in which everything comes after what it depends on, and the loops that have none.
 
+use std::collections::HashMap;
+
 /// Nodes that depend on each other (one node, or all of a loop).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Component {
@@ -93,17 +95,18 @@ impl Search<'_> {
 pub(crate) fn loop_through(dependencies: &[Vec<usize>], component: &Component) -> Vec<usize> {
     let Some(&first) = component.nodes.first() else { return Vec::new() };
     let mut path = vec![first];
+    let mut places = HashMap::from([(first, 0)]);
     // Every node of a component depends on another one of it, so the walk goes on until it meets itself.
     while let Some(&next) = path
         .last()
         .and_then(|&node| dependencies[node].iter().find(|next| component.nodes.binary_search(next).is_ok()))
     {
-        if let Some(begin) = path.iter().position(|&node| node == next) {
+        let begin = places.insert(next, path.len());
+        path.push(next);
+        if let Some(begin) = begin {
             path.drain(..begin);
-            path.push(next);
             break;
         }
-        path.push(next);
     }
     path.reverse();
     path

@@ -98,6 +98,30 @@ impl Drop for Rescued {
     }
 }
 
+/// The rescue of a run, for threads that step units of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Shared(Option<Rescue>);
+
+// SAFETY: the run waits for its threads, so that what the rescue points to is there and at rest while they have it.
+unsafe impl Send for Shared {}
+// SAFETY: as above; it is only copied.
+unsafe impl Sync for Shared {}
+
+/// That of the run of this thread.
+pub(crate) fn rescue() -> Shared {
+    Shared(RESCUE.get())
+}
+
+impl Shared {
+    /// Does something with a unit in this thread as if it were the run's own.
+    pub(crate) fn adopt(self, work: impl FnOnce()) {
+        let before = RESCUE.replace(self.0);
+        work();
+        leave();
+        RESCUE.set(before);
+    }
+}
+
 /// The process that is guarded; a child that it split off is not.
 static GUARDED: AtomicI32 = AtomicI32::new(0);
 

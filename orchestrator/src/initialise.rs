@@ -48,10 +48,11 @@ impl Plan {
             names.dependencies(connections, |fmu, output| fmu.description().initial_dependencies(output));
         let links: HashMap<Variable, Link> = (connections.iter())
             .filter(|connection| connection.direct)
-            .map(|c| (c.to, Link { from: slots[&c.from], to: slots[&c.to], conversion: c.conversion }))
+            .map(|c| {
+                (c.to, Link { from: slots[&c.from], to: slots[&c.to], conversion: c.conversion.clone() })
+            })
             .collect();
-        let node = |&number: &usize| {
-            let variable = graph.nodes[number];
+        let node = |variable: Variable| {
             let description = names.variable(variable);
             Node {
                 unit: variable.0,
@@ -63,7 +64,7 @@ impl Plan {
             }
         };
         let groups = graph::ordered(&graph.edges).into_iter().map(|component| Group {
-            nodes: component.nodes.iter().map(node).collect(),
+            nodes: graph.variables(&component).map(node).collect(),
             path: component.is_loop.then(|| names.path(&graph, &component)),
         });
         Self { groups: groups.collect() }

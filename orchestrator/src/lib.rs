@@ -85,6 +85,7 @@ mod isolation;
 mod line;
 mod newton;
 mod noise;
+mod pacing;
 pub mod package;
 mod progress;
 mod recorder;
@@ -103,7 +104,7 @@ mod value;
 mod wiring;
 pub mod xml;
 
-pub use algorithm::{Needs, Sees, names as algorithms, needs, sees};
+pub use algorithm::{Needs, Sees, along, names as algorithms, needs, sees};
 pub use bundle::Bundle;
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
@@ -112,6 +113,7 @@ pub use fmu::Fmu;
 pub use guard::exit_at_once;
 pub use guard::{Guard, give_up};
 pub use isolation::{Isolation, host_units, host_units_by};
+pub use pacing::Lateness;
 pub use progress::{Progress, Quiet};
 #[doc(hidden)]
 pub use recorder::Waiting;

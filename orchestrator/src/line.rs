@@ -72,6 +72,11 @@ impl Line {
         Self { link, to, delay, sent: 0, queue, chance: None, slope: None, full: MANY }
     }
 
+    /// Nothing happens to values on their way.
+    pub(crate) fn is_direct(&self) -> bool {
+        self.delay == 0 && self.chance.is_none() && self.slope.is_none()
+    }
+
     /// Nothing was sent yet.
     pub(crate) fn clear(&mut self, start: i64) {
         self.queue.clear();

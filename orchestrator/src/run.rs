@@ -3,6 +3,7 @@
 use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::Error;
 use crate::guard::{Rescue, Rescued};
+use crate::pacing::Keeping;
 use crate::progress::Progress;
 use crate::recorder::{Recorder, Slot};
 use crate::simulation::{Phase, Simulation};
@@ -140,13 +141,15 @@ pub(crate) fn run_on(
     let (start, stop) = simulation.span();
     progress.begin(start, stop);
     let mut pace = Pace::new(simulation.now.time);
+    let mut keeping = simulation.pace.map(|factor| Keeping::new(factor, simulation.now.time));
     let mut saving = Saving::new(checkpoints, start, simulation.now.time);
     let rescued = Rescued::new(Rescue { rows: recorder.rescue(), time: &raw const simulation.now.time });
     let first = from.is_none().then(|| recorder.row(simulation.now.time, simulation.row()));
     let result = match first {
         Some(Err(error)) => Err(error),
-        _ => go(simulation, recorder, progress, &mut pace, &mut saving),
+        _ => go(simulation, recorder, progress, &mut pace, &mut saving, keeping.as_mut()),
     };
+    simulation.lateness = keeping.map(|keeping| keeping.lateness);
     drop(rescued);
     simulation.phase = Phase::Over;
     // What was recorded before a failure is handed over too; the failure is what counts.
@@ -162,9 +165,11 @@ fn go(
     progress: &mut dyn Progress,
     pace: &mut Pace,
     saving: &mut Saving<'_>,
+    mut keeping: Option<&mut Keeping>,
 ) -> Result<Ended, Error> {
     // Where nobody looks at the values, the points up to the next look at the clock are made in one go.
-    let unseen = simulation.stops.is_empty() && !recorder.records() && saving.to.is_none();
+    let unseen =
+        simulation.stops.is_empty() && !recorder.records() && saving.to.is_none() && keeping.is_none();
     loop {
         if unseen {
             match simulation.advance_by(pace.left) {
@@ -188,6 +193,13 @@ fn go(
                 Err(error) => return Err(error),
                 Ok(0) => return Ok(Ended::AtStop),
                 Ok(_) => {}
+            }
+            if let Some(keeping) = &mut keeping {
+                let time = simulation.now.time;
+                if keeping.wait(time, || progress.at(time, pace.factor(time))).is_break() {
+                    recorder.row(time, simulation.row())?;
+                    return Ok(Ended::Interrupted { time });
+                }
             }
             recorder.row(simulation.now.time, simulation.row())?;
             if simulation.now.time >= saving.next {

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::fmu::{Causality, Description, Initial, Variability};
 use crate::guard;
 use crate::initialise::initialise;
+use crate::pacing::Lateness;
 use crate::package;
 use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
@@ -15,6 +16,7 @@ use crate::system::Point;
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Variable, Wiring, start_value};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Where a simulation is.
@@ -36,6 +38,9 @@ pub struct Simulation {
     pub(crate) phase: Phase,
     pub(crate) now: Point,
     pub(crate) stops: Vec<Stop>,
+    /// Simulated seconds a second, if runs keep to the real clock.
+    pub(crate) pace: Option<f64>,
+    pub(crate) lateness: Option<Lateness>,
     notices: Vec<String>,
     replaced_starts: Vec<String>,
     from_unit_path: Vec<bool>,
@@ -49,7 +54,7 @@ impl Simulation {
     /// If anything in the scenario doesn't fit the units, naming file and line.
     pub fn new(scenario: &Scenario, path: &UnitPath) -> Result<Self, Error> {
         let algorithm = algorithm::of(scenario)?;
-        let wiring = wiring::wire(scenario, path)?;
+        let wiring = wiring::wire(scenario, path, algorithm.needs())?;
         algorithm::fits(scenario, algorithm.as_ref(), &wiring.system)?;
         let in_folders = |(file, unit): (&PathBuf, &UnitEntry)| {
             path.folders().iter().any(|folder| *file == folder.join(&unit.fmu.value))
@@ -62,6 +67,8 @@ impl Simulation {
             algorithm,
             phase: Phase::Ready,
             stops: Vec::new(),
+            pace: None,
+            lateness: None,
             notices: Vec::new(),
             replaced_starts: Vec::new(),
         })
@@ -94,6 +101,17 @@ impl Simulation {
         progress: &mut dyn Progress,
     ) -> Result<crate::Ended, Error> {
         crate::run::run_on(self, from, checkpoints, recorder, progress)
+    }
+
+    /// Has further runs keep to the real clock: so many simulated seconds a second, which are above zero, or as fast as it
+    /// goes. Results are the same.
+    pub fn pace(&mut self, factor: Option<f64>) {
+        self.pace = factor.filter(|factor| *factor > 0.0);
+    }
+
+    /// How well the last run kept to it.
+    pub fn lateness(&self) -> Option<&Lateness> {
+        self.lateness.as_ref()
     }
 
     /// Notices and replaced start values, for a checkpoint.
@@ -133,6 +151,7 @@ impl Simulation {
         let (notices, replaced) = (&mut self.notices, &mut self.replaced_starts);
         initialise(system, plan, &by_reference, *start, *told_stop, notices, replaced)?;
         system.age(clock, start.ticks);
+        self.algorithm.start(system);
         self.now = *start;
         self.phase = Phase::Running;
         Ok(())
@@ -344,6 +363,11 @@ impl Simulation {
         self.wiring.names.units.iter().map(|(name, fmu)| (name.as_str(), fmu.description()))
     }
 
+    /// In which order units step where they do one after the other, by their places in the scenario.
+    pub fn order(&self) -> &[usize] {
+        &self.wiring.system.order
+    }
+
     /// The files of the units, in the order of the scenario.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.wiring.files.iter().map(PathBuf::as_path)
@@ -378,18 +402,18 @@ impl Simulation {
     /// All parameters and everything that was set, in the order of the description.
     pub(crate) fn used_values(&self, unit: usize) -> Vec<(String, Value)> {
         let description = self.wiring.names.units[unit].1.description();
+        let sets: HashMap<usize, &Value> =
+            self.wiring.sets[unit].iter().map(|(place, value)| (*place, value)).collect();
         let used = |place: usize| -> Option<(String, Value)> {
             let variable: Variable = (unit, place);
             let description = self.wiring.names.variable(variable);
-            let set =
-                self.wiring.sets[unit].iter().find(|(known, _)| *known == place).map(|(_, value)| value);
             let is_parameter = description.causality == Causality::Parameter
                 && description.initial == Some(Initial::Exact)
                 && description.variability != Variability::Constant;
             let is_free_input =
                 description.causality == Causality::Input && !self.wiring.driven.contains_key(&variable);
             let start = if is_parameter || is_free_input { description.start.as_ref() } else { None };
-            set.or(start).map(|value| (description.name.clone(), value.clone()))
+            sets.get(&place).copied().or(start).map(|value| (description.name.clone(), value.clone()))
         };
         (0..description.variables.len()).filter_map(used).collect()
     }

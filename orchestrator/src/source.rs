@@ -17,6 +17,11 @@ impl Signal {
         Self { shape, points, segment: 0 }
     }
 
+    /// It jumps from value to value.
+    pub(crate) fn holds(&self) -> bool {
+        self.shape == Shape::Hold
+    }
+
     /// The value at a time. Of several points at the same time the last one counts, so that a table may jump.
     pub(crate) fn at(&mut self, time: f64) -> f64 {
         let points = &self.points;

@@ -12,6 +12,7 @@ use crate::source::Signal;
 use crate::text::Text;
 use crate::time::Clock;
 use crate::value::{Kind, Value};
+use std::sync::Arc;
 
 /// A point in time: exact, and as the units get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +52,7 @@ impl Values {
 }
 
 /// How a value changes on its way through a connection.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Conversion {
     /// Not at all.
     Same,
@@ -60,6 +61,8 @@ pub(crate) enum Conversion {
     Affine { gain: f64, bias: f64 },
     /// To another type, then perhaps to another unit.
     Type,
+    /// Single Integers or Booleans to others, then perhaps to another type.
+    Table(Arc<[(i32, i32)]>),
 }
 
 /// The ends of a connection.
@@ -72,7 +75,19 @@ pub(crate) struct Link {
 
 impl Link {
     pub(crate) fn convert(&self, value: Value) -> Value {
-        match (self.conversion, self.to, &value) {
+        match (&self.conversion, self.to, &value) {
+            (Conversion::Table(table), to, Value::Integer(_) | Value::Boolean(_)) => {
+                let code = if let Value::Integer(code) = value {
+                    code
+                } else {
+                    i32::from(value == Value::Boolean(true))
+                };
+                let code = table.iter().find(|(from, _)| *from == code).map_or(code, |(_, to)| *to);
+                match to {
+                    Slot::Boolean(_) => Value::Boolean(code != 0),
+                    _ => Value::Integer(code),
+                }
+            }
             (Conversion::Affine { gain, bias }, ..) => {
                 Value::Real(gain * value.as_f64().unwrap_or(f64::NAN) + bias)
             }
@@ -142,6 +157,8 @@ pub(crate) struct System {
     pub(crate) ages: Vec<(usize, usize)>,
     /// No unit steps past this.
     pub(crate) stop: i64,
+    /// The order in which units step; of the scenario, unless the algorithm asks for another one.
+    pub(crate) order: Vec<usize>,
 }
 
 /// A unit at a point, with what it needs of the others.
@@ -168,6 +185,27 @@ impl System {
         let mut next = i64::MAX;
         for (index, unit) in self.units.iter_mut().enumerate() {
             if ends[index] == point.ticks {
+                work(Due { unit, index, ends, lines, values, stop, point })?;
+            }
+            next = next.min(ends[index]);
+        }
+        self.next = next;
+        Ok(())
+    }
+
+    /// The same in the derived order.
+    #[inline(always)]
+    pub(crate) fn each_ending_in_order(
+        &mut self,
+        point: Point,
+        mut work: impl FnMut(Due<'_>) -> Result<(), Box<Error>>,
+    ) -> Result<(), Box<Error>> {
+        let (values, stop) = (&mut self.values, self.stop);
+        let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
+        let mut next = i64::MAX;
+        for &index in &self.order {
+            if ends[index] == point.ticks {
+                let unit = &mut self.units[index];
                 work(Due { unit, index, ends, lines, values, stop, point })?;
             }
             next = next.min(ends[index]);
@@ -347,7 +385,7 @@ impl Unit {
 pub(crate) fn gather_rest(unit: &mut Unit, lines: &mut [Line], values: &mut Values, point: Point) {
     for link in &unit.links {
         if let (Conversion::Affine { gain, bias }, Slot::Real(from), Slot::Real(to)) =
-            (link.conversion, link.from, link.to)
+            (&link.conversion, link.from, link.to)
         {
             values.reals[to as usize] = gain * values.reals[from as usize] + bias;
         } else {

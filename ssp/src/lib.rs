@@ -18,10 +18,12 @@
 //! element.
 
 mod annotation;
+mod delays;
 mod error;
 mod read;
 mod write;
 
+pub use delays::{DELAY_UNIT, with_delay_units};
 pub use error::Error;
 pub use read::read;
 pub use write::write;

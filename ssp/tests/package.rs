@@ -196,6 +196,121 @@ lines = [{ signal = "c.y", label = "c", style = "solid" }]
 }
 
 #[test]
+fn law_units_delay_as_latencies_do() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let toml = r#"
+format = 1
+[experiment]
+stop = 0.5
+algorithm = "jacobi"
+[[units]]
+name = "a"
+fmu = "signal_effects.fmu"
+interval = 0.01
+[[units]]
+name = "delay_1"
+fmu = "signal_effects.fmu"
+interval = 0.02
+[[units]]
+name = "c"
+fmu = "signal_effects.fmu"
+interval = 0.01
+[[connections]]
+from = "a.y"
+to = "delay_1.u"
+latency = 0.1
+gain = 2.0
+bias = 1.0
+[[connections]]
+from = "delay_1.y"
+to = "c.u"
+latency = 0.1
+jitter = 0.01
+[[sources]]
+to = "a.u"
+kind = "linear"
+points = [[0.0, 0.0], [0.5, 1.0]]
+[record]
+variables = ["delay_1.u", "a.u"]
+"#;
+    let scenario = Scenario::parse(toml, folder.path().join("mine.toml")).expect("a scenario");
+    let simulation = Simulation::new(&scenario, &UnitPath::new().with(units())).expect("builds");
+    let (with_units, notes) = ssp::with_delay_units(&simulation);
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].starts_with("delay_1.y -> c.u: its latency stays an annotation of ours"), "{notes:?}");
+    let names: Vec<&str> = with_units.units.iter().map(|unit| unit.name.as_str()).collect();
+    assert_eq!(names, ["a", "delay_1", "c", "delay_2"]);
+    let table = |scenario: &Scenario| {
+        let rows = results(scenario, folder.path());
+        let number = |cell: &str| cell.parse::<f64>().expect("a number");
+        rows.lines().skip(1).map(|row| row.split(',').map(number).collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    let (latency, units) = (table(&scenario), table(&with_units));
+    assert_eq!(latency.len(), units.len());
+    for (by_latency, by_unit) in latency.iter().zip(&units).filter(|(row, _)| row[0] >= 0.2) {
+        // The ramp's 2/s, doubled, over two steps of the delay's unit with Jacobi and one that the receiver is behind.
+        let late = by_latency[1] - by_unit[1];
+        assert!(late.abs() <= 4.0 * 0.031, "{by_latency:?} {by_unit:?}");
+    }
+    // The package runs in our master as it would in another one.
+    let simulation = Simulation::new(&with_units, &UnitPath::new().with(self::units())).expect("builds");
+    let path = folder.path().join("mine.ssp");
+    std::fs::write(&path, ssp::write(&simulation).expect("written")).expect("writable");
+    assert_eq!(table(&ssp::read(&path).expect("read")), units);
+}
+
+fn table(kind: &str, source: &str, target: &str) -> String {
+    format!(
+        "<ssc:{kind}MappingTransformation><ssc:MapEntry source=\"{source}\" target=\"{target}\"/></ssc:{kind}MappingTransformation>"
+    )
+}
+
+#[test]
+fn law_mappings_of_values_come_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let toml = r#"
+format = 1
+[experiment]
+stop = 0.2
+[[units]]
+name = "camera"
+fmu = "acrobot_camera.fmu"
+interval = "1/60"
+[[units]]
+name = "controller"
+fmu = "acrobot_controller.fmu"
+interval = "1/60"
+[[units]]
+name = "other"
+fmu = "acrobot_controller.fmu"
+interval = "1/60"
+[[connections]]
+from = "camera.frame"
+to = "controller.frame"
+map = [[1, -1], [3, 0]]
+[[connections]]
+from = "camera.valid"
+to = "other.frame"
+map = [[true, 8]]
+[record]
+variables = ["camera.frame", "controller.frame", "other.frame"]
+"#;
+    let scenario = Scenario::parse(toml, folder.path().join("mine.toml")).expect("a scenario");
+    let simulation = Simulation::new(&scenario, &UnitPath::new().with(units())).expect("builds");
+    let path = folder.path().join("mine.ssp");
+    std::fs::write(&path, ssp::write(&simulation).expect("written")).expect("writable");
+    let read = ssp::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(results(&scenario, folder.path()), results(&read, folder.path()));
+    let rows = results(&read, folder.path());
+    // Frames come at 30 Hz: the second one passes, the first and the third become others.
+    let seen: Vec<&str> =
+        rows.lines().skip(1).filter_map(|row| row.split_once(',')).map(|(_, rest)| rest).collect();
+    for row in ["1,-1,8", "2,2,8", "3,0,8"] {
+        assert!(seen.contains(&row), "{row}: {rows}");
+    }
+}
+
+#[test]
 fn law_a_connection_may_be_written_backwards() {
     let backward = r#"<ssd:Connection startElement="b" startConnector="u" endElement="a" endConnector="y"/>"#;
     for (version, connection) in [("1.0", FORWARD), ("2.0", FORWARD), ("1.0", backward)] {
@@ -361,7 +476,19 @@ fn every_fault_names_document_line_and_element() {
         ),
         (
             connect(&FORWARD.replace("/>", "><ssc:IntegerMappingTransformation/></ssd:Connection>")),
-            ["IntegerMappingTransformation", "b.u", "LinearTransformation"],
+            ["IntegerMappingTransformation", "b.u", "MapEntry"],
+        ),
+        (
+            connect(&FORWARD.replace("/>", &format!(">{}</ssd:Connection>", table("Integer", "1", "2.5")))),
+            ["target=\"2.5\"", "IntegerMappingTransformation", "a whole number"],
+        ),
+        (
+            connect(&FORWARD.replace("/>", &format!(">{}</ssd:Connection>", table("Boolean", "yes", "0")))),
+            ["source=\"yes\"", "BooleanMappingTransformation", "true or false"],
+        ),
+        (
+            connect(&FORWARD.replace("/>", &format!(">{}</ssd:Connection>", table("Integer", "1", "2")))),
+            ["map from a.y (Real) to b.u (Real)", "between Integers", ".ssd:"],
         ),
         (
             Package::new("1.0", &two(["m", "K"], FORWARD)).refused(),

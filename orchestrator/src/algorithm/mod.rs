@@ -1,10 +1,13 @@
 //! Master algorithms: in what order units step, which values they see, and whether they take steps back. One file each; a
 //! new one is added to [`ALGORITHMS`].
 
+mod derived_order;
+mod extrapolated;
 mod gauss_seidel;
 mod iterated;
 mod jacobi;
 mod options;
+mod parallel_jacobi;
 mod step_halving;
 
 pub(crate) use options::Options;
@@ -37,6 +40,14 @@ const ALGORITHMS: &[Entry] = &[
         options: step_halving::OPTIONS,
         make: |options| Box::new(step_halving::StepHalving::new(options)),
     },
+    Entry { name: "derived-order", options: &[], make: |_| Box::new(derived_order::DerivedOrder) },
+    Entry {
+        name: "parallel-jacobi",
+        options: parallel_jacobi::OPTIONS,
+        make: |options| Box::new(parallel_jacobi::ParallelJacobi::new(options)),
+    },
+    Entry { name: "extrapolated", options: &[], make: |_| Box::new(extrapolated::Extrapolated::new(false)) },
+    Entry { name: "interpolated", options: &[], make: |_| Box::new(extrapolated::Extrapolated::new(true)) },
 ];
 
 /// Which values of other units a unit sees in a step.
@@ -44,8 +55,8 @@ const ALGORITHMS: &[Entry] = &[
 pub enum Sees {
     /// Those at the begin of its step; so with sources.
     Begin,
-    /// Those at the end of its step of units that stand before it in the scenario, and of the others those of their last
-    /// point before that. Sources are read at the end.
+    /// Those at the end of its step of units that step before it ([`crate::Simulation::order`]), and of the others those of
+    /// their last point before that. Sources are read at the end.
     EndInOrder,
     /// Those at the end of its step, of all units; so with sources.
     End,
@@ -60,12 +71,19 @@ pub struct Needs {
     pub any_step: bool,
     /// All have the same interval and offset.
     pub one_rate: bool,
+    /// They step in the order that follows from who depends on whom, instead of the scenario's.
+    pub order: bool,
 }
 
 /// What is done at a communication point: a time at which the step of at least one unit ends.
 pub(crate) trait Algorithm: Send {
     /// Which values of others a unit sees.
     fn sees(&self) -> Sees;
+
+    /// Continuous Reals that come directly go on along lines over a step, and so do sources.
+    fn along(&self) -> bool {
+        false
+    }
 
     /// What it asks of units.
     fn needs(&self) -> Needs {
@@ -75,6 +93,21 @@ pub(crate) trait Algorithm: Send {
     /// It tells how far off the values are.
     fn estimates(&self) -> bool {
         false
+    }
+
+    /// All units are at the start.
+    fn start(&mut self, system: &mut System) {
+        let _ = system;
+    }
+
+    /// What it knows beside the state of the system, for a checkpoint.
+    fn save(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The same, from a checkpoint.
+    fn restore(&mut self, saved: &[f64]) {
+        let _ = saved;
     }
 
     /// Before the values at `point` (the start included) are left.
@@ -114,6 +147,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// Which values of others a unit sees with an algorithm, by its name.
 pub fn sees(name: &str) -> Option<Sees> {
     plain(name).map(|algorithm| algorithm.sees())
+}
+
+/// Whether Reals go on along lines over a step with an algorithm, by its name.
+pub fn along(name: &str) -> bool {
+    plain(name).is_some_and(|algorithm| algorithm.along())
 }
 
 /// Whether an algorithm estimates errors, by its name.

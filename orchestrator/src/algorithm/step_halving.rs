@@ -113,7 +113,7 @@ impl Algorithm for StepHalving {
     }
 
     fn needs(&self) -> Needs {
-        Needs { states: true, any_step: true, one_rate: true }
+        Needs { states: true, any_step: true, one_rate: true, order: false }
     }
 
     fn estimates(&self) -> bool {

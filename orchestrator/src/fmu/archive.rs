@@ -3,6 +3,7 @@
 //! Only what a run needs is unpacked: the description, the resources and this platform's binaries.
 
 use crate::error::Error;
+use crate::fmu::Description;
 use crate::fmu::limits::{self, Limits};
 use crate::fmu::workshop::{self, Bench};
 use std::fs::{self, File};
@@ -34,14 +35,12 @@ pub(crate) const EXTENSION: &str = std::env::consts::DLL_EXTENSION;
 #[derive(Debug)]
 pub(crate) struct Archive {
     folder: Bench,
-    /// Text of `modelDescription.xml`.
-    pub(crate) description: String,
     /// Platforms for which the archive holds binaries.
     pub(crate) platforms: Vec<String>,
 }
 
 impl Archive {
-    pub(crate) fn unpack(path: &Path) -> Result<Self, Error> {
+    pub(crate) fn unpack(path: &Path) -> Result<(Self, Description), Error> {
         let file = File::open(path).map_err(|source| Error::File { path: path.into(), source })?;
         let broken = |reason: String| Error::Archive { path: path.into(), reason };
         let mut zip = zip::ZipArchive::new(io::BufReader::new(file)).map_err(|e| broken(e.to_string()))?;
@@ -63,16 +62,7 @@ impl Archive {
             // A name that leads out of the folder is nobody's resource.
             let Some(name) = entry.enclosed_name() else { continue };
             if name == Path::new("modelDescription.xml") {
-                let mut bytes = Vec::new();
-                // One byte more than allowed tells a file that is longer.
-                let read = entry.by_ref().take(limits.description.saturating_add(1)).read_to_end(&mut bytes);
-                if read.map_err(|e| broken(format!("modelDescription.xml: {e}")))? as u64 > limits.description
-                {
-                    let (what, limit) = ("modelDescription.xml", limits.description);
-                    return Err(broken(limits::exceeded(what, limit, limits::DESCRIPTION)));
-                }
-                description =
-                    Some(String::from_utf8(bytes).map_err(|e| broken(format!("modelDescription.xml: {e}")))?);
+                description = Some(described(path, entry.by_ref(), limits.description)?);
                 continue;
             }
             let mut parts = name.components().filter_map(|part| part.as_os_str().to_str());
@@ -99,7 +89,7 @@ impl Archive {
         // The standard hands out the folder whether the unit has resources or not.
         fs::create_dir_all(folder.path().join("resources")).map_err(|e| broken(e.to_string()))?;
         let description = description.ok_or_else(|| broken("it holds no modelDescription.xml".into()))?;
-        Ok(Self { folder, description, platforms })
+        Ok((Self { folder, platforms }, description))
     }
 
     /// Where the library of a model lies; if it is not there and another one is the only one, that one, and a word
@@ -145,6 +135,24 @@ impl Archive {
         }
         uri
     }
+}
+
+/// Reads a description, of which so many bytes are taken.
+fn described(path: &Path, entry: &mut impl Read, most: u64) -> Result<Description, Error> {
+    // One byte more than allowed tells a file that is longer.
+    let mut text = entry.take(most.saturating_add(1));
+    let description = Description::read(&mut text);
+    // As far as its end, where the archive's checksum is looked at.
+    let rest = io::copy(&mut text, &mut io::sink());
+    if text.limit() == 0 {
+        let reason = limits::exceeded("modelDescription.xml", most, limits::DESCRIPTION);
+        return Err(Error::Archive { path: path.into(), reason });
+    }
+    let description =
+        description.map_err(|(line, what)| Error::Description { path: path.into(), line, what });
+    let broken =
+        |error| Error::Archive { path: path.into(), reason: format!("modelDescription.xml: {error}") };
+    description.and_then(|description| rest.map(|_| description).map_err(broken))
 }
 
 fn write(path: &Path, from: &mut impl Read) -> io::Result<u64> {

@@ -3,9 +3,12 @@
 //! Everything legal is accepted, and everything unknown (annotations, flags of other versions, `xsi:` attributes)
 //! is passed over. Only what a master needs is kept. `read.rs` reads it.
 
+use crate::fmu::places::{Names, Places};
 use crate::fmu::read;
 use crate::value::{Kind, Value};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::io::Read;
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// What a variable is to a master.
@@ -68,10 +71,19 @@ pub struct Variable {
     pub initial: Option<Initial>,
     /// Type. An enumeration is an Integer to the calls.
     pub kind: Kind,
-    /// The names and values of an enumeration.
-    pub items: Option<Arc<[(String, i32)]>>,
     /// Start value.
     pub start: Option<Value>,
+    /// What it has in common with others; read as if it were its own: `variable.unit`.
+    pub traits: Arc<Traits>,
+    /// The variable (place in [`Description::variables`]) of which this is the derivative.
+    pub derivative_of: Option<usize>,
+}
+
+/// What a declared type can say for many variables. Of a million variables few differ in it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Traits {
+    /// The names and values of an enumeration.
+    pub items: Option<Arc<[(String, i32)]>>,
     /// Name of the physical unit.
     pub unit: Option<String>,
     /// Name of the unit for people.
@@ -82,8 +94,14 @@ pub struct Variable {
     pub min: Option<f64>,
     /// Largest legal value.
     pub max: Option<f64>,
-    /// The variable (place in [`Description::variables`]) of which this is the derivative.
-    pub derivative_of: Option<usize>,
+}
+
+impl Deref for Variable {
+    type Target = Traits;
+
+    fn deref(&self) -> &Traits {
+        &self.traits
+    }
 }
 
 /// One `Unit`.
@@ -184,13 +202,20 @@ pub struct Description {
     pub default_experiment: DefaultExperiment,
     /// Names of the log categories.
     pub log_categories: Vec<String>,
-    pub(super) names: HashMap<String, usize>,
+    pub(super) names: Names,
     pub(super) repeated: HashSet<String>,
+    /// Of outputs and of initial unknowns, by their variables.
+    pub(super) places: [Places; 2],
 }
 
 impl Description {
     /// Reads a description; an error is the line and what is wrong there.
     pub fn parse(text: &str) -> Result<Self, (usize, String)> {
+        read::description(text.as_bytes())
+    }
+
+    /// The same as it is read, without the whole text in memory.
+    pub(super) fn read(text: impl Read) -> Result<Self, (usize, String)> {
         read::description(text)
     }
 
@@ -201,7 +226,7 @@ impl Description {
 
     /// Place of a variable in [`Description::variables`].
     pub fn place(&self, name: &str) -> Option<usize> {
-        self.names.get(name).copied()
+        self.names.find(name, &self.variables)
     }
 
     /// Whether several variables have the name, or none has one: whoever names it may mean another one.
@@ -216,12 +241,12 @@ impl Description {
 
     /// On which variables an output depends while stepping; `None`: on every input.
     pub fn step_dependencies(&self, variable: usize) -> Option<&[usize]> {
-        self.outputs.iter().find(|unknown| unknown.variable == variable)?.dependencies.as_deref()
+        self.places[0].find(variable, &self.outputs)?.dependencies.as_deref()
     }
 
     /// On which variables an output depends at initialisation; `None`: on every input.
     pub fn initial_dependencies(&self, variable: usize) -> Option<&[usize]> {
-        match self.initial_unknowns.iter().find(|unknown| unknown.variable == variable) {
+        match self.places[1].find(variable, &self.initial_unknowns) {
             Some(unknown) => unknown.dependencies.as_deref(),
             // An exact start value is no unknown, it comes from nowhere.
             None if self.variables[variable].initial == Some(Initial::Exact) => Some(&[]),

@@ -12,14 +12,15 @@ mod instance;
 pub(crate) mod library;
 pub(crate) mod limits;
 pub(crate) mod logger;
+mod places;
 mod probe;
 mod read;
 mod state;
 pub(crate) mod workshop;
 
 pub use description::{
-    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,
-    Variability, Variable,
+    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, Traits, UnitDefinition,
+    Unknown, Variability, Variable,
 };
 pub(crate) use function::Function;
 pub use instance::Instance;
@@ -116,9 +117,7 @@ impl Fmu {
     /// If the file can't be read, is no archive, or its description is not one of FMI 2.0 co-simulation.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let archive = Archive::unpack(path)?;
-        let description = Description::parse(&archive.description)
-            .map_err(|(line, what)| Error::Description { path: path.into(), line, what })?;
+        let (archive, description) = Archive::unpack(path)?;
         Ok(Self {
             inner: Arc::new(Inner {
                 path: path.into(),
@@ -161,11 +160,6 @@ impl Fmu {
     /// What the unit says of itself.
     pub fn description(&self) -> &Description {
         &self.inner.description
-    }
-
-    /// The text of `modelDescription.xml`.
-    pub fn description_xml(&self) -> &str {
-        &self.inner.archive.description
     }
 
     /// What is odd but stops nothing: in the description, and in the library once it was loaded.

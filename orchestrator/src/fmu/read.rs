@@ -1,13 +1,14 @@
 //! Reads `modelDescription.xml` into a [`Description`]; what is wrong is said with its line.
 
 use crate::fmu::description::{
-    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, UnitDefinition, Unknown,
-    Variability, Variable,
+    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, Traits, UnitDefinition,
+    Unknown, Variability, Variable,
 };
-
+use crate::fmu::places::{Names, Places};
 use crate::value::{Kind, Value};
 use crate::xml::Element;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+use std::io::Read;
 use std::sync::Arc;
 
 /// The elements that are read; all others are passed over with what is in them.
@@ -40,9 +41,10 @@ const KNOWN: &[&str] = &[
 /// Line, what is wrong.
 type Fault = (usize, String);
 
-/// Reads a description; an error is the line and what is wrong there.
-pub(super) fn description(text: &str) -> Result<Description, Fault> {
-    let root = Element::parse_known(text, KNOWN)?;
+/// Reads a description as it streams by; an error is the line and what is wrong there.
+pub(super) fn description(text: impl Read) -> Result<Description, Fault> {
+    let mut reading = Reading::default();
+    let root = Element::stream(text, KNOWN, |parent, element| reading.take(parent, element))?;
     if root.name != "fmiModelDescription" {
         return Err((root.line, format!("the root is <{}>, not <fmiModelDescription>", root.name)));
     }
@@ -56,23 +58,8 @@ pub(super) fn description(text: &str) -> Result<Description, Fault> {
             "there is no <CoSimulation>; a unit for model exchange can't be stepped".into(),
         ));
     };
-    let types = root.list("TypeDefinitions");
-    let mut variables = Vec::new();
-    for element in root.list("ModelVariables").iter().filter(|e| e.name == "ScalarVariable") {
-        variables.push(variable(element, types)?);
-    }
-    let mut names = HashMap::with_capacity(variables.len());
-    let mut repeated = HashSet::new();
-    for (place, variable) in variables.iter().enumerate() {
-        if names.insert(variable.name.clone(), place).is_some() {
-            repeated.insert(variable.name.clone());
-        }
-    }
-    let structure = |list: &str| -> Result<Vec<Unknown>, Fault> {
-        let Some(structure) = root.child("ModelStructure") else { return Ok(Vec::new()) };
-        structure.list(list).iter().map(|element| unknown(element, variables.len())).collect()
-    };
-    let (outputs, initial_unknowns) = (structure("Outputs")?, structure("InitialUnknowns")?);
+    let Reading { variables, outputs, initial_unknowns, .. } = reading.finished()?;
+    let (names, repeated) = Names::of(&variables);
     let text = |name: &str| root.attribute(name).unwrap_or_default().to_owned();
     Ok(Description {
         model_name: required(&root, "modelName")?.to_owned(),
@@ -88,12 +75,109 @@ pub(super) fn description(text: &str) -> Result<Description, Fault> {
             .iter()
             .filter_map(|category| category.attribute("name").map(str::to_owned))
             .collect(),
+        places: [Places::of(&outputs), Places::of(&initial_unknowns)],
         variables,
         outputs,
         initial_unknowns,
         names,
         repeated,
     })
+}
+
+/// What can be large and is taken up element by element.
+#[derive(Default)]
+struct Reading {
+    types: HashMap<String, Element>,
+    variables: Vec<Variable>,
+    outputs: Vec<Unknown>,
+    initial_unknowns: Vec<Unknown>,
+    traits: Shared,
+    /// Variables whose declared type had not come by then, by their places.
+    late: Vec<(usize, Element)>,
+    /// Likewise indices of variables that had not, with their lines.
+    beyond: Vec<(usize, usize)>,
+}
+
+impl Reading {
+    fn take(&mut self, parent: &str, element: Element) -> Result<Option<Element>, Fault> {
+        match (parent, element.name.as_str()) {
+            ("TypeDefinitions", "SimpleType") => {
+                if let Some(name) = element.attribute("name").map(str::to_owned) {
+                    self.types.entry(name).or_insert(element);
+                }
+            }
+            ("ModelVariables", "ScalarVariable") => {
+                let known = |typed: &Element| {
+                    typed.attribute("declaredType").is_none_or(|wanted| self.types.contains_key(wanted))
+                };
+                let is_late = !element.children.iter().all(known);
+                self.variables.push(variable(&element, &self.types, &mut self.traits)?);
+                if is_late {
+                    self.late.push((self.variables.len() - 1, element));
+                }
+            }
+            ("Outputs", "Unknown") => {
+                self.outputs.push(unknown(&element, self.variables.len(), &mut self.beyond)?);
+            }
+            ("InitialUnknowns", "Unknown") => {
+                self.initial_unknowns.push(unknown(&element, self.variables.len(), &mut self.beyond)?);
+            }
+            _ => return Ok(Some(element)),
+        }
+        Ok(None)
+    }
+
+    /// Once all has gone by.
+    fn finished(mut self) -> Result<Self, Fault> {
+        // A type of that name may never have come, which is the description's own business.
+        for (place, element) in std::mem::take(&mut self.late) {
+            self.variables[place] = variable(&element, &self.types, &mut Shared::default())?;
+        }
+        let count = self.variables.len();
+        match self.beyond.iter().find(|(_, index)| *index > count) {
+            Some((line, index)) => {
+                Err((*line, format!("index {index} in ModelStructure is not within 1..{count}")))
+            }
+            None => {
+                self.variables.shrink_to_fit();
+                Ok(self)
+            }
+        }
+    }
+}
+
+/// What variables share, by what it was made of.
+#[derive(Default)]
+struct Shared {
+    known: HashMap<String, Arc<Traits>>,
+    key: String,
+}
+
+/// More different ones are no longer shared: they would take more than they spare.
+const SHARED: usize = 4096;
+
+impl Shared {
+    /// What the attributes of an element and of its declared type say.
+    fn of(&mut self, typed: &Element, declared: Option<&Element>) -> Result<Arc<Traits>, Fault> {
+        self.key.clear();
+        self.key.push_str(&typed.name);
+        for name in ["declaredType", "unit", "displayUnit", "relativeQuantity", "min", "max"] {
+            // No attribute holds the separator, which XML doesn't allow.
+            self.key.push('\u{1}');
+            if let Some(text) = typed.attribute(name) {
+                self.key.push('\u{2}');
+                self.key.push_str(text);
+            }
+        }
+        if let Some(known) = self.known.get(&self.key) {
+            return Ok(Arc::clone(known));
+        }
+        let made = Arc::new(traits(typed, declared)?);
+        if self.known.len() < SHARED {
+            self.known.insert(self.key.clone(), Arc::clone(&made));
+        }
+        Ok(made)
+    }
 }
 
 fn required<'a>(element: &'a Element, name: &str) -> Result<&'a str, Fault> {
@@ -184,11 +268,16 @@ fn unit_definition(element: &Element) -> Result<UnitDefinition, Fault> {
     Ok(UnitDefinition { name: required(element, "name")?.to_owned(), base, display })
 }
 
-fn unknown(element: &Element, count: usize) -> Result<Unknown, Fault> {
-    let place = |text: &str| -> Result<usize, Fault> {
+fn unknown(element: &Element, count: usize, beyond: &mut Vec<(usize, usize)>) -> Result<Unknown, Fault> {
+    let mut place = |text: &str| -> Result<usize, Fault> {
         match text.parse::<usize>() {
-            Ok(index) if (1..=count).contains(&index) => Ok(index - 1),
-            _ => Err((element.line, format!("index {text} in ModelStructure is not within 1..{count}"))),
+            Ok(index) if index > 0 => {
+                if index > count {
+                    beyond.push((element.line, index));
+                }
+                Ok(index - 1)
+            }
+            _ => Err((element.line, format!("index {text} in ModelStructure is no place of a variable"))),
         }
     };
     let variable = place(required(element, "index")?)?;
@@ -199,7 +288,11 @@ fn unknown(element: &Element, count: usize) -> Result<Unknown, Fault> {
     Ok(Unknown { variable, dependencies })
 }
 
-fn variable(element: &Element, types: &[Element]) -> Result<Variable, Fault> {
+fn variable(
+    element: &Element,
+    types: &HashMap<String, Element>,
+    shared: &mut Shared,
+) -> Result<Variable, Fault> {
     let name = required(element, "name")?.to_owned();
     let typed = element.children.iter().find_map(|child| kind_of(&child.name).map(|kind| (child, kind)));
     let Some((typed, kind)) = typed else {
@@ -208,25 +301,10 @@ fn variable(element: &Element, types: &[Element]) -> Result<Variable, Fault> {
             format!("variable {name} has no type: Real, Integer, Boolean, String or Enumeration"),
         ));
     };
-    // Attributes that the variable leaves out come from its declared type.
     let declared = typed
         .attribute("declaredType")
-        .and_then(|wanted| types.iter().find(|simple| simple.attribute("name") == Some(wanted)))
+        .and_then(|wanted| types.get(wanted))
         .and_then(|simple| simple.children.iter().find(|child| child.name == typed.name));
-    let text = |name: &str| {
-        let inherited = || declared.and_then(|declared| declared.attribute(name));
-        typed.attribute(name).or_else(inherited).map(str::to_owned)
-    };
-    let number = |name: &str| -> Result<Option<f64>, Fault> {
-        match (parsed(typed, name, NUMBER)?, declared) {
-            (None, Some(declared)) => parsed(declared, name, NUMBER),
-            (own, _) => Ok(own),
-        }
-    };
-    let relative = match (flag(typed, "relativeQuantity")?, declared) {
-        (None, Some(declared)) => flag(declared, "relativeQuantity")?,
-        (own, _) => own,
-    };
     let causality = causality(element)?;
     let variability = variability(element, kind)?;
     let start = match kind {
@@ -243,15 +321,36 @@ fn variable(element: &Element, types: &[Element]) -> Result<Variable, Fault> {
         variability,
         initial: initial(element, causality, variability)?,
         kind,
-        items: declared.filter(|declared| declared.name == "Enumeration").map(items).transpose()?,
         start,
+        traits: shared.of(typed, declared)?,
+        derivative_of: parsed::<usize>(typed, "derivative", INTEGER)?.and_then(|index| index.checked_sub(1)),
+        name,
+    })
+}
+
+/// Attributes that the variable leaves out come from its declared type.
+fn traits(typed: &Element, declared: Option<&Element>) -> Result<Traits, Fault> {
+    let text = |name: &str| {
+        let inherited = || declared.and_then(|declared| declared.attribute(name));
+        typed.attribute(name).or_else(inherited).map(str::to_owned)
+    };
+    let number = |name: &str| -> Result<Option<f64>, Fault> {
+        match (parsed(typed, name, NUMBER)?, declared) {
+            (None, Some(declared)) => parsed(declared, name, NUMBER),
+            (own, _) => Ok(own),
+        }
+    };
+    let relative = match (flag(typed, "relativeQuantity")?, declared) {
+        (None, Some(declared)) => flag(declared, "relativeQuantity")?,
+        (own, _) => own,
+    };
+    Ok(Traits {
+        items: declared.filter(|declared| declared.name == "Enumeration").map(items).transpose()?,
         unit: text("unit"),
         display_unit: text("displayUnit"),
         relative_quantity: relative.unwrap_or(false),
         min: number("min")?,
         max: number("max")?,
-        derivative_of: parsed::<usize>(typed, "derivative", INTEGER)?.and_then(|index| index.checked_sub(1)),
-        name,
     })
 }
 

@@ -62,6 +62,11 @@ pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
         format!(", perhaps for want of memory: it may have {mebibytes} MiB (memory_limit)")
     });
     match (status.code(), status.signal()) {
+        // These have other reasons.
+        (Some(0), _) => "ended by exit with status 0".into(),
+        (_, Some(signal @ (libc::SIGTERM | libc::SIGINT | libc::SIGHUP))) => {
+            format!("was ended by signal {signal}{}", name(signal))
+        }
         (Some(code), _) => format!("ended by exit with status {code}{limit}"),
         (_, Some(signal)) => format!("was ended by signal {signal}{}{limit}", name(signal)),
         _ => format!("ended ({status}){limit}"),

@@ -20,6 +20,8 @@ pub struct ConnectionEntry {
     pub channel: Channel,
     /// What becomes of the value.
     pub transform: Transform,
+    /// For Integers, Booleans and enumerations: what becomes of single values, as pairs; others pass as they are.
+    pub map: Vec<(toml::Value, toml::Value)>,
     /// Where the entry begins.
     pub place: Place,
 }
@@ -108,11 +110,12 @@ pub(super) struct Connection {
     gain: Option<Spanned<f64>>,
     bias: Option<Spanned<f64>>,
     convert_units: Option<bool>,
+    map: Option<Spanned<Vec<Vec<toml::Value>>>>,
 }
 
-pub(super) fn read(at: &Text<'_>, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {
+pub(super) fn read(at: &Text, entry: Spanned<Connection>) -> Result<ConnectionEntry, Error> {
     let place = at.place(entry.span());
-    let Connection { from, to, latency, delay, jitter, drop, hold, seed, gain, bias, convert_units } =
+    let Connection { from, to, latency, delay, jitter, drop, hold, seed, gain, bias, convert_units, map } =
         entry.into_inner();
     if let (Some(_), Some(delay)) = (&latency, &delay) {
         let expected = "it is the old name of latency; keep one of them";
@@ -139,16 +142,29 @@ pub(super) fn read(at: &Text<'_>, entry: Spanned<Connection>) -> Result<Connecti
         bias: bias.as_ref().map_or(Ok(0.0), |bias| finite(at, "bias", bias))?,
         convert_units: convert_units.unwrap_or(true),
     };
-    Ok(ConnectionEntry { from, to, delay: delay?, channel, transform, place })
+    let map = map.as_ref().map_or(Ok(Vec::new()), |map| pairs(at, map))?;
+    Ok(ConnectionEntry { from, to, delay: delay?, channel, transform, map, place })
 }
 
-fn finite(at: &Text<'_>, key: &str, given: &Spanned<f64>) -> Result<f64, Error> {
+fn pairs(at: &Text, map: &Spanned<Vec<Vec<toml::Value>>>) -> Result<Vec<(toml::Value, toml::Value)>, Error> {
+    let wrong = |what: String| at.wrong(map.span(), what, "pairs, [[value, what it becomes], ...]");
+    if map.get_ref().is_empty() {
+        return Err(wrong("map without values".into()));
+    }
+    let pair = |pair: &Vec<toml::Value>| match pair.as_slice() {
+        [from, to] => Ok((from.clone(), to.clone())),
+        other => Err(wrong(format!("map: {} values in {}", other.len(), toml::Value::Array(other.to_vec())))),
+    };
+    map.get_ref().iter().map(pair).collect()
+}
+
+fn finite(at: &Text, key: &str, given: &Spanned<f64>) -> Result<f64, Error> {
     let number = *given.get_ref();
     let wrong = || at.wrong(given.span(), format!("{key} = {number}"), "a finite number");
     number.is_finite().then_some(number).ok_or_else(wrong)
 }
 
-fn share(at: &Text<'_>, drop: &Spanned<toml::Value>) -> Result<f64, Error> {
+fn share(at: &Text, drop: &Spanned<toml::Value>) -> Result<f64, Error> {
     let share = match drop.get_ref() {
         toml::Value::Integer(number) => Some(*number as f64),
         toml::Value::Float(number) => Some(*number),
@@ -160,7 +176,7 @@ fn share(at: &Text<'_>, drop: &Spanned<toml::Value>) -> Result<f64, Error> {
     })
 }
 
-fn of_name(at: &Text<'_>, name: &Spanned<String>) -> Result<Hold, Error> {
+fn of_name(at: &Text, name: &Spanned<String>) -> Result<Hold, Error> {
     let known = HOLDS.iter().find(|(known, _)| known == name.get_ref());
     known.map(|(_, hold)| *hold).ok_or_else(|| {
         let likely = nearest(name.get_ref(), HOLDS.iter().map(|(name, _)| *name));

@@ -31,6 +31,7 @@
 //! seed = 1                         # of this connection alone; optional
 //! gain = 2.0                       # optional, with bias: input = gain · value + bias, for Real inputs
 //! convert_units = false            # optional: the value passes as a number, whatever its physical unit
+//! map = [["low", 1], ["high", 7]]  # optional, for Integers, Booleans and enumerations: what becomes of single values
 //! [[sources]]
 //! to = "controller.z_desired"
 //! kind = "smooth"                  # constant | hold | linear | smooth | csv

@@ -7,7 +7,7 @@ use crate::isolation::Isolation;
 use crate::time::Rational;
 use serde::Deserialize;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -97,17 +97,22 @@ impl From<Number> for f64 {
 }
 
 /// Turns byte positions into lines.
-pub(super) struct Text<'a> {
-    text: &'a str,
+pub(super) struct Text {
+    /// Where its lines end.
+    ends: Vec<usize>,
     file: Arc<str>,
     /// What was read otherwise than it was written.
     notes: RefCell<Vec<String>>,
 }
 
-impl Text<'_> {
+impl Text {
+    fn new(text: &str, origin: &Path) -> Self {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Self { ends, file: origin.to_string_lossy().into(), notes: RefCell::default() }
+    }
+
     pub(super) fn place(&self, span: Range<usize>) -> Place {
-        let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        let line = 1 + self.ends.partition_point(|end| *end < span.start);
         Place::Line { file: self.file.clone(), line }
     }
 
@@ -163,7 +168,7 @@ impl Text<'_> {
 }
 
 pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
-    let at = Text { text, file: origin.to_string_lossy().into(), notes: RefCell::default() };
+    let at = Text::new(text, origin);
     let raw: Raw = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         at.wrong(span, "not a scenario", error.message().replace('\n', " "))
@@ -211,8 +216,9 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
     Ok(scenario)
 }
 
-fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
+fn units(at: &Text, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
     let mut units: Vec<UnitEntry> = Vec::with_capacity(raw.len());
+    let mut known: HashMap<String, Place> = HashMap::with_capacity(raw.len());
     for entry in raw {
         let place = at.place(entry.span());
         let unit = entry.into_inner();
@@ -221,8 +227,8 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
             let expected = "a name without dots, stars, equal signs and spaces";
             return Err(at.wrong(unit.name.span(), format!("unit name {name:?}"), expected));
         }
-        if let Some(first) = units.iter().find(|known| known.name == *name) {
-            let expected = format!("the first one is at {}", first.place);
+        if let Some(first) = known.insert(name.clone(), place.clone()) {
+            let expected = format!("the first one is at {first}");
             return Err(at.wrong(unit.name.span(), format!("a second unit {name:?}"), expected));
         }
         let isolation = isolation(at, &unit)?;
@@ -249,7 +255,7 @@ fn units(at: &Text<'_>, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error
 
 /// How much later than the start the points of a unit begin.
 fn offset(
-    at: &Text<'_>,
+    at: &Text,
     offset: Option<&Spanned<toml::Value>>,
     interval: Rational,
 ) -> Result<Option<Placed<Rational>>, Error> {
@@ -263,7 +269,7 @@ fn offset(
 }
 
 /// Whether a unit has a process of its own.
-fn isolation(at: &Text<'_>, unit: &Unit) -> Result<Option<Isolation>, Error> {
+fn isolation(at: &Text, unit: &Unit) -> Result<Option<Isolation>, Error> {
     let mut isolation = Isolation::default();
     let keys = [
         ("step_limit", unit.step_limit.as_ref().map(Spanned::span)),
@@ -289,7 +295,7 @@ fn isolation(at: &Text<'_>, unit: &Unit) -> Result<Option<Isolation>, Error> {
     Ok(unit.isolate.then_some(isolation))
 }
 
-fn source(at: &Text<'_>, entry: Spanned<Source>) -> Result<SourceEntry, Error> {
+fn source(at: &Text, entry: Spanned<Source>) -> Result<SourceEntry, Error> {
     let span = entry.span();
     let source = entry.into_inner();
     let kind = source.kind.get_ref().as_str();

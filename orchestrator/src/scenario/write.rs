@@ -114,6 +114,10 @@ fn way(out: &mut String, connection: &ConnectionEntry) {
     if !convert_units {
         put(out, "convert_units", &Toml::Boolean(false));
     }
+    if !connection.map.is_empty() {
+        let pair = |(from, to): &(Toml, Toml)| Toml::Array(vec![from.clone(), to.clone()]);
+        put(out, "map", &Toml::Array(connection.map.iter().map(pair).collect()));
+    }
 }
 
 fn signal(out: &mut String, signal: &SignalEntry, path: impl Fn(&str) -> String) {

@@ -9,7 +9,7 @@
 //! - hold: V keeps an input over its step: b/2;
 //! - scheme: what the algorithm adds. Jacobi takes values at the begin of the step: 0. Gauss-Seidel takes those of its end: -b;
 //!   but where U steps after V, a value of the same instant is missed once in a/g times and is then older by a: g on average,
-//!   unless the line goes on over it.
+//!   unless the line goes on over it. Extrapolation and interpolation take direct values along the step: -b/2, no sampling.
 //!
 //! For two units at one rate this is the phase error of the scheme: x' = v, v' = -x has +h once round with Jacobi (explicit
 //! Euler, amplitude times e^(h/2 t)) and 0 with Gauss-Seidel (symplectic Euler, no growth).
@@ -18,6 +18,7 @@ use super::{Schedule, Way, loops};
 use crate::algorithm::Sees;
 use crate::error::Error;
 use crate::scenario::Scenario;
+use crate::simulation::Simulation;
 use std::fmt;
 
 /// How late a value is, by where that comes from; means in s.
@@ -103,7 +104,23 @@ impl fmt::Display for Budget {
 /// # Errors
 /// If the times of the scenario have no common tick.
 pub fn budget(scenario: &Scenario, most: usize) -> Result<(Vec<Budget>, bool), Error> {
-    let schedule = Schedule::of(scenario)?;
+    in_order(scenario, 0..scenario.units.len(), most)
+}
+
+/// Those of a simulation, whose units may step in another order than the scenario's.
+///
+/// # Errors
+/// None: it has a common tick.
+pub fn budget_of(simulation: &Simulation, most: usize) -> Result<(Vec<Budget>, bool), Error> {
+    in_order(simulation.scenario(), simulation.order().iter().copied(), most)
+}
+
+fn in_order(
+    scenario: &Scenario,
+    order: impl IntoIterator<Item = usize>,
+    most: usize,
+) -> Result<(Vec<Budget>, bool), Error> {
+    let schedule = Schedule::of(scenario, order)?;
     let (found, mut more) = loops::of(&schedule);
     let mut budgets: Vec<Budget> = (found.into_iter())
         .map(|ways| Budget {
@@ -146,9 +163,13 @@ impl Schedule {
         let (a, b) = (self.units[way.from].0 as f64, self.units[way.to].0 as f64);
         let (first, cycle) = self.phases(way);
         let lost = if way.drop > 0.0 { a * way.drop / (1.0 - way.drop) } else { 0.0 };
-        let sampling = if way.linear { 0.0 } else { first as f64 + (a - cycle as f64) / 2.0 + lost };
+        // A value that goes on along a line is none of the last point.
+        let along = self.along && way.direct;
+        let sampling = if along || way.linear { 0.0 } else { first as f64 + (a - cycle as f64) / 2.0 + lost };
         let missed = if first == 0 && !way.linear && self.misses(way) { cycle as f64 } else { 0.0 };
         let scheme = match self.sees {
+            // Nor does it stand still over a step.
+            _ if along => -b / 2.0,
             Sees::Begin => 0.0,
             Sees::EndInOrder => missed - b,
             Sees::End => -b,

@@ -4,6 +4,7 @@ use super::Schedule;
 use crate::algorithm::Sees;
 use crate::error::Error;
 use crate::scenario::Scenario;
+use crate::simulation::Simulation;
 use std::collections::BTreeSet;
 
 /// Intervals of the slowest unit that are shown, after the first one.
@@ -48,7 +49,19 @@ pub struct Diagram {
 /// # Errors
 /// If the times of the scenario have no common tick.
 pub fn diagram(scenario: &Scenario) -> Result<Diagram, Error> {
-    let schedule = Schedule::of(scenario)?;
+    in_order(scenario, 0..scenario.units.len())
+}
+
+/// That of a simulation, whose units may step in another order than the scenario's.
+///
+/// # Errors
+/// None: it has a common tick.
+pub fn diagram_of(simulation: &Simulation) -> Result<Diagram, Error> {
+    in_order(simulation.scenario(), simulation.order().iter().copied())
+}
+
+fn in_order(scenario: &Scenario, order: impl IntoIterator<Item = usize>) -> Result<Diagram, Error> {
+    let schedule = Schedule::of(scenario, order)?;
     let slowest = schedule.units.iter().map(|(interval, _)| *interval).max().unwrap_or(1);
     let latest = schedule.ways.iter().map(|way| way.latency).max().unwrap_or(0);
     // Half of the range of ticks is left for such sums.

@@ -2,7 +2,7 @@
 
 use super::names::{Names, Variable, Wrong};
 use crate::fmu::{self, BaseUnit};
-use crate::scenario::{Shape, SignalEntry, Transform};
+use crate::scenario::{ConnectionEntry, Shape, SignalEntry, Transform};
 use crate::source::Signal;
 use crate::system::Conversion;
 use crate::value::{Kind, Value};
@@ -94,12 +94,61 @@ pub(super) fn conversion(
         false => Conversion::Same,
     };
     Ok(match by_units {
+        unchanged @ Conversion::Table(_) => unchanged,
         unchanged if is_plain => unchanged,
         Conversion::Same | Conversion::Type => Conversion::Affine { gain, bias },
         Conversion::Affine { gain: first, bias: offset } => {
             Conversion::Affine { gain: gain * first, bias: gain * offset + bias }
         }
     })
+}
+
+/// What becomes of single values.
+pub(super) fn table_of(
+    names: &Names,
+    from: Variable,
+    to: Variable,
+    entry: &ConnectionEntry,
+) -> Result<Conversion, Wrong> {
+    let whole = |variable: Variable| matches!(names.variable(variable).kind, Kind::Integer | Kind::Boolean);
+    if !(whole(from) && whole(to)) || entry.transform != Transform::default() {
+        let (output, input) = (names.variable(from), names.variable(to));
+        let what =
+            format!("map from {} ({}) to {} ({})", names.full(from), output.kind, names.full(to), input.kind);
+        return Err((
+            what,
+            "between Integers, Booleans and enumerations, without gain, bias and convert_units".into(),
+        ));
+    }
+    let code = |variable: Variable, given: &toml::Value| -> Result<i32, Wrong> {
+        let described = names.variable(variable);
+        let wrong = |expected: String| (format!("map: {given} of {}", names.full(variable)), expected);
+        let value = match (described.kind, given) {
+            // A table of numbers, as SSP has it between types.
+            (Kind::Boolean, toml::Value::Integer(number @ (0 | 1))) => Some(Value::Boolean(*number == 1)),
+            _ => from_toml(described, given),
+        };
+        let value = value.ok_or_else(|| wrong(expected(described)))?;
+        if let (Some(items), Value::Integer(value)) = (described.items.as_deref(), &value)
+            && !items.iter().any(|(_, known)| known == value)
+        {
+            return Err(wrong(one_of(items)));
+        }
+        Ok(match value {
+            Value::Boolean(value) => i32::from(value),
+            Value::Integer(value) => value,
+            _ => return Err(wrong(expected(described))),
+        })
+    };
+    let mut table: Vec<(i32, i32)> = Vec::with_capacity(entry.map.len());
+    for (given, becomes) in &entry.map {
+        let pair = (code(from, given)?, code(to, becomes)?);
+        if table.iter().any(|(known, _)| *known == pair.0) {
+            return Err((format!("map: {given} a second time"), "each value once".into()));
+        }
+        table.push(pair);
+    }
+    Ok(Conversion::Table(table.into()))
 }
 
 /// As the types and physical units of both ends ask for.

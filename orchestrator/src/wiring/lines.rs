@@ -24,7 +24,7 @@ pub(super) fn lay_connections(
     let aged: HashSet<usize> = recorded.iter().filter_map(Recorded::age).collect();
     for (number, connection) in connections.iter().enumerate() {
         let Connection { from, to, conversion, direct, channel, .. } = connection;
-        let link = Link { from: slots[from], to: slots[to], conversion: *conversion };
+        let link = Link { from: slots[from], to: slots[to], conversion: conversion.clone() };
         if !direct || channel.hold == Hold::Linear || aged.contains(&number) {
             lines.insert(number, system.lines.len());
             system.units[from.0].lines_out.push(system.lines.len());
@@ -35,7 +35,7 @@ pub(super) fn lay_connections(
         }
         let target = &mut system.units[to.0];
         let inputs = &mut target.inputs;
-        match (link.conversion, link.from, link.to) {
+        match (&link.conversion, link.from, link.to) {
             (Conversion::Same, Slot::Real(from), Slot::Real(to)) => inputs.reals.copy(from, to),
             (Conversion::Same, Slot::Integer(from), Slot::Integer(to)) => inputs.integers.copy(from, to),
             (Conversion::Same, Slot::Boolean(from), Slot::Boolean(to)) => inputs.booleans.copy(from, to),

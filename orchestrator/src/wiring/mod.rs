@@ -4,6 +4,7 @@ mod check;
 mod layout;
 mod lines;
 mod names;
+mod order;
 mod record;
 mod ticks;
 
@@ -12,6 +13,7 @@ pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
 pub(crate) use ticks::clock;
 
+use crate::algorithm::Needs;
 use crate::error::{Error, Place};
 use crate::fmu::Fmu;
 use crate::graph;
@@ -73,7 +75,7 @@ pub(crate) struct Source {
     pub(crate) signal: Signal,
 }
 
-pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error> {
+pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result<Wiring, Error> {
     let (fmus, files, unpacked) = open(scenario, path)?;
     let names = Names::new(scenario, &fmus);
     let mut notices = Vec::new();
@@ -98,6 +100,10 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath) -> Result<Wiring, Error
         errors: Vec::new(),
         ages: Vec::new(),
         stop: ticks.stop,
+        order: match needs.order {
+            true => order::derived(&names, &connections),
+            false => (0..scenario.units.len()).collect(),
+        },
     };
     notices.extend(scenario.notes.iter().cloned());
     let mut last_points = Vec::new();
@@ -201,7 +207,7 @@ fn start_values(scenario: &Scenario, names: &Names) -> Result<Vec<Vec<(usize, Va
             let named = || format!("{}.{name} = {shown}", entry.name);
             let value = value.ok_or_else(|| wrong(named(), check::expected(variable)))?;
             start_value(variable, &value).map_err(|expected| wrong(named(), expected))?;
-            sets.retain(|(known, _)| *known != place);
+            // Each name is there once (`scenario::UnitEntry::set`), and each name has one place.
             sets.push((place, value));
         }
         all.push(sets);
@@ -237,7 +243,11 @@ fn connections(
         let from = names.output(&entry.from).map_err(wrong)?;
         let to = names.input(&entry.to).map_err(wrong)?;
         drive(driven, names, to, &entry.place)?;
-        let conversion = check::conversion(names, from, to, entry.transform, notices).map_err(wrong)?;
+        let conversion = match entry.map.is_empty() {
+            true => check::conversion(names, from, to, entry.transform, notices),
+            false => check::table_of(names, from, to, entry),
+        };
+        let conversion = conversion.map_err(wrong)?;
         let channel = entry.channel.clone();
         let real = |variable| names.variable(variable).kind == Kind::Real;
         if channel.hold == Hold::Linear && !(real(from) && real(to)) {

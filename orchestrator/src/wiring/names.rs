@@ -9,6 +9,9 @@ use crate::scenario::Scenario;
 use crate::suggest::nearest;
 use std::collections::{BTreeMap, HashMap};
 
+/// So many names of a loop are told.
+const SHOWN: usize = 20;
+
 /// A variable: its unit, and its place in the description.
 pub(crate) type Variable = (usize, usize);
 
@@ -18,18 +21,28 @@ pub(crate) type Wrong = (String, String);
 /// The units of a scenario by name.
 pub(crate) struct Names {
     pub(crate) units: Vec<(String, Fmu)>,
+    places: HashMap<String, usize>,
 }
 
-/// Which connected variable depends directly on which.
+/// Which connected variable depends directly on which. The nodes after those of the variables stand for all driven inputs
+/// of a unit each: an output of which nothing is said depends on these, which would otherwise be a list for each output.
 pub(crate) struct Dependencies {
-    pub(crate) nodes: Vec<Variable>,
+    nodes: Vec<Variable>,
     pub(crate) edges: Vec<Vec<usize>>,
+}
+
+impl Dependencies {
+    /// The variables of a component.
+    pub(crate) fn variables(&self, component: &Component) -> impl Iterator<Item = Variable> {
+        component.nodes.iter().filter_map(|&node| self.nodes.get(node).copied())
+    }
 }
 
 impl Names {
     pub(crate) fn new(scenario: &Scenario, fmus: &[Fmu]) -> Self {
         let units = scenario.units.iter().zip(fmus).map(|(unit, fmu)| (unit.name.clone(), fmu.clone()));
-        Self { units: units.collect() }
+        let places = scenario.units.iter().enumerate().map(|(place, unit)| (unit.name.clone(), place));
+        Self { units: units.collect(), places: places.collect() }
     }
 
     pub(crate) fn variable(&self, (unit, place): Variable) -> &fmu::Variable {
@@ -57,7 +70,7 @@ impl Names {
     }
 
     pub(crate) fn unit(&self, name: &str) -> Result<usize, Wrong> {
-        self.units.iter().position(|(known, _)| known == name).ok_or_else(|| {
+        self.places.get(name).copied().ok_or_else(|| {
             (
                 format!("there is no unit {name:?}"),
                 nearest(name, self.units.iter().map(|(name, _)| name.as_str())),
@@ -166,27 +179,47 @@ impl Names {
         numbers.values_mut().enumerate().for_each(|(number, value)| *value = number);
         let drivers: HashMap<Variable, Variable> =
             direct().map(|connection| (connection.to, connection.from)).collect();
-        let edges = nodes.iter().map(|&node| match drivers.get(&node) {
-            Some(from) => vec![numbers[from]],
-            None => {
-                let said = inside(&self.units[node.0].1, node.1);
-                let inputs = drivers.keys().filter(|input| input.0 == node.0);
-                let mut on: Vec<usize> = inputs
-                    .filter(|input| said.is_none_or(|list| list.contains(&input.1)))
-                    .map(|input| numbers[input])
-                    .collect();
-                on.sort_unstable();
-                on
-            }
-        });
-        let edges = edges.collect();
+        let mut together: HashMap<usize, usize> = HashMap::new();
+        let mut edges: Vec<Vec<usize>> = Vec::with_capacity(nodes.len());
+        for &node in &nodes {
+            edges.push(match (drivers.get(&node), inside(&self.units[node.0].1, node.1)) {
+                (Some(from), _) => vec![numbers[from]],
+                (None, Some(said)) => {
+                    let inputs = said.iter().map(|&place| (node.0, place));
+                    let inputs = inputs.filter(|input| drivers.contains_key(input));
+                    let mut on: Vec<usize> = inputs.map(|input| numbers[&input]).collect();
+                    on.sort_unstable();
+                    on.dedup();
+                    on
+                }
+                (None, None) => {
+                    let next = nodes.len() + together.len();
+                    vec![*together.entry(node.0).or_insert(next)]
+                }
+            });
+        }
+        let mut of_units: Vec<(usize, usize)> = together.into_iter().collect();
+        of_units.sort_unstable_by_key(|(_, node)| *node);
+        for (unit, _) in of_units {
+            let of_unit = numbers.range((unit, 0)..(unit + 1, 0));
+            edges.push(of_unit.filter(|(v, _)| drivers.contains_key(v)).map(|(_, node)| *node).collect());
+        }
         Dependencies { nodes, edges }
     }
 
     /// A loop by its names.
     pub(crate) fn path(&self, graph: &Dependencies, component: &Component) -> String {
         let nodes = graph::loop_through(&graph.edges, component);
-        let names: Vec<String> = nodes.into_iter().map(|node| self.full(graph.nodes[node])).collect();
+        let variables = nodes.into_iter().filter_map(|node| graph.nodes.get(node));
+        let mut names: Vec<String> = variables.map(|variable| self.full(*variable)).collect();
+        if names.len() < 2 || names.first() != names.last() {
+            // It began with the inputs of a unit all together.
+            names.extend(names.first().cloned());
+        }
+        if names.len() > SHOWN {
+            let more = format!("({} more)", names.len() - SHOWN);
+            names.splice(SHOWN - 1..names.len() - 1, [more]);
+        }
         names.join(" -> ")
     }
 

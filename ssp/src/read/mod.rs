@@ -119,10 +119,18 @@ fn connect(scenario: &mut Scenario, tree: &Tree, wires: &Wires, names: &[String]
     };
     for path in wires.paths(tree)? {
         let (mut delay, mut channel) = (Rational::ZERO, Channel::default());
+        let mut map = Vec::new();
         let mut scale = Scale::of(tree.unit(path.from.0, &path.from.1));
         let ends = path.wires.iter().skip(1).map(|wire| &wire.from).chain([&path.to]);
         for (wire, to) in path.wires.iter().zip(ends) {
             scale = wire.pass(tree, to, scale)?;
+            if !wire.map.is_empty() {
+                if !map.is_empty() {
+                    let what = format!("a second mapping on the way to {}", variable(&path.to));
+                    return Err(wire.document.wrong(&wire.element, what, "one, on one of the connections"));
+                }
+                map.clone_from(&wire.map);
+            }
             if let Some(own) = &wire.own {
                 let (more, way) = timing::channel(&wire.document, own)?;
                 delay = timing::sum(delay, more).ok_or_else(|| {
@@ -146,7 +154,8 @@ fn connect(scenario: &mut Scenario, tree: &Tree, wires: &Wires, names: &[String]
             to: variable(&path.to),
             delay,
             channel,
-            transform: transform(tree, &path, &scale),
+            transform: if map.is_empty() { transform(tree, &path, &scale) } else { Transform::default() },
+            map,
             place: last.document.place(&last.element),
         });
     }

@@ -11,6 +11,7 @@ use orchestrator::suggest::nearest;
 use orchestrator::xml::Element;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use toml::Value as Toml;
 
 /// A connector: the place of its element, and its name.
 pub(super) type End = (usize, String);
@@ -21,6 +22,8 @@ pub(super) struct Wire {
     pub(super) from: End,
     pub(super) factor: f64,
     pub(super) offset: f64,
+    /// What becomes of single values.
+    pub(super) map: Vec<(Toml, Toml)>,
     /// Physical units are left alone.
     pub(super) suppress: bool,
     /// Our annotation, if there is one.
@@ -201,7 +204,7 @@ fn wire(
             return Err(document.wrong(element, what, format!("one of them of kind {lacks}")));
         }
     };
-    let mut transformation = (1.0, 0.0);
+    let (mut transformation, mut map) = ((1.0, 0.0), Vec::new());
     for child in &element.children {
         match child.name.as_str() {
             "LinearTransformation" => {
@@ -210,9 +213,15 @@ fn wire(
                 transformation = (number("factor", 1.0)?, number("offset", 0.0)?);
             }
             mapping if mapping.ends_with("MappingTransformation") => {
-                let what = format!("<{mapping}> on the connection into {}", shown(tree, &to));
-                let expected = "a LinearTransformation; tables are read in parameter mappings only";
-                return Err(document.wrong(child, what, expected));
+                for row in child.children.iter().filter(|row| row.name == "MapEntry") {
+                    let cell = |key| cell(document, row, mapping, key);
+                    map.push((cell("source")?, cell("target")?));
+                }
+                if map.is_empty() {
+                    let what =
+                        format!("<{mapping}> without entries on the connection into {}", shown(tree, &to));
+                    return Err(document.wrong(child, what, "one MapEntry at least"));
+                }
             }
             _ => {}
         }
@@ -221,6 +230,7 @@ fn wire(
         from,
         factor: transformation.0,
         offset: transformation.1,
+        map,
         suppress: document.flag(element, "suppressUnitConversion")?,
         own: ours(element, annotation::CONNECTION).cloned(),
         document: document.clone(),
@@ -228,6 +238,23 @@ fn wire(
         order,
     };
     Ok((to, wire))
+}
+
+/// A value of a mapping, by the mapping's type.
+fn cell(document: &Document, row: &Element, mapping: &str, key: &str) -> Result<Toml, Error> {
+    let text = document.required(row, key)?;
+    let wrong = |expected: &str| document.wrong(row, format!("{key}=\"{text}\" in <{mapping}>"), expected);
+    match mapping {
+        "BooleanMappingTransformation" => match text.trim() {
+            "true" | "1" => Ok(Toml::Boolean(true)),
+            "false" | "0" => Ok(Toml::Boolean(false)),
+            _ => Err(wrong("true or false")),
+        },
+        "IntegerMappingTransformation" => {
+            text.trim().parse().map(Toml::Integer).map_err(|_| wrong("a whole number"))
+        }
+        _ => Ok(Toml::String(text.to_owned())),
+    }
 }
 
 fn end(

@@ -31,6 +31,12 @@ impl<'a> Interface<'a> {
         items.iter().find(|(_, known)| *known == value).map(|(name, _)| name.as_str())
     }
 
+    /// The same for `unit.variable`.
+    pub(super) fn named(&self, full: &str, value: i32) -> Option<&'a str> {
+        let (unit, variable) = full.split_once('.')?;
+        self.item(self.names.iter().position(|name| *name == unit)?, variable, value)
+    }
+
     /// Inputs, outputs and parameters of a unit.
     pub(super) fn connectors(&mut self, xml: &mut Xml, unit: usize) {
         let description = self.descriptions[unit];

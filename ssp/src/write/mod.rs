@@ -88,7 +88,7 @@ fn system(xml: &mut Xml, simulation: &Simulation, bundle: &Bundle, interface: &m
         xml.close();
     }
     xml.close();
-    connections(xml, &bundle.scenario);
+    connections(xml, &bundle.scenario, interface);
     let step = smallest(&bundle.scenario).to_f64();
     let step = number(step);
     xml.open("ssd:Annotations", &[]);
@@ -165,7 +165,7 @@ fn annotated(xml: &mut Xml, content: impl FnOnce(&mut Xml)) {
     xml.close();
 }
 
-fn connections(xml: &mut Xml, scenario: &Scenario) {
+fn connections(xml: &mut Xml, scenario: &Scenario, interface: &Interface<'_>) {
     if scenario.connections.is_empty() {
         return;
     }
@@ -186,7 +186,7 @@ fn connections(xml: &mut Xml, scenario: &Scenario) {
             ("suppressUnitConversion", (!transform.convert_units).then_some("true")),
         ];
         let is_delayed = entry.delay.is_positive() || entry.channel != Channel::default();
-        if !is_scaled && !is_delayed {
+        if !is_scaled && !is_delayed && entry.map.is_empty() {
             xml.empty("ssd:Connection", &attributes);
             continue;
         }
@@ -195,10 +195,44 @@ fn connections(xml: &mut Xml, scenario: &Scenario) {
             let (factor, offset) = (number(transform.gain), number(transform.bias));
             xml.empty("ssc:LinearTransformation", &[("factor", Some(&factor)), ("offset", Some(&offset))]);
         }
+        if !entry.map.is_empty() {
+            mapping(xml, entry, interface);
+        }
         if is_delayed {
             annotated(xml, |xml| way(xml, entry));
         }
         xml.close();
+    }
+    xml.close();
+}
+
+/// What becomes of single values: the type of the table is that of the output.
+fn mapping(xml: &mut Xml, entry: &ConnectionEntry, interface: &Interface<'_>) {
+    let text = |value: &Toml| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let number_of =
+        |value: &Toml| value.as_bool().map_or_else(|| text(value), |yes| u8::from(yes).to_string());
+    let item = |name: &str, value: &Toml| match value {
+        Toml::Integer(number) => i32::try_from(*number).ok().and_then(|number| interface.named(name, number)),
+        _ => None,
+    };
+    let shown = |name: &str, value: &Toml| item(name, value).map_or_else(|| text(value), str::to_owned);
+    let is_item = |name: &str, value: &Toml| value.is_str() || item(name, value).is_some();
+    let element = match &entry.map[0] {
+        (Toml::Boolean(_), Toml::Boolean(_)) => "ssc:BooleanMappingTransformation",
+        (from, to) if is_item(&entry.from, from) && is_item(&entry.to, to) => {
+            "ssc:EnumerationMappingTransformation"
+        }
+        _ => "ssc:IntegerMappingTransformation",
+    };
+    xml.open(element, &[]);
+    for (from, to) in &entry.map {
+        let (source, target) = match element {
+            "ssc:EnumerationMappingTransformation" => (shown(&entry.from, from), shown(&entry.to, to)),
+            "ssc:BooleanMappingTransformation" => (text(from), text(to)),
+            // Between types numbers stand for both.
+            _ => (number_of(from), number_of(to)),
+        };
+        xml.empty("ssc:MapEntry", &[("source", Some(&source)), ("target", Some(&target))]);
     }
     xml.close();
 }

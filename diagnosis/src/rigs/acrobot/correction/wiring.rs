@@ -50,7 +50,15 @@ pub fn insert(scenario: &mut Scenario, correction: &Correction) {
     }
     let mut connect = |from: String, to: String| {
         let (delay, channel, transform) = (Rational::ZERO, Channel::default(), Transform::default());
-        scenario.connections.push(ConnectionEntry { from, to, delay, channel, transform, place: here() });
+        scenario.connections.push(ConnectionEntry {
+            from,
+            to,
+            delay,
+            channel,
+            transform,
+            map: Vec::new(),
+            place: here(),
+        });
     };
     STATE.iter().for_each(|variable| connect(format!("plant.{variable}"), format!("{name}.{variable}")));
     TORQUES.iter().for_each(|variable| connect(format!("{name}.{variable}"), format!("plant.{variable}")));

@@ -70,7 +70,7 @@ pub enum Command {
 /// `acroscope run`
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  acroscope run visual-servo\n  acroscope run visual-servo --set camera.k1=0.1 --stop 20\n  acroscope run my-scenario.toml --out out/mine"
+    after_help = "Examples:\n  acroscope run visual-servo\n  acroscope run visual-servo --set camera.k1=0.1 --stop 20\n  acroscope run my-scenario.toml --out out/mine\n  acroscope run my-scenario.toml --real-time"
 )]
 pub struct Run {
     /// A scenario file, a package (.ssp), or the name of a shipped scenario: visual-servo, full-state, dual-loop.
@@ -99,6 +99,12 @@ pub struct Run {
     /// Write `results.mcap`, too: signals and frames for Foxglove, Rerun, PlotJuggler.
     #[arg(long)]
     pub mcap: bool,
+    /// Write `results.parquet`, too: the table, with units and where it comes from in its metadata.
+    #[arg(long)]
+    pub parquet: bool,
+    /// Keep to the real clock: FACTOR simulated seconds a second [1 if no FACTOR is given].
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = above_zero)]
+    pub real_time: Option<f64>,
     /// Also say which start values gave way to connected outputs.
     #[arg(long, short)]
     pub verbose: bool,
@@ -333,6 +339,9 @@ pub struct Packing {
     /// The package to write.
     #[arg(long, short, value_name = "FILE.ssp")]
     pub output: PathBuf,
+    /// Have latencies made by units (signal_effects), for masters that know none.
+    #[arg(long)]
+    pub delay_units: bool,
 }
 
 /// `acroscope completions`

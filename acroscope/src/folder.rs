@@ -51,10 +51,16 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes a file.
+    /// Writes a file; where that fails, on a full disk for example, no half of it is left.
     pub fn write(&self, name: &str, text: &str) -> Result<(), Error> {
         let path = self.file(name);
-        std::fs::write(&path, text).map_err(Error::file(&path))
+        std::fs::write(&path, text).map_err(|why| {
+            if path.is_file() {
+                // What can't be taken away stays.
+                let _ = std::fs::remove_file(&path);
+            }
+            Error::file(&path)(why)
+        })
     }
 }
 

@@ -145,6 +145,8 @@ mod tests {
             memory_limit: None,
             checkpoint: None,
             mcap: false,
+            parquet: false,
+            real_time: None,
             resume: false,
             verbose: false,
             out: None,

@@ -100,3 +100,29 @@ def test_a_rehearsal_finds_what_was_hidden(acroscope, tmp_path):
     assert [effect["name"] for effect in diagnosis["effects"]] == ["camera.k1"]
     assert diagnosis["effects"][0]["value"] == pytest.approx(0.03, rel=0.05)
     acroscope("run", tmp_path / "diagnosis" / "amended.toml", "--stop", "1", "--out", tmp_path / "amended")
+
+
+def test_a_resumed_run_that_is_refused_keeps_what_is_there(acroscope, tmp_path):
+    out = tmp_path / "run"
+    acroscope("run", "full-state", "--stop", "1", "--checkpoint", "0.4", "--out", out)
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    assert {"report.html", "summary.json", "checkpoint.bin"} <= set(before)
+    command = [ROOT / "target" / "release" / "acroscope", "run", "full-state", "--set", "plant.b_joint=0.1", "--stop", "1", "--resume"]
+    refused = subprocess.run([*command, "--out", out], capture_output=True, text=True)
+    assert refused.returncode == 2 and "this one differs" in refused.stderr
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    acroscope("run", "full-state", "--stop", "1", "--checkpoint", "0.4", "--resume", "--out", out)
+    assert (out / "results.csv").read_bytes() == before["results.csv"]
+
+
+def test_real_time_keeps_to_the_clock_and_changes_no_row(acroscope, tmp_path):
+    acroscope("run", "full-state", "--stop", "0.5", "--out", tmp_path / "fast")
+    began = time.monotonic()
+    told = acroscope("run", "full-state", "--stop", "0.5", "--real-time", "2", "--out", tmp_path / "slow")
+    assert time.monotonic() - began >= 0.25  # no point comes before it is due, however busy the machine is
+    assert (tmp_path / "fast" / "results.csv").read_bytes() == (tmp_path / "slow" / "results.csv").read_bytes()
+    assert (tmp_path / "fast" / "report.html").read_bytes() != b"" and not (tmp_path / "fast" / "pacing.json").exists()
+    pacing = json.loads((tmp_path / "slow" / "pacing.json").read_text())
+    assert pacing["factor"] == 2 and pacing["points"] == 300
+    assert 0 <= pacing["late_mean"] <= pacing["late_most"] and 0 <= pacing["missed"] <= 300
+    assert "real time x 2: 300 points" in told.stdout

@@ -10,14 +10,18 @@ use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
 use crate::{formats, provenance, run_report};
 use orchestrator::{
-    Checkpoint, Checkpoints, Ended, Isolation, NoRecorder, Progress, Recorder, Scenario, Simulation, Twice,
+    Checkpoint, Checkpoints, Ended, Isolation, Lateness, NoRecorder, Progress, Recorder, Scenario,
+    Simulation, Twice,
 };
 use report::Figure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What a run writes, beside `frames`.
-const FILES: [&str; 5] = ["results.csv", "resolved.toml", "report.html", "summary.json", formats::MCAP];
+const FILES: [&str; 7] =
+    ["results.csv", "resolved.toml", "report.html", "summary.json", formats::MCAP, formats::PARQUET, PACING];
+/// How well a run kept to the real clock: apart from what is the same each time.
+const PACING: &str = "pacing.json";
 /// The newest checkpoint, beside the results.
 const CHECKPOINT: &str = "checkpoint.bin";
 
@@ -33,6 +37,8 @@ pub struct CarriedOut {
     replaced_starts: Vec<String>,
     /// How late its loops are.
     timing: Vec<String>,
+    /// How well it kept to the real clock, if it had to.
+    lateness: Option<Lateness>,
 }
 
 /// Runs the scenario and writes `results.csv`, `resolved.toml`, `report.html` and `summary.json`.
@@ -45,6 +51,9 @@ pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
         }
         if let Some(summary) = &done.summary {
             tell_all(summary, &done.timing, &bar, &done.folder);
+        }
+        if let Some(lateness) = &done.lateness {
+            tell!("{lateness}");
         }
     }
     match done.ended? {
@@ -76,6 +85,7 @@ pub fn carry_out(
     isolate(&mut scenario, arguments);
     let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     layout.complete(&simulation)?;
+    simulation.pace(arguments.real_time);
     let provenance = provenance::of_run(&request, &bytes, &simulation)?;
 
     let folder = Folder::make(&out)?;
@@ -93,9 +103,17 @@ pub fn carry_out(
         // A unit refused to begin, or the checkpoint is another run's: what lies in the folder is of an earlier run, and stays.
         let ended = ended.map_err(|error| results.failed().unwrap_or(error));
         let replaced_starts = simulation.replaced_starts().to_vec();
-        return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing: Vec::new() });
+        let (timing, lateness) = (Vec::new(), None);
+        return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing, lateness });
     }
-    let exported = if arguments.mcap { formats::mcap(&folder, &simulation, &layout) } else { Ok(()) };
+    let mut exported = if arguments.mcap { formats::mcap(&folder, &simulation, &layout) } else { Ok(()) };
+    if arguments.parquet {
+        exported = exported.and(formats::parquet(&folder, &simulation, &provenance));
+    }
+    let lateness = simulation.lateness().cloned();
+    if let Some(lateness) = &lateness {
+        folder.write(PACING, &lateness.to_json())?;
+    }
     let finished = Finished {
         simulation: &simulation,
         layout: &layout,
@@ -115,8 +133,8 @@ pub fn carry_out(
     exported?;
     drop(frames);
     let replaced_starts = simulation.replaced_starts().to_vec();
-    let timing = run_report::timing::lines(simulation.scenario());
-    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing })
+    let timing = run_report::timing::lines(&simulation);
+    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing, lateness })
 }
 
 /// Where the run goes on, if it is to.

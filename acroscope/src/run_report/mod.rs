@@ -57,7 +57,7 @@ impl Finished<'_> {
              `summary.json`, all beside this page.",
         );
         self.graphs(&series, &mut page)?;
-        page.figures(timing::figure(self.simulation.scenario()).as_slice());
+        page.figures(timing::figure(self.simulation).as_slice());
         if let Some(entry) = &self.layout.picture {
             entry.show(&shots, &series.at_index, &mut page)?;
         }

@@ -1,7 +1,7 @@
 //! What the timing of a scenario does to its loops: lines for the terminal, and a diagram with them for the page.
 
-use orchestrator::Scenario;
-use orchestrator::timing::{Lane, budget, diagram};
+use orchestrator::Simulation;
+use orchestrator::timing::{Lane, budget_of, diagram_of};
 use report::TimingDiagram;
 
 /// Loops that are told of, the latest first.
@@ -11,9 +11,9 @@ const LOOPS: usize = 5;
 const LANES: usize = 24;
 
 /// How late each loop is and by what, a line each; nothing where there is no loop.
-pub fn lines(scenario: &Scenario) -> Vec<String> {
+pub fn lines(simulation: &Simulation) -> Vec<String> {
     // A scenario without a common tick could not have been built.
-    let (loops, more) = budget(scenario, LOOPS).unwrap_or_default();
+    let (loops, more) = budget_of(simulation, LOOPS).unwrap_or_default();
     let mut lines: Vec<String> = loops.iter().map(ToString::to_string).collect();
     if more {
         lines.push("there are more loops, which are less late".into());
@@ -22,10 +22,10 @@ pub fn lines(scenario: &Scenario) -> Vec<String> {
 }
 
 /// The diagram as SVG, and the words below it; nothing where there is no loop.
-pub fn figure(scenario: &Scenario) -> Option<(String, String)> {
-    let lines = lines(scenario);
+pub fn figure(simulation: &Simulation) -> Option<(String, String)> {
+    let lines = lines(simulation);
     let diagram =
-        diagram(scenario).ok().filter(|diagram| !lines.is_empty() && diagram.lanes.len() <= LANES)?;
+        diagram_of(simulation).ok().filter(|diagram| !lines.is_empty() && diagram.lanes.len() <= LANES)?;
     let label = |lane: &Lane| match lane.points.is_empty() {
         true => format!("{}, each {} s", lane.unit, report::head::short(lane.interval)),
         false => lane.unit.clone(),

@@ -6,6 +6,7 @@ use crate::thin::thin;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Size of a graph on the page, in CSS pixels.
 pub(crate) const SIZE: (u32, u32) = (640, 380);
@@ -13,7 +14,7 @@ pub(crate) const SIZE: (u32, u32) = (640, 380);
 pub(crate) const FONT: &str = "sans-serif";
 
 /// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Style {
     /// Connected points.
     Solid,
@@ -26,7 +27,7 @@ pub enum Style {
 }
 
 /// The mark of a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Marks {
     /// A disc.
     Dot,
@@ -35,13 +36,14 @@ pub enum Marks {
 }
 
 /// One line of a graph.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// Its entry in the legend; empty: none.
     pub label: String,
     /// How it is drawn.
     pub style: Style,
     /// Points ordered by x. Points that are not finite interrupt the line.
+    #[serde(with = "holes")]
     pub points: Vec<(f64, f64)>,
 }
 
@@ -62,8 +64,23 @@ impl Line {
     }
 }
 
+/// Points as JSON, which has no word for what is no number: it stands as null.
+mod holes {
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(points: &[(f64, f64)], to: S) -> Result<S::Ok, S::Error> {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        to.collect_seq(points.iter().map(|(x, y)| (finite(*x), finite(*y))))
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Vec<(f64, f64)>, D::Error> {
+        let points = Vec::<(Option<f64>, Option<f64>)>::deserialize(from)?;
+        Ok(points.into_iter().map(|(x, y)| (x.unwrap_or(f64::NAN), y.unwrap_or(f64::NAN))).collect())
+    }
+}
+
 /// An axis: what it shows, and over which range; without a range it fits the data.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Label with unit.
     pub label: String,
@@ -84,7 +101,7 @@ impl Axis {
 }
 
 /// A graph.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Graph {
     /// Title above the graph; empty: none.
     pub title: String,
@@ -303,6 +320,17 @@ mod tests {
         assert!(svg.starts_with("<svg") && svg.contains("desired") && svg.contains("time in s"));
         assert!(svg.contains("z &lt; 1"), "the title is escaped");
         assert_eq!(svg, graph.to_svg().expect("drawn once already"), "same data, same bytes");
+    }
+
+    #[test]
+    fn law_a_graph_comes_back_from_json_with_its_holes() {
+        let points = vec![(0.0, 0.1), (1.0, f64::NAN), (2.0, 0.3)];
+        let graph =
+            Graph::new("t", Axis::fitted("x"), Axis::over("y", -1.0, 1.0)).with(Line::solid("a", points));
+        let text = serde_json::to_string(&graph).expect("written");
+        let back: Graph = serde_json::from_str(&text).expect("read");
+        assert_eq!((back.to_svg().expect("drawn"), back.y), (graph.to_svg().expect("drawn"), graph.y));
+        assert!(back.lines[0].points[1].1.is_nan() && back.lines[0].points[2] == (2.0, 0.3));
     }
 
     #[test]

@@ -170,13 +170,28 @@ impl Page {
         })
     }
 
+    /// What something is, line by line: labels and values.
+    pub fn facts(&mut self, rows: &[(impl AsRef<str>, String)]) -> &mut Self {
+        self.push(facts(rows))
+    }
+
+    /// Where it comes from in a line, for the head of a page whose foot has all of it.
+    pub fn origin_line(&mut self, provenance: &Provenance) -> &mut Self {
+        let inputs: Vec<&str> = provenance.inputs.iter().map(|input| input.name.as_str()).collect();
+        self.push(html! { p.origin {
+            "Made by " (provenance.program.line()) " with " code { (provenance.command) }
+            @if !inputs.is_empty() { " from " (inputs.join(", ")) }
+            "; checksums at the foot of the page."
+        } })
+    }
+
     /// Where it comes from, and how to make it again.
     pub fn provenance(&mut self, provenance: &Provenance) -> &mut Self {
         let rows = provenance.rows();
         self.push(html! {
             details.provenance open {
                 summary { "Where this comes from" }
-                div.scroll tabindex="0" { table { tbody { @for (label, text) in &rows { (row(label, text)) } } } }
+                (facts(&rows))
                 p { "The command that makes it again:" }
                 pre { (provenance.command) }
             }
@@ -184,8 +199,10 @@ impl Page {
     }
 }
 
-fn row(label: &str, text: &str) -> Markup {
-    html! { tr { th scope="row" { (label) } td { (text) } } }
+fn facts(rows: &[(impl AsRef<str>, String)]) -> Markup {
+    html! { div.scroll tabindex="0" { table.facts { tbody { @for (label, text) in rows {
+        tr { th scope="row" { (label.as_ref()) } td { (text) } }
+    } } } } }
 }
 
 /// Four significant digits, without zeros at the end: what a person compares.

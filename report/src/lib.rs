@@ -7,6 +7,7 @@
 
 mod compact;
 pub mod field;
+pub mod filter;
 pub mod graph;
 pub mod head;
 mod legend;
@@ -14,16 +15,19 @@ mod live;
 pub mod map;
 pub mod page;
 pub mod picture;
+pub mod readings;
 pub mod thin;
 pub mod timing;
 
 pub use field::VectorField;
+pub use filter::{Filtered, Marked};
 pub use graph::{Axis, Graph, Line, Marks, Style};
 pub use head::{Change, Figure, Input, Origin, Program, Provenance, Standing, Verdict};
 pub use map::{Contour, HeatMap};
 pub use maud::{Markup, PreEscaped};
 pub use page::{Cell, Page, Table};
 pub use picture::Picture;
+pub use readings::Readings;
 pub use timing::TimingDiagram;
 
 /// What can go wrong while drawing.

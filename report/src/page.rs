@@ -34,6 +34,8 @@ pub enum Cell {
     Number(String),
     /// A statement that holds or does not.
     Holds(bool, String),
+    /// Words that lead to an address.
+    Link(String, String),
 }
 
 impl From<&str> for Cell {
@@ -102,6 +104,14 @@ impl Page {
         Ok(html! { div.row { @for place in &places { (place) } } })
     }
 
+    /// One graph for a place that the caller chooses.
+    ///
+    /// # Errors
+    /// It can't be drawn.
+    pub fn place(&mut self, graph: &Graph, caption: &str) -> Result<Markup, Error> {
+        self.live.add(graph, caption)
+    }
+
     /// Takes a column of values for a script of the page's own, which gets it back as `acro.column(number)`.
     ///
     /// # Errors
@@ -122,6 +132,11 @@ impl Page {
         self
     }
 
+    /// Places side by side where the window is wide enough.
+    pub fn side_by_side(&mut self, places: &[Markup]) -> &mut Self {
+        self.push(html! { div.row { @for place in places { (place) } } })
+    }
+
     /// A PNG picture with a caption and an alternative text.
     pub fn picture(&mut self, png: &[u8], caption: &str) -> &mut Self {
         let data = base64::engine::general_purpose::STANDARD.encode(png);
@@ -130,14 +145,13 @@ impl Page {
     }
 
     /// A table.
-    pub fn table(&mut self, table: &Table) -> &mut Self {
-        self.push(html! {
-            // A keyboard can scroll what has the focus.
-            div.scroll tabindex="0" { table {
-                thead { tr { @for name in &table.head { @if name.is_empty() { td {} } @else { th { (name) } } } } }
-                tbody { @for row in &table.rows { tr { @for cell in row { (cell_markup(cell)) } } } }
-            } }
-        })
+    pub fn table(&mut self, of: &Table) -> &mut Self {
+        self.push(table(of))
+    }
+
+    /// Names in columns.
+    pub fn names<'a>(&mut self, names: impl IntoIterator<Item = &'a str>) -> &mut Self {
+        self.push(html! { ul.names { @for name in names { li { code { (name) } } } } })
     }
 
     /// Anything else.
@@ -170,25 +184,51 @@ impl Page {
     }
 }
 
-pub(crate) fn figure(svg: &str, caption: &str) -> Markup {
-    let named = match caption {
+/// A table for a place that the caller chooses.
+pub fn table(table: &Table) -> Markup {
+    html! {
+        // A keyboard can scroll what has the focus.
+        div.scroll tabindex="0" { table {
+            thead { tr { @for name in &table.head { @if name.is_empty() { td {} } @else { th { (name) } } } } }
+            tbody { @for row in &table.rows { tr { @for cell in row { (cell_markup(cell, None)) } } } }
+        } }
+    }
+}
+
+/// A drawn graph with its caption for a place that the caller chooses.
+pub fn figure(svg: &str, caption: &str) -> Markup {
+    html! { figure {
+        (PreEscaped(named(svg, caption)))
+        @if !caption.is_empty() { figcaption { (inline(caption)) } }
+    } }
+}
+
+/// A drawing with its caption as a name, for those who can't see it.
+pub(crate) fn named(svg: &str, caption: &str) -> String {
+    match caption {
         "" => svg.to_owned(),
         _ if svg.split('>').next().is_some_and(|tag| tag.contains("aria-label")) => svg.to_owned(),
-        // For those who can't see it.
         words => {
             let words = html! { (words.replace('`', "")) }.into_string();
             svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{words}\" "), 1)
         }
-    };
-    html! { figure { (PreEscaped(named)) @if !caption.is_empty() { figcaption { (inline(caption)) } } } }
+    }
 }
 
-fn cell_markup(cell: &Cell) -> Markup {
+/// A cell, with the head of its column for pages that show it beside the cell.
+pub(crate) fn cell_markup(cell: &Cell, label: Option<&str>) -> Markup {
+    let class = matches!(cell, Cell::Number(_)).then_some("number");
+    // What is empty has no space in it either, so that a style can leave it out.
+    html! { td class=[class] data-label=[label] { (words(cell)) } }
+}
+
+/// The words of a cell outside a table.
+pub fn words(cell: &Cell) -> Markup {
     match cell {
-        Cell::Text(text) => html! { td { (inline(text)) } },
-        Cell::Number(text) => html! { td.number { (inline(text)) } },
-        Cell::Holds(true, text) => html! { td.yes { "✓ " (inline(text)) } },
-        Cell::Holds(false, text) => html! { td.no { "✗ " (inline(text)) } },
+        Cell::Text(text) | Cell::Number(text) => html! { (inline(text)) },
+        Cell::Holds(true, text) => html! { span.yes { "✓ " (inline(text)) } },
+        Cell::Holds(false, text) => html! { span.no { "✗ " (inline(text)) } },
+        Cell::Link(text, to) => html! { a href=(to) { (text) } },
     }
 }
 

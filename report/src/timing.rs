@@ -15,11 +15,12 @@ pub struct TimingDiagram {
 }
 
 const WIDTH: f64 = 640.0;
-/// Room for labels, for a lane, above the first and below the last one.
-const LABELS: f64 = 150.0;
+/// Room for labels, at most and for each letter, for a lane, above the first and below the last one.
+const LABELS: f64 = 190.0;
+const LETTER: f64 = 7.0;
 const LANE: f64 = 46.0;
 const ABOVE: f64 = 20.0;
-const BELOW: f64 = 34.0;
+const BELOW: f64 = 40.0;
 /// One colour for each lane that values come from; then they repeat.
 const COLOURS: [&str; 6] = ["#1f5fa8", "#b3541e", "#2e7d4f", "#7a3e8e", "#9c2f3c", "#55606b"];
 
@@ -29,8 +30,10 @@ impl TimingDiagram {
         let lanes = self.lanes.len() as f64;
         let (bottom, height) = (ABOVE + LANE * (lanes - 0.5), ABOVE + LANE * lanes + BELOW - LANE / 2.0);
         let (begin, end) = self.span;
-        let across = if end > begin { (WIDTH - LABELS - 16.0) / (end - begin) } else { 0.0 };
-        let x = |time: f64| format!("{:.2}", LABELS + (time - begin) * across);
+        let letters = self.lanes.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+        let left = (16.0 + LETTER * letters as f64).clamp(40.0, LABELS);
+        let across = if end > begin { (WIDTH - left - 24.0) / (end - begin) } else { 0.0 };
+        let x = |time: f64| format!("{:.2}", left + (time - begin) * across);
         let y = |lane: usize| ABOVE + LANE * lane as f64;
         let colour = |lane: usize| COLOURS[lane % COLOURS.len()];
         let ticks = || crate::timing::ticks(begin, end);
@@ -47,9 +50,9 @@ impl TimingDiagram {
                     line x1=(x(time)) x2=(x(time)) y1=(ABOVE / 2.0) y2=(bottom) stroke="#e4e4e4" {}
                     text x=(x(time)) y=(bottom + 14.0) text-anchor="middle" { (label) }
                 }
-                text x=(WIDTH - 16.0) y=(bottom + 28.0) text-anchor="end" { "time in s" }
+                text x=(left) y=(bottom + 32.0) { "time in s" }
                 @for (lane, (label, points)) in self.lanes.iter().enumerate() {
-                    text x=(LABELS - 10.0) y=(y(lane) + 4.0) text-anchor="end" { (label) }
+                    text x=(left - 10.0) y=(y(lane) + 4.0) text-anchor="end" { (label) }
                     line x1=(x(begin)) x2=(x(end)) y1=(y(lane)) y2=(y(lane)) stroke="#888" {}
                     @for &point in points {
                         line x1=(x(point)) x2=(x(point)) y1=(y(lane) - 5.0) y2=(y(lane) + 5.0) stroke="#222" {}
@@ -94,8 +97,8 @@ mod tests {
         let svg = diagram.to_svg();
         assert!(svg.contains("a &lt;b&gt;") && svg.contains("marker-end=\"url(#timing-0)\""));
         assert_eq!(svg.matches("stroke=\"#222\"").count(), 5, "a mark for each point");
-        // Half of the time is half of the way, from the upper lane to the end of the lower one.
-        assert!(svg.contains("x1=\"387.00\" y1=\"20\" x2=\"624.00\" y2=\"66\""), "{svg}");
+        // Half of the time is half of the way (from 51, five letters, to 616), from the upper lane to the end of the lower one.
+        assert!(svg.contains("x1=\"333.50\" y1=\"20\" x2=\"616.00\" y2=\"66\""), "{svg}");
     }
 
     #[test]

@@ -34,6 +34,6 @@ mod worker;
 
 pub use error::Error;
 pub use plan::Plan;
-pub use scalar::{Reduce, Scalar, Test};
+pub use scalar::{Reduce, Scalar, Tally, Test};
 pub use study::{SHIPPED, Study, Words};
 pub use sweep::{Done, Limits, Options, Silent, Watch, sweep};

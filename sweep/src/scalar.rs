@@ -28,6 +28,8 @@ pub enum Reduce {
     Mean,
     /// The root of the mean of their squares.
     Rms,
+    /// The largest absolute value.
+    Peak,
     /// The time in s of the first row at which something is so.
     FirstTrue(Test),
 }
@@ -55,7 +57,7 @@ impl Test {
 
 impl Reduce {
     /// The names of all.
-    pub const NAMES: [&'static str; 6] = ["last", "min", "max", "mean", "rms", "first_true"];
+    pub const NAMES: [&'static str; 7] = ["last", "min", "max", "mean", "rms", "peak", "first_true"];
 
     /// The one of a name.
     pub fn named(name: &str, test: Test) -> Option<Self> {
@@ -65,15 +67,16 @@ impl Reduce {
             "max" => Self::Max,
             "mean" => Self::Mean,
             "rms" => Self::Rms,
+            "peak" => Self::Peak,
             "first_true" => Self::FirstTrue(test),
             _ => return None,
         })
     }
 }
 
-/// Takes the values, row by row.
+/// Takes the values, row by row: of a scalar here, and of a figure of a run's verdict.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Tally {
+pub struct Tally {
     reduce: Reduce,
     rows: f64,
     /// The value, or the sum so far.
@@ -81,7 +84,8 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    pub(crate) fn new(reduce: Reduce) -> Self {
+    /// Nothing yet.
+    pub fn new(reduce: Reduce) -> Self {
         Self { reduce, rows: 0.0, value: 0.0 }
     }
 
@@ -92,7 +96,7 @@ impl Tally {
 
     /// The next row.
     #[inline]
-    pub(crate) fn push(&mut self, time: f64, value: f64) {
+    pub fn push(&mut self, time: f64, value: f64) {
         if value.is_nan() {
             return;
         }
@@ -103,6 +107,7 @@ impl Tally {
             Reduce::Max => self.value = if first { value } else { self.value.max(value) },
             Reduce::Mean => self.value += value,
             Reduce::Rms => self.value += value * value,
+            Reduce::Peak => self.value = self.value.max(value.abs()),
             // Rows count from the one on at which it is so.
             Reduce::FirstTrue(test) if first && !test.holds(value) => return,
             Reduce::FirstTrue(_) if first => self.value = time,
@@ -112,7 +117,7 @@ impl Tally {
     }
 
     /// The number; `None` if there was no row, or it never was so.
-    pub(crate) fn finish(&self) -> Option<f64> {
+    pub fn finish(&self) -> Option<f64> {
         let value = match self.reduce {
             Reduce::Mean => self.value / self.rows,
             Reduce::Rms => (self.value / self.rows).sqrt(),
@@ -142,6 +147,7 @@ mod tests {
             (Reduce::Max, -1.0),
             (Reduce::Mean, -8.0 / 3.0),
             (Reduce::Rms, (26.0_f64 / 3.0).sqrt()),
+            (Reduce::Peak, 4.0),
         ];
         for (reduce, value) in expected {
             assert_eq!(of(reduce, &rows), Some(value), "{reduce:?}");

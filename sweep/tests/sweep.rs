@@ -44,7 +44,7 @@ fn law_rows_are_those_of_single_runs() {
         assert!(cells.contains(&("error".into(), Field::Null)));
     }
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
-    assert!(page.contains("all 12 cases ran") && page.matches("<svg").count() == 3);
+    assert!(page.contains("All 12 cases ran") && page.matches("<svg").count() == 3);
 }
 
 #[test]

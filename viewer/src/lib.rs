@@ -14,6 +14,7 @@ mod wiring;
 
 pub use page::page;
 pub use serve::serve;
+pub use wiring::timing;
 
 use std::path::PathBuf;
 

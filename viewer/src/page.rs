@@ -3,7 +3,8 @@
 use crate::machine::Machine;
 use crate::results::Results;
 use crate::{Error, signals, wiring};
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
+use orchestrator::timing::diagram;
 use report::Page;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -50,6 +51,10 @@ pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
     let graphs: Vec<_> = signals::graphs(&runs).into_iter().map(|graph| (graph, String::new())).collect();
     let places = page.places(&graphs)?;
     let two = runs.len() > 1;
+    let wired = connections(&runs);
+    // Where there is nothing to draw, how the units are connected stands in its place.
+    let (beside, below) =
+        if machines.iter().any(Option::is_some) { (None, Some(wired)) } else { (Some(wired), None) };
     page.push(html! {
         div.view.two[two] {
             div.left {
@@ -59,34 +64,35 @@ pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
                     }
                 }
                 (player())
+                @if let Some(wired) = beside { (wired) }
             }
             div.signals { h2 { "Signals" } (places) (picker()) }
         }
+        @if let Some(wired) = below { (wired) }
     });
-    connections(&mut page, &runs);
     page.scripted("view", data, &SCRIPTS, STYLE);
     Ok(page.to_html())
 }
 
 /// Units and connections: once where two runs have the same.
-fn connections(page: &mut Page, runs: &[Results]) {
+fn connections(runs: &[Results]) -> Markup {
     let drawn = |run: &Results| {
-        let drawn = [wiring::picture(&run.scenario), wiring::timing(&run.scenario)].into_iter().flatten();
-        (drawn.map(maud::PreEscaped::into_string).collect::<Vec<_>>(), wiring::table(&run.scenario))
+        let timing = diagram(&run.scenario).ok().as_ref().and_then(wiring::timing).map(|diagram| {
+            let words =
+                "When each unit is stepped, and when a value that one gives is first used by another.";
+            html! { div.scroll tabindex="0" { (report::page::figure(&diagram.to_svg(), words)) } }
+        });
+        let drawn = [wiring::picture(&run.scenario), timing].into_iter().flatten();
+        (drawn.map(PreEscaped::into_string).collect::<Vec<_>>(), wiring::table(&run.scenario))
     };
     let mut all: Vec<_> = runs.iter().map(drawn).collect();
     all.dedup();
     let several = all.len() > 1;
-    for (number, (pictures, table)) in all.into_iter().enumerate() {
-        let of = if several { format!(" of {}", signals::LETTERS[number % 2]) } else { String::new() };
-        page.heading(&format!("Units and connections{of}"));
-        for picture in pictures {
-            page.push(maud::PreEscaped(picture));
-        }
-        if !table.rows.is_empty() {
-            page.table(&table);
-        }
-    }
+    html! { @for (number, (pictures, table)) in all.iter().enumerate() {
+        h2 { "Units and connections" @if several { " of " (signals::LETTERS[number % 2]) } }
+        @for picture in pictures { (PreEscaped(picture)) }
+        @if !table.rows.is_empty() { (report::page::table(table)) }
+    } }
 }
 
 /// Hands the columns to the page and answers what the scripts need to find them.

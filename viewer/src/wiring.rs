@@ -3,7 +3,8 @@
 use maud::{Markup, PreEscaped, html};
 use orchestrator::Scenario;
 use orchestrator::scenario::ConnectionEntry;
-use report::{Cell, Table};
+use orchestrator::timing::{Diagram, Lane};
+use report::{Cell, Table, TimingDiagram};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -125,37 +126,21 @@ pub fn table(scenario: &Scenario) -> Table {
     }
 }
 
-/// When each unit is stepped, over a few of the longest intervals.
-pub fn timing(scenario: &Scenario) -> Option<Markup> {
-    let longest = scenario.units.iter().map(|unit| unit.interval.to_f64()).fold(0.0, f64::max);
-    let shortest = scenario.units.iter().map(|unit| unit.interval.to_f64()).fold(f64::INFINITY, f64::min);
-    if scenario.units.is_empty() || longest <= 0.0 || longest / shortest > 200.0 {
+/// Lanes beyond which a timing diagram shows nothing any more.
+const LANES: usize = 24;
+
+/// When each unit is stepped, over a few of the longest intervals, and when a value that one gives is first used by another.
+pub fn timing(diagram: &Diagram) -> Option<TimingDiagram> {
+    if !(1..=LANES).contains(&diagram.lanes.len()) {
         return None;
     }
-    let end = if longest / shortest > 20.0 { longest } else { 4.0 * longest };
-    let (left, wide, row) = (110.0, 560.0, 26.0);
-    let total = row * scenario.units.len() as f64 + 30.0;
-    let mut svg = format!(
-        r#"<svg class="wiring" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 700 {total}" width="700" role="img" aria-label="Communication points of each unit">"#
-    );
-    for (index, unit) in scenario.units.iter().enumerate() {
-        let y = row * index as f64 + row;
-        let name = html! { (unit.name) }.into_string();
-        let _ =
-            write!(svg, r#"<text class="left" x="0" y="{y}">{name}</text><path d="M{left} {y}h{wide}"/>"#);
-        let step = unit.interval.to_f64();
-        let offset = unit.offset.as_ref().map_or(0.0, |offset| offset.value.to_f64());
-        for point in 0..=((end - offset).max(0.0) / step + 1e-9) as u32 {
-            let x = left + wide * (offset + f64::from(point) * step) / end;
-            let _ = write!(svg, r#"<path class="point" d="M{x:.2} {}v10"/>"#, y - 5.0);
-        }
-    }
-    let _ = write!(
-        svg,
-        r#"<text class="left" x="{left}" y="{0}">0</text><text class="right" x="{1}" y="{0}">{2}</text></svg>"#,
-        total - 6.0,
-        left + wide,
-        interval(end)
-    );
-    Some(html! { div.scroll tabindex="0" { (PreEscaped(svg)) } })
+    let label = |lane: &Lane| match lane.points.is_empty() {
+        true => format!("{}, each {}", lane.unit, interval(lane.interval)),
+        false => lane.unit.clone(),
+    };
+    Some(TimingDiagram {
+        span: diagram.span,
+        lanes: diagram.lanes.iter().map(|lane| (label(lane), lane.points.clone())).collect(),
+        arrows: diagram.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect(),
+    })
 }

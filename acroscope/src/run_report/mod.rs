@@ -57,7 +57,9 @@ impl Finished<'_> {
              `summary.json`, all beside this page.",
         );
         self.graphs(&series, &mut page)?;
-        page.figures(timing::figure(self.simulation).as_slice());
+        if let Some(figure) = timing::figure(self.simulation) {
+            page.heading("Timing of the units").figures(&[figure]);
+        }
         if let Some(entry) = &self.layout.picture {
             entry.show(&shots, &series.at_index, &mut page)?;
         }

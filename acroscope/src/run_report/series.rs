@@ -136,7 +136,7 @@ impl<'a> Pass<'a> {
         if self.failed.is_none() {
             for (signal, minus, valid, tally) in &mut self.figures {
                 let taken_off = minus.map_or(0.0, value);
-                tally.push(value(*signal) - taken_off, valid.is_none_or(|valid| value(valid) != 0.0));
+                tally.push(time, value(*signal) - taken_off, valid.is_none_or(|valid| value(valid) != 0.0));
             }
             self.failed = self.fails_when.filter(|column| value(*column) == 1.0).map(|_| time);
         }

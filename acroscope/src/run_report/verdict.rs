@@ -85,57 +85,64 @@ impl VerdictEntry {
 
 /// Takes the values of a figure, row by row.
 #[derive(Debug, Clone)]
-pub struct Tally {
-    reduce: Reduce,
-    rows: f64,
-    /// The sum, of squares for `rms`.
-    sum: f64,
-    value: f64,
+pub enum Tally {
+    /// What scalars of a sweep are, too.
+    Reduced(sweep::Tally),
+    /// Counts that are lost.
+    Lost(Lost),
+}
+
+/// Of a counter, the numbers that were passed over, and those that came while they were not valid.
+#[derive(Debug, Clone, Default)]
+pub struct Lost {
+    /// The count before.
+    before: Option<f64>,
     lost: f64,
 }
 
 impl Tally {
     /// Nothing yet.
     pub fn new(reduce: Reduce) -> Self {
-        Self { reduce, rows: 0.0, sum: 0.0, value: f64::NAN, lost: 0.0 }
+        let shared = match reduce {
+            Reduce::Last => sweep::Reduce::Last,
+            Reduce::Min => sweep::Reduce::Min,
+            Reduce::Max => sweep::Reduce::Max,
+            Reduce::Mean => sweep::Reduce::Mean,
+            Reduce::Rms => sweep::Reduce::Rms,
+            Reduce::Peak => sweep::Reduce::Peak,
+            Reduce::Lost => return Self::Lost(Lost::default()),
+        };
+        Self::Reduced(sweep::Tally::new(shared))
     }
 
     /// The next row. What is no number counts as none.
-    pub fn push(&mut self, value: f64, valid: bool) {
-        if value.is_nan() {
-            return;
-        }
-        self.rows += 1.0;
-        match self.reduce {
-            Reduce::Last => self.value = value,
-            Reduce::Min => self.value = self.value.min(value),
-            Reduce::Max => self.value = self.value.max(value),
-            Reduce::Peak => self.value = self.value.max(value.abs()),
-            Reduce::Mean => self.sum += value,
-            Reduce::Rms => self.sum += value * value,
-            Reduce::Lost => {
-                // A counter below zero hasn't begun.
-                if value >= 0.0 {
-                    let before =
-                        if self.value.is_nan() || self.value < 0.0 { value - 1.0 } else { self.value };
-                    if value > before {
-                        self.lost += value - before - 1.0 + f64::from(u8::from(!valid));
-                    }
-                }
-                self.value = value;
-            }
+    pub fn push(&mut self, time: f64, value: f64, valid: bool) {
+        match self {
+            Self::Reduced(tally) => tally.push(time, value),
+            Self::Lost(lost) if !value.is_nan() => lost.push(value, valid),
+            Self::Lost(_) => {}
         }
     }
 
     /// The number; `None` if there was no row.
     pub fn finish(&self) -> Option<f64> {
-        let value = match self.reduce {
-            Reduce::Mean => self.sum / self.rows,
-            Reduce::Rms => (self.sum / self.rows).sqrt(),
-            Reduce::Lost => self.lost,
-            _ => self.value,
-        };
-        (self.rows > 0.0).then_some(value)
+        match self {
+            Self::Reduced(tally) => tally.finish(),
+            Self::Lost(Lost { before, lost }) => before.map(|_| *lost),
+        }
+    }
+}
+
+impl Lost {
+    fn push(&mut self, value: f64, valid: bool) {
+        // A counter below zero hasn't begun.
+        if value >= 0.0 {
+            let before = self.before.filter(|before| *before >= 0.0).unwrap_or(value - 1.0);
+            if value > before {
+                self.lost += value - before - 1.0 + f64::from(u8::from(!valid));
+            }
+        }
+        self.before = Some(value);
     }
 }
 
@@ -145,12 +152,12 @@ mod tests {
 
     fn of(reduce: Reduce, rows: &[(f64, bool)]) -> Option<f64> {
         let mut tally = Tally::new(reduce);
-        rows.iter().for_each(|(value, valid)| tally.push(*value, *valid));
+        rows.iter().for_each(|(value, valid)| tally.push(0.0, *value, *valid));
         tally.finish()
     }
 
     #[test]
-    fn value_reductions() {
+    fn value_each_name_reduces_as_it_says() {
         let rows = [3.0, -4.0, f64::NAN, 1.0].map(|value| (value, true));
         // (9 + 16 + 1)/3 = 8.6667; NaN is no row.
         let expected = [
@@ -174,5 +181,6 @@ mod tests {
         // 1 came invalid, 2 and 3 were passed over; before the first there is nothing to lose.
         assert_eq!(of(Reduce::Lost, &rows), Some(3.0));
         assert_eq!(of(Reduce::Lost, &[(7.0, true), (8.0, true)]), Some(0.0), "a run may begin at any count");
+        assert_eq!(of(Reduce::Lost, &[(f64::NAN, true)]), None);
     }
 }

@@ -9,10 +9,13 @@ use crate::plan::Plan;
 use crate::scalar::{Reduce, Test};
 use crate::sweep::{Options, write as write_file};
 use report::head::short;
-use report::{Cell, Figure, Input, Page, Provenance, Standing, Table, Verdict};
+use report::{Cell, Figure, Filtered, Input, Marked, Page, Provenance, Standing, Table, Verdict};
 use std::path::PathBuf;
 
-/// Failed cases that are shown.
+/// Scalars of which the verdict tells the smallest and the largest value.
+const SPANNED: usize = 3;
+/// Cases that a page lists one by one, at most: more are read by programs. Of more, failed ones that are shown.
+const LISTED: u64 = 500;
 const SHOWN: usize = 20;
 
 /// The columns of numbers of all cases, NaN where there is none.
@@ -26,16 +29,20 @@ pub(crate) fn write(plan: &Plan, parts: &Parts, options: &Options) -> Result<Pat
     let (columns, failed, errors) = read(plan, parts)?;
     let mut page = Page::new(format!("{}: {} cases", plan.name, plan.cases()));
     page.verdict(&verdict(plan, &columns, failed));
+    let provenance = provenance(plan, parts, options);
+    page.origin_line(&provenance);
     pictures::draw(&mut page, plan, &columns)?;
     page.heading("Numbers of the cases").table(&numbers(plan, &columns));
-    if !errors.is_empty() {
+    if plan.cases() <= LISTED {
+        page.heading("Every case").filtered(&cases(plan, &columns, &errors));
+    } else if !errors.is_empty() {
         page.heading("Failed cases").table(&failures(plan, &columns, &errors));
     }
     page.heading("The data set").text(
         "`cases/part-*.parquet` has a row for each case, in order; every tool that reads Parquet takes the folder as one \
          table. `study.toml` and `resolved.toml` say what was run.",
     );
-    page.provenance(&provenance(plan, parts, options));
+    page.provenance(&provenance);
     let path = options.out.join("report.html");
     write_file(&path, &page.to_html())?;
     Ok(path)
@@ -49,12 +56,13 @@ fn read(plan: &Plan, parts: &Parts) -> Result<(Columns, u64, Errors), Error> {
     let places: Vec<usize> = (1..=count).collect();
     let mut all = vec![Vec::new(); count];
     let (mut failed, mut errors) = (0, Vec::new());
+    let shown = if plan.cases() <= LISTED { plan.cases() as usize } else { SHOWN };
     for part in 1..=parts.of {
         let path = parts.file("cases", part);
         let first = parts.range(part).start;
         data::numbers(&path, &places, &mut all)?;
         failed += data::marks(&path)?.map_or(0, |marks| marks.failed);
-        let more = data::texts(&path, count + 2, SHOWN - errors.len())?;
+        let more = data::texts(&path, count + 2, shown - errors.len())?;
         errors.extend(more.into_iter().map(|(row, text)| (first + row as u64, text)));
     }
     let scalars = all.split_off(plan.parameters.len());
@@ -64,8 +72,8 @@ fn read(plan: &Plan, parts: &Parts) -> Result<(Columns, u64, Errors), Error> {
 fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
     let cases = plan.cases();
     let words = match failed {
-        0 => format!("all {cases} cases ran"),
-        _ => format!("{failed} of {cases} cases failed"),
+        0 => format!("All {cases} cases ran."),
+        _ => format!("{failed} of {cases} cases failed."),
     };
     let mut figures = Vec::new();
     for (scalar, values) in plan.scalars.iter().zip(&columns.scalars) {
@@ -78,6 +86,17 @@ fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
                 unit: String::new(),
             });
         }
+    }
+    // What the cases span, of the first few scalars.
+    for (at, scalar) in plan.scalars.iter().enumerate().take(SPANNED) {
+        let there = || columns.scalars[at].iter().copied().filter(|value| value.is_finite());
+        let unit = plan.scalar_units[at].clone().filter(|unit| unit != "1").unwrap_or_default();
+        let ends = [("smallest", there().reduce(f64::min)), ("largest", there().reduce(f64::max))];
+        figures.extend(ends.map(|(which, value)| Figure {
+            label: format!("{which} {}", scalar.name),
+            value,
+            unit: unit.clone(),
+        }));
     }
     let standing = if failed == 0 { Standing::Plain } else { Standing::Bad };
     Verdict { standing, words, figures, notes: plan.notices.clone() }
@@ -96,6 +115,7 @@ pub(crate) fn words(plan: &Plan, scalar: usize) -> String {
         Reduce::Max => format!("largest {signal}"),
         Reduce::Mean => format!("mean of {signal}"),
         Reduce::Rms => format!("rms of {signal}"),
+        Reduce::Peak => format!("largest absolute value of {signal}"),
         Reduce::FirstTrue(Test::True) => format!("first time of {signal}"),
         Reduce::FirstTrue(Test::Above(limit)) => format!("first time of {signal} above {limit}"),
         Reduce::FirstTrue(Test::Below(limit)) => format!("first time of {signal} below {limit}"),
@@ -138,6 +158,39 @@ fn failures(plan: &Plan, columns: &Columns, errors: &Errors) -> Table {
         cells
     };
     Table { head, rows: errors.iter().map(row).collect() }
+}
+
+/// Every case, to be narrowed.
+fn cases(plan: &Plan, columns: &Columns, errors: &Errors) -> Filtered {
+    let names = plan.parameters.iter().map(|column| column.name.clone());
+    let scalars = plan.scalars.iter().map(|scalar| scalar.name.clone());
+    let head: Vec<String> =
+        ["case".to_owned()].into_iter().chain(names).chain(scalars).chain(["status".to_owned()]).collect();
+    let number = |values: &Vec<f64>, case: usize| match values.get(case) {
+        Some(value) if !value.is_nan() => Cell::Number(short(*value)),
+        _ => Cell::Number("–".to_owned()),
+    };
+    // A first time that never came is worth a choice of its own: did it fall?
+    let events = || {
+        plan.scalars.iter().enumerate().filter(|(_, scalar)| matches!(scalar.reduce, Reduce::FirstTrue(_)))
+    };
+    let row = |case: usize| {
+        let error = errors.iter().find(|(of, _)| *of == case as u64).map(|(_, text)| text);
+        let status = error.map_or("ok", |text| text.lines().next().unwrap_or_default());
+        let mut marks = vec![if error.is_some() { "failed" } else { "ran" }.to_owned()];
+        marks.extend(events().map(|(at, scalar)| {
+            let never = columns.scalars[at].get(case).is_none_or(|value| value.is_nan());
+            format!("{}{}", if never { "without " } else { "with " }, scalar.name)
+        }));
+        let mut cells = vec![Cell::Number(case.to_string())];
+        cells.extend(columns.parameters.iter().chain(&columns.scalars).map(|values| number(values, case)));
+        cells.push(match error {
+            Some(_) => Cell::Holds(false, status.to_owned()),
+            None => status.into(),
+        });
+        Marked { id: format!("case-{case}"), marks, cells }
+    };
+    Filtered { what: "cases".to_owned(), head, rows: (0..plan.cases() as usize).map(row).collect() }
 }
 
 fn provenance(plan: &Plan, parts: &Parts, options: &Options) -> Provenance {

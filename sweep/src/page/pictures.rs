@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::plan::Plan;
 use crate::scalar::Reduce;
 use report::head::short;
-use report::{Axis, Graph, HeatMap, Line, Page};
+use report::{Axis, Graph, HeatMap, Line, Markup, Page, Readings};
 
 /// Pictures of one scalar, at most, and points of one picture.
 const PICTURES: usize = 6;
@@ -29,10 +29,10 @@ pub(super) fn draw(page: &mut Page, plan: &Plan, columns: &Columns) -> Result<()
             continue;
         }
         let pictures = match plan.sampler.design() {
-            Design::Grid(axes) => over_grid(plan, axes.iter().map(Vec::len).collect(), columns, at)?,
-            _ => points(plan, columns, at)?,
+            Design::Grid(axes) => over_grid(page, plan, axes.iter().map(Vec::len).collect(), columns, at)?,
+            _ => points(page, plan, columns, at)?,
         };
-        page.heading(&scalar.name).figures(&pictures);
+        page.heading(&scalar.name).side_by_side(&pictures);
     }
     Ok(())
 }
@@ -48,15 +48,13 @@ fn label(plan: &Plan, scalar: usize) -> String {
     labelled(&plan.scalars[scalar].name, &plan.scalar_units[scalar])
 }
 
-/// A drawn graph and its caption.
-type Picture = (String, String);
-
 fn over_grid(
+    page: &mut Page,
     plan: &Plan,
     lengths: Vec<usize>,
     columns: &Columns,
     scalar: usize,
-) -> Result<Vec<Picture>, Error> {
+) -> Result<Vec<Markup>, Error> {
     // How many cases lie between neighbours along each axis.
     let stride = |parameter: usize| lengths[parameter + 1..].iter().product::<usize>();
     let varied: Vec<Varied> = (0..lengths.len())
@@ -75,11 +73,11 @@ fn over_grid(
     let values = &columns.scalars[scalar];
     match varied.as_slice() {
         [] => Ok(Vec::new()),
-        [only] => Ok(vec![curve(plan, only, values, scalar)?]),
+        [only] => Ok(vec![curve(page, plan, only, values, scalar)?]),
         [others @ .., y, x] => {
             let (along_x, along_y) = (stride(x.parameter), stride(y.parameter));
             let combinations: usize = others.iter().map(|other| other.values.len()).product();
-            let picture = |mut combination: usize| {
+            let mut picture = |mut combination: usize| {
                 let (mut first, mut beside) = (0, Vec::new());
                 for other in others.iter().rev() {
                     let place = combination % other.values.len();
@@ -92,33 +90,40 @@ fn over_grid(
                     ));
                 }
                 let value = |row: usize, column: usize| values[first + row * along_y + column * along_x];
-                map(plan, x, y, &value, &beside, scalar)
+                map(page, plan, x, y, &value, &beside, scalar)
             };
             let shown = combinations.min(PICTURES);
             // Evenly among all, the first and the last among them.
             let chosen = (0..shown).map(|at| at * (combinations - 1) / (shown - 1).max(1));
-            chosen.map(picture).collect()
+            chosen.map(&mut picture).collect()
         }
     }
 }
 
-fn curve(plan: &Plan, axis: &Varied, values: &[f64], scalar: usize) -> Result<Picture, Error> {
+fn curve(
+    page: &mut Page,
+    plan: &Plan,
+    axis: &Varied,
+    values: &[f64],
+    scalar: usize,
+) -> Result<Markup, Error> {
     let mut points: Vec<(f64, f64)> = axis.values.iter().copied().zip(values.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let graph = Graph::new("", Axis::fitted(&axis.label), Axis::fitted(label(plan, scalar)))
-        .with(Line::solid("", points.clone()))
-        .with(Line::dots("", points));
-    Ok((graph.to_svg()?, format!("{}; no point where there is no value.", words(plan, scalar))))
+    let graph = Graph::new(words(plan, scalar), Axis::fitted(&axis.label), Axis::fitted(label(plan, scalar)))
+        .with(Line::solid("from case to case", points.clone()))
+        .with(Line::dots("cases", points));
+    Ok(page.place(&graph, &format!("{}; no point where there is no value.", words(plan, scalar)))?)
 }
 
 fn map(
+    page: &mut Page,
     plan: &Plan,
     x: &Varied,
     y: &Varied,
     value: &dyn Fn(usize, usize) -> f64,
     beside: &[String],
     scalar: usize,
-) -> Result<Picture, Error> {
+) -> Result<Markup, Error> {
     let (columns, rows) = (order(&x.values), order(&y.values));
     let cells = rows.iter().flat_map(|row| columns.iter().map(move |column| (*row, *column)));
     let raw: Vec<f64> = cells.map(|(row, column)| value(row, column)).collect();
@@ -152,7 +157,13 @@ fn map(
         true => format!("dark blue: {}, pale: {}, white: none", short(dark), short(pale)),
         false => "white: no value".to_owned(),
     };
-    Ok((drawn.to_svg()?, format!("{} ({scale}).", words(plan, scalar))))
+    let readings = Readings {
+        labels: [x.label.clone(), y.label.clone(), plan.scalars[scalar].name.clone()],
+        x: columns.iter().map(|at| x.values[*at]).collect(),
+        y: rows.iter().map(|at| y.values[*at]).collect(),
+        values: raw,
+    };
+    Ok(page.map(&drawn, &readings, &format!("{} ({scale}).", words(plan, scalar)))?)
 }
 
 /// Places in rising order of the values.
@@ -180,7 +191,7 @@ fn edges(values: &[f64]) -> Vec<f64> {
 }
 
 /// A scalar over each parameter, a point a case.
-fn points(plan: &Plan, columns: &Columns, scalar: usize) -> Result<Vec<Picture>, Error> {
+fn points(page: &mut Page, plan: &Plan, columns: &Columns, scalar: usize) -> Result<Vec<Markup>, Error> {
     let values = &columns.scalars[scalar];
     let every = values.len().div_ceil(POINTS).max(1);
     let mut pictures = Vec::new();
@@ -195,12 +206,12 @@ fn points(plan: &Plan, columns: &Columns, scalar: usize) -> Result<Vec<Picture>,
         }
         let thinned = if every > 1 { format!(", every {every}th case") } else { String::new() };
         let graph = Graph::new(
-            "",
+            words(plan, scalar),
             Axis::fitted(labelled(&column.name, &column.unit)),
             Axis::fitted(label(plan, scalar)),
         )
-        .with(Line::dots("", points));
-        pictures.push((graph.to_svg()?, format!("{}, a point a case{thinned}.", words(plan, scalar))));
+        .with(Line::dots("cases", points));
+        pictures.push(page.place(&graph, &format!("{}, a point a case{thinned}.", words(plan, scalar)))?);
     }
     Ok(pictures)
 }

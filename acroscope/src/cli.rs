@@ -275,7 +275,7 @@ pub struct View {
 /// `acroscope check`
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  acroscope check my-unit.fmu\n  acroscope check my-unit.fmu --json\n\nExit status: 1 if anything found is an error. docs/check.md explains each rule."
+    after_help = "Examples:\n  acroscope check my-unit.fmu\n  acroscope check my-unit.fmu --json\n  acroscope check my-unit.fmu --out out/check\n\nExit status: 1 if anything found is an error. docs/check.md explains each rule."
 )]
 pub struct Check {
     /// The unit.
@@ -284,6 +284,9 @@ pub struct Check {
     /// As JSON, for programs: a list of {rule, severity, variable, text}.
     #[arg(long)]
     pub json: bool,
+    /// Folder for a page with the findings, `report.html`; without it they are only printed.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Seconds that a call into the unit may take.
     #[arg(long, value_name = "S", value_parser = above_zero, default_value_t = 10.0)]
     pub step_limit: f64,

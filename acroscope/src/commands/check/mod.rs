@@ -1,5 +1,7 @@
 //! `acroscope check`: what is wrong with a unit.
 
+mod page;
+
 use crate::cli::Check;
 use crate::error::Error;
 use inspection::{Finding, Limits, Severity};
@@ -17,6 +19,7 @@ pub fn check(arguments: &Check, quiet: bool) -> Result<(), Error> {
     };
     let findings = inspection::check(&arguments.file, &limits)?;
     let errors = count(&findings, Severity::Error);
+    let page = arguments.out.as_ref().map(|out| page::write(arguments, out, &findings)).transpose()?;
     if arguments.json {
         // Texts only: nothing can fail.
         tell!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
@@ -31,6 +34,9 @@ pub fn check(arguments: &Check, quiet: bool) -> Result<(), Error> {
                 arguments.file.display(),
                 inspection::rules().len()
             );
+            if let Some(page) = page {
+                tell!("the report is {}", page.display());
+            }
         }
     }
     match errors {

@@ -146,17 +146,17 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     outcome.claims.push(lost_in_the_loop(bench)?);
     outcome.claims.push(below_threshold(&scans));
     if let Some(ride) = usual.iter().find(|ride| ride.speed >= PAPER_SPEED) {
-        outcome.figure(
+        outcome.graph(
             errors_figure(ride)?,
             "Against the state at mid-exposure (black, orange) and at the end of the \
              exposure (blue, green): the estimate is that of mid-exposure.",
-        );
+        )?;
     }
-    outcome.figure(
+    outcome.graph(
         areas_figure(&scans)?,
         "The smallest area of a circle on the way, over the speed: with N_min = 64 (dotted) identification is lost near \
          the paper's 0.15 units per second; the circle as a whole sinks below the threshold much later.",
-    );
+    )?;
     outcome.tables.push(("Speed at which identification is first lost, by N_min".to_owned(), losses(&scans)));
     outcome.notes.push(
         "The robot moves along the manifold from z = −0.5 to 0.5 at a constant speed, E_t = 1, 30 Hz. The camera unit \
@@ -278,7 +278,7 @@ fn below_threshold(scans: &[Vec<Ride>]) -> Claim {
     )
 }
 
-fn errors_figure(ride: &Ride) -> Result<String, Error> {
+fn errors_figure(ride: &Ride) -> Result<Graph, Error> {
     let of = |link: usize, error: fn(&Seen) -> [f64; 2]| {
         ride.seen.iter().map(|seen| (seen.q2, error(seen)[link])).collect::<Vec<_>>()
     };
@@ -290,10 +290,10 @@ fn errors_figure(ride: &Ride) -> Result<String, Error> {
         Line::dashed("q₂, end", of(1, |seen| seen.to_end)),
     ];
     let graph = walk::framed(&title, "q₂ in rad", "actual − estimated in rad", lines);
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
-fn areas_figure(scans: &[Vec<Ride>]) -> Result<String, Error> {
+fn areas_figure(scans: &[Vec<Ride>]) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Blur takes away area",
         Axis::over("speed in units of z per second", 0.0, 1.2),
@@ -307,7 +307,7 @@ fn areas_figure(scans: &[Vec<Ride>]) -> Result<String, Error> {
     let graph = graph
         .with(dotted("N_min = 64", vec![(0.0, N_MIN), (1.2, N_MIN)]))
         .with(dotted("0.15 unit/s", vec![(PAPER_SPEED, 0.0), (PAPER_SPEED, 130.0)]));
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 fn losses(scans: &[Vec<Ride>]) -> Table {

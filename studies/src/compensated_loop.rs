@@ -118,8 +118,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         )
         .with(Line::dashed("as it is", without.error.clone()))
         .with(Line::solid("corrected", with.error.clone()));
-        outcome
-            .figure(graph.to_svg()?, format!("Tracking error on the way to z = 0.5 behind the lens {name}."));
+        outcome.graph(graph, format!("Tracking error on the way to z = 0.5 behind the lens {name}."))?;
     }
     let texts: Vec<String> = (LENSES.iter().zip(&measured))
         .map(|((name, _), [without, with])| format!("{name}: {} → {}", without.fate(), with.fate()))

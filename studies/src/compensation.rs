@@ -8,7 +8,7 @@ use crate::lens::{DISTORTIONS, Lens};
 use crate::walk::{self, Walk, pair, small, worse};
 use crate::{Bench, Claim, Error, Outcome, Study};
 use rayon::prelude::*;
-use report::{Cell, Line, Table};
+use report::{Cell, Graph, Line, Table};
 
 /// This study.
 pub const STUDY: Study = Study {
@@ -118,7 +118,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
                 "{}: the error before (black, orange) and after (blue, green) the correction.",
                 case.name
             );
-            outcome.figure(figure(case)?, caption);
+            outcome.graph(figure(case)?, caption)?;
         }
     }
     outcome.tables.push(("Largest and rms errors before and after".to_owned(), table(&cases)));
@@ -160,7 +160,7 @@ fn claim(cases: &[Case]) -> Claim {
     .part()
 }
 
-fn figure(case: &Case) -> Result<String, Error> {
+fn figure(case: &Case) -> Result<Graph, Error> {
     let before = case.before.errors();
     let of = |errors: &[[f64; 2]], link: usize| -> Vec<(f64, f64)> {
         let points = case.before.looks.iter().zip(errors).map(|(look, error)| (look.pose[1], error[link]));
@@ -173,7 +173,7 @@ fn figure(case: &Case) -> Result<String, Error> {
         Line::dashed("q₂ after", of(&case.after, 1)),
     ];
     let graph = walk::framed(&case.name, "q₂ in rad", "actual − estimated in rad", lines);
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 fn table(cases: &[Case]) -> Table {

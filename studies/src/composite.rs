@@ -35,11 +35,10 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         (0.025..0.1).contains(&worse(largest)) && walk.lost() == 0,
         "",
     ));
-    let svg = walk::error_graph("All aberrations", &walk.errors()).to_svg()?;
-    outcome.figure(
-        svg,
+    let graph = walk::error_graph("All aberrations", &walk.errors());
+    outcome.graph(graph,
         "Figure 18: (k1, p1, p2, s1, s2) = (0.2, 0.002, 0.002, 0.02, 0.01), σ = 15, N = 2; q₁ solid, q₂ dashed; from \
          rendered frames.",
-    );
+    )?;
     Ok(outcome)
 }

@@ -16,8 +16,9 @@ pub const STUDY: Study = Study {
 
 /// Strength at which frames are compared.
 const STRENGTH: f64 = 0.1;
-/// Points of the drawn grid on each side of the axis.
+/// Points of the drawn grid on each side of the axis, and how far out they reach.
 const GRID: i32 = 8;
+const SIDE: f64 = 0.95;
 /// Angles of the links at which circles are seen, rad.
 const TURNS: [f64; 9] = [-1.2, -0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9, 1.2];
 /// Frames of 2048 px, so that the lattice of pixels counts for little.
@@ -79,33 +80,28 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     outcome.claims.push(flipped(&seen[6..], &strengths[6..]));
     outcome.claims.extend(third_order(&lenses, &seen));
     for (figure, name) in (4..).zip(DISTORTIONS) {
-        let svg = field(name)?.to_svg()?;
-        outcome
-            .figure(svg, format!("Figure {figure}: normalized field of a positive {name}; dots are heads."));
+        let svg = field(name).to_svg()?;
+        let caption = format!(
+            "Figure {figure}: normalized field of a positive {name}; an arrow begins at the ideal point."
+        );
+        outcome.figure(svg, caption);
     }
     Ok(outcome)
 }
 
-/// The paper's picture: longest vector a little longer than the grid is wide.
-fn field(name: &str) -> Result<VectorField, Error> {
-    let spacing = 0.95 / f64::from(GRID);
-    let points: Vec<[f64; 2]> = (-GRID..=GRID)
-        .flat_map(|row| (-GRID..=GRID).map(move |column| [column, row].map(|step| spacing * f64::from(step))))
-        .collect();
+/// Vectors at the points of the drawn grid.
+fn field(name: &str) -> VectorField {
+    let spacing = SIDE / f64::from(GRID);
     let lens = Lens::with(name, 1.0);
-    let length = |[u, v]: [f64; 2]| f64::hypot(u, v);
-    let longest = points.iter().map(|at| length(lens.displacement(*at))).fold(0.0, larger);
-    let scale = 1.6 * spacing / longest;
-    let arrows = points.iter().map(|at| {
-        let [du, dv] = lens.displacement(*at);
-        ((at[0], at[1]), (at[0] + scale * du, at[1] + scale * dv))
+    let at = |[u, v]: [f64; 2]| {
+        let [du, dv] = lens.displacement([u, v]);
+        ((u, v), (du, dv))
+    };
+    let points = (-GRID..=GRID).flat_map(|row| {
+        (-GRID..=GRID).map(move |column| [column, row].map(|step| spacing * f64::from(step)))
     });
-    Ok(VectorField {
-        title: format!("{name} > 0"),
-        x: Axis::over("u", -1.2, 1.2),
-        y: Axis::over("v", -1.2, 1.2),
-        arrows: arrows.collect(),
-    })
+    let axes = (Axis::over("u", -1.2, 1.2), Axis::over("v", -1.2, 1.2));
+    VectorField::normalized(format!("{name} > 0"), axes, spacing, &points.map(at).collect::<Vec<_>>())
 }
 
 fn outward(seen: &[Spot]) -> Claim {

@@ -25,7 +25,7 @@ pub fn add(outcome: &mut Outcome, trace: &Trace, figure: &str, what: &str) -> Re
         "The tracking error.".to_owned(),
     ];
     for (graph, caption) in [tracking, state, torque, error].into_iter().zip(captions) {
-        outcome.figure(graph.to_svg()?, caption);
+        outcome.graph(graph, caption)?;
     }
     Ok(())
 }

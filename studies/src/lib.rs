@@ -1,7 +1,7 @@
 //! The paper's tables, figures and claims, reproduced from the units: one file a study, one line of registration.
 //!
 //! A study reaches the units only through FMI. It returns what the paper states, what we get, and whether it holds;
-//! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and `index.html`.
+//! [`reproduce`] runs the chosen studies side by side and [`Reproduction::write`] writes `claims.json` and the pages.
 
 #![forbid(unsafe_code)]
 
@@ -26,11 +26,12 @@ mod lever;
 mod loop_values;
 mod manifold;
 mod open;
-mod pages;
+mod paper;
 mod photometry;
 mod quantisation;
 mod registry;
 mod setup;
+mod site;
 mod stability_map;
 mod store;
 mod table3;
@@ -206,7 +207,7 @@ impl Reproduction {
         Tally::of(self.claims())
     }
 
-    /// Writes `claims.json` and `index.html` into a folder, and joins in both what an earlier call, or another machine, left
+    /// Writes `claims.json`, `index.html` and a page for each study into a folder, and joins in what an earlier call, or another machine, left
     /// there of other studies.
     pub fn write(&self, out: &Path, provenance: &Provenance) -> Result<(), Error> {
         store::keep(out, &self.outcomes, provenance)?;
@@ -218,7 +219,9 @@ impl Reproduction {
             let path = out.join("claims.json");
             let json = serde_json::to_string_pretty(&claims).map_err(|why| store::failed(&path, &why))?;
             store::write(&path, &(json + "\n"))?;
-            store::write(&out.join("index.html"), &pages::index(&joined, &provenance))?;
+            for (name, text) in site::pages(&joined, &provenance)? {
+                store::write(&out.join(name), &text)?;
+            }
             // What came from elsewhere in the meantime would be missing in the page.
             if store::stored(out) == there {
                 return Ok(());

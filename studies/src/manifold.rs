@@ -139,10 +139,10 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     outcome.claims.push(unstable(&mut rig, &places)?);
     outcome.claims.push(parameterization(&mut rig)?);
     outcome.claims.push(position_independent(&mut rig, &places)?);
-    outcome.figure(
+    outcome.graph(
         figure(&places)?,
         "Figure 11: (13), and the equilibria of the plant unit (dots), which Newton's method finds on its accelerations.",
-    );
+    )?;
     outcome.tables.push(("Along the manifold, measured on the units".to_owned(), table(&places)));
     Ok(outcome)
 }
@@ -324,7 +324,7 @@ fn position_independent(rig: &mut Rig, places: &[Place]) -> Result<Claim, Error>
     ))
 }
 
-fn figure(places: &[Place]) -> Result<String, Error> {
+fn figure(places: &[Place]) -> Result<Graph, Error> {
     let curve = lens::places().into_iter().map(|q2| (q2, lens::on_manifold(q2)[0])).collect();
     let dots = places.iter().map(|place| (place.q2, place.equilibrium[0])).collect();
     let graph = Graph::new(
@@ -334,7 +334,7 @@ fn figure(places: &[Place]) -> Result<String, Error> {
     )
     .with(Line::solid("(13)", curve))
     .with(Line::dots("the plant's equilibria", dots));
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 fn table(places: &[Place]) -> Table {

@@ -24,7 +24,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         ),
     ));
     let title = "No distortion";
-    let svg = walk::error_graph(title, &usual.errors()).to_svg()?;
-    outcome.figure(svg, "Figure 12: q₁ solid, q₂ dashed; from rendered frames.");
+    let graph = walk::error_graph(title, &usual.errors());
+    outcome.graph(graph, "Figure 12: q₁ solid, q₂ dashed; from rendered frames.")?;
     Ok(outcome)
 }

@@ -55,13 +55,14 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     );
     if let [below, _, above] = traces.as_slice() {
         four_graphs::add(&mut outcome, below, "Section 5", "dtau_max = 5 N·m/s at 30 Hz: it falls")?;
-        outcome.figure(oscillation(&traces)?, "Tracking error at 30 Hz with three limits, pole set damped.");
+        outcome
+            .graph(oscillation(&traces)?, "Tracking error at 30 Hz with three limits, pole set damped.")?;
         outcome.claims.push(statement(&lowest, below, above));
     }
-    outcome.figure(
+    outcome.graph(
         graph(&boundaries)?,
         "Below its line a pole set falls: the limit on the torque's rate that the loop needs, over the frame rate.",
-    );
+    )?;
     outcome
         .tables
         .push(("Lowest limit with which the loop stands, in N·m/s".to_owned(), table(&lowest, &boundaries)));
@@ -130,7 +131,7 @@ fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> Claim {
     )
 }
 
-fn oscillation(traces: &[Trace]) -> Result<String, Error> {
+fn oscillation(traces: &[Trace]) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Tracking error with a rate limit",
         Axis::fitted("time in s"),
@@ -141,7 +142,7 @@ fn oscillation(traces: &[Trace]) -> Result<String, Error> {
         let error = trace.z_desired.iter().zip(&trace.z).map(|(desired, z)| desired - z);
         graph = graph.with(line(format!("{limit} N·m/s"), trace.times.iter().copied().zip(error).collect()));
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 fn dotted(label: String, points: Vec<(f64, f64)>) -> Line {
@@ -150,7 +151,7 @@ fn dotted(label: String, points: Vec<(f64, f64)>) -> Line {
 
 type Boundary = (Poles, Vec<Option<f64>>);
 
-fn graph(boundaries: &[Boundary]) -> Result<String, Error> {
+fn graph(boundaries: &[Boundary]) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Stability boundary of a rate limit",
         Axis::fitted("frame rate in Hz"),
@@ -160,7 +161,7 @@ fn graph(boundaries: &[Boundary]) -> Result<String, Error> {
         let points = RATES.iter().zip(limits).filter_map(|(rate, limit)| Some((f64::from(*rate), (*limit)?)));
         graph = graph.with(line(poles.name.to_owned(), points.collect()));
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 fn table(lowest: &[Lowest], boundaries: &[Boundary]) -> Table {

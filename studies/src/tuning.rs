@@ -70,16 +70,16 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
          `damped`.",
         lever.0[0], lever.0[1], lever.0[2]
     ));
-    outcome.figure(
+    outcome.graph(
         curve(&candidates)?,
         "The trade-off: the smallest steady error for k1 = 0.1 at z = 0.5 (theory) among the sets that satisfy C40 to \
          C43 (exact, sampled) and are stable down to a frame rate.",
-    );
-    outcome.figure(
+    )?;
+    outcome.graph(
         cloud(&candidates, &lever)?,
         "Every set of the grid that satisfies C40 to C43, and the named ones, by bandwidth: the steady error \
          falls with bandwidth; the sets that also bear 10 Hz end where the error is large.",
-    );
+    )?;
     outcome.claims.push(conflict(&candidates));
     let grows = candidates.iter().filter(|candidate| candidate.p1_grows).count();
     outcome.notes.push(format!(
@@ -166,7 +166,7 @@ fn best(candidates: &[Candidate], rate: f64, damping: f64) -> Option<f64> {
         .min_by(f64::total_cmp)
 }
 
-fn curve(candidates: &[Candidate]) -> Result<String, Error> {
+fn curve(candidates: &[Candidate]) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Steady error against the slowest camera",
         Axis::fitted("lowest stable frame rate in Hz"),
@@ -178,10 +178,10 @@ fn curve(candidates: &[Candidate]) -> Result<String, Error> {
         graph = graph.with(Line { label: format!("ζ ≥ {damping}"), style, points });
     }
     graph = graph.with(Line::solid("the paper's about 0.1", vec![(10.0, 0.1), (20.0, 0.1)]));
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
-fn cloud(candidates: &[Candidate], lever: &Lever) -> Result<String, Error> {
+fn cloud(candidates: &[Candidate], lever: &Lever) -> Result<Graph, Error> {
     let bandwidth = |poles: &Poles| poles.polynomial()[0].sqrt().sqrt();
     let points = |bears_ten: bool| {
         let mut points: Vec<(f64, f64)> = candidates
@@ -209,7 +209,7 @@ fn cloud(candidates: &[Candidate], lever: &Lever) -> Result<String, Error> {
         let points = vec![(bandwidth(&poles), lever.steady_error(&poles).abs())];
         graph = graph.with(Line { label: poles.name.to_owned(), style, points });
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 /// What the independent search found, and how far a grid of ours may be from it.

@@ -154,13 +154,16 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     for (number, curve) in (13..).zip(&curves) {
         let title = format!("{} = {STRENGTH}", curve.name);
         let errors = curve.walks[PLUS].errors();
-        let svg = walk::error_graph(&title, &errors).to_svg()?;
-        outcome.figure(svg, format!("Figure {number}: {title}, q₁ solid, q₂ dashed; from rendered frames."));
+        let graph = walk::error_graph(&title, &errors);
+        outcome
+            .graph(graph, format!("Figure {number}: {title}, q₁ solid, q₂ dashed; from rendered frames."))?;
         let title = format!("{} = −{STRENGTH}", curve.name);
         let errors = curve.walks[MINUS].errors();
-        let svg = walk::error_graph(&title, &errors).to_svg()?;
-        outcome
-            .figure(svg, format!("Beside Figure {number}: the other sign, on which Section 4.1.2 comments."));
+        let graph = walk::error_graph(&title, &errors);
+        outcome.graph(
+            graph,
+            format!("Beside Figure {number}: the other sign, on which Section 4.1.2 comments."),
+        )?;
     }
     outcome.tables.push(("Each distortion at ±0.1: frames, and the equations".to_owned(), table(&curves)));
     outcome

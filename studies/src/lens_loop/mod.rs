@@ -217,14 +217,14 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     for (_, stairs) in measured.stairs.iter().filter(|(poles, _)| *poles == DAMPED) {
         for (positive, words) in [(true, "positive"), (false, "negative")] {
             let caption = format!("Steady error over the place, pole set damped, {words} parameters.");
-            outcome.figure(graph(stairs, positive)?, caption);
+            outcome.graph(graph(stairs, positive)?, caption)?;
         }
     }
-    outcome.figure(
+    outcome.graph(
         growth::figure(&measured.fine)?,
         "The size of the steady error over the place, pole set damped: for p1 it has the shape of a W, at whose bottoms \
          z = ±0.5 lies. At the ends of the arm it is larger than at z = 0, as Section 5 says.",
-    );
+    )?;
     outcome.claims = claims::claims(&measured)?;
     for (poles, stairs) in &measured.stairs {
         outcome
@@ -300,7 +300,7 @@ fn limits(bench: &Bench) -> Result<Vec<(&'static str, f64)>, Error> {
     ["k1", "p1", "p2", "s1", "s2"].par_iter().map(limit).collect()
 }
 
-fn graph(stairs: &[Stairs], positive: bool) -> Result<String, Error> {
+fn graph(stairs: &[Stairs], positive: bool) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Steady error, damped poles",
         Axis::fitted("z desired"),
@@ -311,7 +311,7 @@ fn graph(stairs: &[Stairs], positive: bool) -> Result<String, Error> {
         let line = if positive { Line::solid } else { Line::dashed };
         graph = graph.with(line(stairs.lens.label(), points));
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }
 
 /// An error, or that there is none.

@@ -38,10 +38,10 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     );
     outcome.claims.push(smoother(&traces, &walks));
     outcome.claims.push(gentler(&limits));
-    outcome.figure(
+    outcome.graph(
         figure(&traces)?,
         "The torque at rest at z = 0.5: with grey levels the steps of the binary picture are gone.",
-    );
+    )?;
     let head = [
         "centres by",
         "rms error at rest, q₁ / q₂ in rad",
@@ -121,7 +121,7 @@ fn gentler(limits: &[Option<f64>]) -> Claim {
     .measurement()
 }
 
-fn figure(traces: &[Trace]) -> Result<String, Error> {
+fn figure(traces: &[Trace]) -> Result<Graph, Error> {
     let mut graph =
         Graph::new("Torque at rest", Axis::over("time in s", 16.0, 18.0), Axis::fitted("τ in N·m"));
     let styles = [Style::Solid, Style::Dashed, Style::Dotted, Style::Solid];
@@ -130,5 +130,5 @@ fn figure(traces: &[Trace]) -> Result<String, Error> {
         let points = points.filter(|(time, _)| (16.0..=18.0).contains(time)).collect();
         graph = graph.with(Line { label: name.to_owned(), style, points });
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }

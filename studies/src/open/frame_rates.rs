@@ -78,7 +78,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let grey = measure(bench, 1)?;
     let mut outcome = Outcome::default();
     outcome.claims.push(claim(&binary));
-    outcome.figure(figure(&binary, &grey)?, "How far z wanders at rest at z = 0.3, over the frame rate: least at 30 Hz, below which the loop nears its limit (C44).");
+    outcome.graph(figure(&binary, &grey)?, "How far z wanders at rest at z = 0.3, over the frame rate: least at 30 Hz, below which the loop nears its limit (C44).")?;
     let text =
         |value: f64, rest: &Rest| if value.is_nan() { rest.trace.fate() } else { format!("{value:.1e}") };
     let head = [
@@ -131,7 +131,7 @@ fn claim(rests: &[Rest]) -> Claim {
     .measurement()
 }
 
-fn figure(binary: &[Rest], grey: &[Rest]) -> Result<String, Error> {
+fn figure(binary: &[Rest], grey: &[Rest]) -> Result<Graph, Error> {
     let points = |rests: &[Rest]| {
         rests.iter().map(|rest| (rest.rate.log10(), rest.wander.log10())).collect::<Vec<_>>()
     };
@@ -142,5 +142,5 @@ fn figure(binary: &[Rest], grey: &[Rest]) -> Result<String, Error> {
     )
     .with(Line::solid("binary centroid", points(binary)))
     .with(Line::dashed("centroid of grey levels", points(grey)));
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }

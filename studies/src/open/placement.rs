@@ -33,10 +33,10 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let of = |lens: usize| &errors[lens * GROUNDS.len()..(lens + 1) * GROUNDS.len()];
     let mut outcome = Outcome::default();
     outcome.claims.push(claim(of(0)));
-    outcome.figure(
+    outcome.graph(
         figure(&of)?,
         "Steady error at z_d = 0.5 over the height of the ground line in the picture, pole set damped.",
-    );
+    )?;
     let text = |error: f64| if error.is_finite() { format!("{error:.3}") } else { "falls".to_owned() };
     let head = std::iter::once("lens".to_owned()).chain(GROUNDS.map(|ground| format!("ground at {ground}")));
     let rows = LENSES.iter().enumerate().map(|(index, (name, value))| {
@@ -67,7 +67,7 @@ fn claim(radial: &[f64]) -> Claim {
     .measurement()
 }
 
-fn figure<'a>(of: &dyn Fn(usize) -> &'a [f64]) -> Result<String, Error> {
+fn figure<'a>(of: &dyn Fn(usize) -> &'a [f64]) -> Result<Graph, Error> {
     let mut graph = Graph::new(
         "Steady error over the robot's place",
         Axis::fitted("world y of the ground line"),
@@ -78,5 +78,5 @@ fn figure<'a>(of: &dyn Fn(usize) -> &'a [f64]) -> Result<String, Error> {
         let points = GROUNDS.iter().copied().zip(of(index).iter().copied()).collect();
         graph = graph.with(Line { label: format!("{name} = {value}"), style, points });
     }
-    Ok(graph.to_svg()?)
+    Ok(graph)
 }

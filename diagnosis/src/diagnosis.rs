@@ -2,6 +2,7 @@
 
 use crate::error::Notice;
 use crate::overlay::Channel;
+use crate::planned::Planned;
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::correction::Correction;
@@ -148,6 +149,9 @@ pub struct NextExperiment {
     pub leaves_open: Vec<Vec<String>>,
     /// All experiments that were simulated, the best first.
     pub separation: Vec<Separation>,
+    /// The best one as a picture, for the report.
+    #[serde(skip)]
+    pub planned: Option<Planned>,
 }
 
 /// How well an experiment would tell the members of a class apart.

@@ -40,6 +40,7 @@ mod nuisance;
 mod opened;
 mod options;
 mod overlay;
+mod planned;
 mod ports;
 mod provenance;
 mod report_graphs;

@@ -1,15 +1,16 @@
-//! Measured, nominal and amended laid over each other for the report: each channel of one run, and what is left of it over
-//! time, over its own past and over the states.
+//! Measured, nominal and amended laid over each other for the report: each channel of one run, and its residual over time,
+//! over its own past, over the states and the inputs.
 
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::residual::{Block, Signal};
-use crate::rigs::acrobot::selection::Study;
 
 /// A measured channel of a run, with what both models give in its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Name of the run.
     pub run: String,
+    /// Nothing was fitted to it but where its windows begin.
+    pub left_out: bool,
     /// `instance.variable`.
     pub signal: String,
     /// Its unit.
@@ -21,30 +22,48 @@ pub struct Channel {
     /// What the amended one gives.
     pub amended: Vec<(f64, f64)>,
     /// Measured less amended, over time.
-    pub rest: Vec<(f64, f64)>,
-    /// Means of the rest over windows of all runs beside the mean state there: q1, q2, dq1, dq2, rest.
-    pub over_states: Vec<([f64; 4], f64)>,
+    pub residual: Vec<(f64, f64)>,
+    /// The residual beside each state and input.
+    pub over: Vec<Dependence>,
 }
 
-/// Every channel that a cut compares and that a run logged, of the last run that has rows of it.
-pub fn channels(study: &Study, signals: &[Signal], data: &DataSet) -> Vec<Channel> {
+/// A residual beside what it may depend on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dependence {
+    /// The state or input.
+    pub name: String,
+    /// Its unit; empty: none is known.
+    pub unit: String,
+    /// Its value, and the residual there.
+    pub pairs: Vec<(f64, f64)>,
+}
+
+/// Every channel that a cut compares and that a run logged, of the last run that has rows of it: residuals of the nominal and of
+/// the amended model.
+pub fn channels(
+    (nominal, amended): (&[Block], &[Block]),
+    signals: &[Signal],
+    data: &DataSet,
+    left_out: bool,
+) -> Vec<Channel> {
     let of = |(index, signal): (usize, &Signal)| {
-        let last = study.last.blocks.iter().rev().find(|block| holds(block, index))?.run;
+        let last = amended.iter().rev().find(|block| holds(block, index))?.run;
         let run = data.runs.get(last)?;
         let measured = logged(run, &signal.name)?;
-        let rest = |blocks: &[Block]| rests(blocks, last, index);
+        let residual = |blocks: &[Block]| residuals(blocks, last, index);
         let model = |blocks: &[Block]| -> Vec<(f64, f64)> {
-            let less = |(time, rest): (f64, f64)| Some((time, at(&measured, time)? - rest));
-            rest(blocks).into_iter().filter_map(less).collect()
+            let less = |(time, residual): (f64, f64)| Some((time, at(&measured, time)? - residual));
+            residual(blocks).into_iter().filter_map(less).collect()
         };
         Some(Channel {
             run: run.name.clone(),
+            left_out,
             signal: signal.name.clone(),
             unit: signal.unit.to_owned(),
-            nominal: model(&study.nominal.blocks),
-            amended: model(&study.last.blocks),
-            rest: rest(&study.last.blocks),
-            over_states: over_states(&study.last.blocks, index),
+            nominal: model(nominal),
+            amended: model(amended),
+            residual: residual(amended),
+            over: over_states(amended, index),
             measured,
         })
     };
@@ -69,7 +88,7 @@ fn logged(run: &Run, signal: &str) -> Option<Vec<(f64, f64)>> {
 }
 
 /// A log at a time: between two rows on the straight line, since rows that lie close are compared as their mean.
-fn at(rows: &[(f64, f64)], time: f64) -> Option<f64> {
+pub(crate) fn at(rows: &[(f64, f64)], time: f64) -> Option<f64> {
     let next = rows.partition_point(|(of, _)| *of < time);
     let (t1, v1) = *rows.get(next)?;
     if t1 == time || next == 0 {
@@ -79,8 +98,8 @@ fn at(rows: &[(f64, f64)], time: f64) -> Option<f64> {
     Some(v0 + (time - t0) / (t1 - t0) * (v1 - v0))
 }
 
-/// What is left of a signal in a run, in order of time; of windows that overlap the first one's.
-fn rests(blocks: &[Block], run: usize, signal: usize) -> Vec<(f64, f64)> {
+/// The residual of a signal in a run, in order of time; of windows that overlap the first one's.
+fn residuals(blocks: &[Block], run: usize, signal: usize) -> Vec<(f64, f64)> {
     let cells = blocks.iter().filter(|block| block.run == run).flat_map(|block| &block.cells);
     let mut points: Vec<(f64, f64)> = cells
         .flat_map(|cell| (0..cell.residual.len()).map(move |row| (cell, row)))
@@ -92,13 +111,23 @@ fn rests(blocks: &[Block], run: usize, signal: usize) -> Vec<(f64, f64)> {
     points
 }
 
-fn over_states(blocks: &[Block], signal: usize) -> Vec<([f64; 4], f64)> {
+/// The states of our own rig, as [`Block::state`] has them.
+const STATES: [(&str, &str); 4] = [("q1", "rad"), ("q2", "rad"), ("dq1", "rad/s"), ("dq2", "rad/s")];
+
+/// Means of the residual over windows of all runs, beside the mean state there.
+fn over_states(blocks: &[Block], signal: usize) -> Vec<Dependence> {
     let mean = |block: &Block| {
         let cells = block.cells.iter().flat_map(|cell| cell.signal.iter().zip(&cell.residual));
-        let own: Vec<f64> = cells.filter(|(of, _)| **of == signal).map(|(_, rest)| *rest).collect();
+        let own: Vec<f64> = cells.filter(|(of, _)| **of == signal).map(|(_, residual)| *residual).collect();
         (!own.is_empty()).then(|| (block.state, own.iter().sum::<f64>() / own.len() as f64))
     };
-    blocks.iter().filter_map(mean).collect()
+    let means: Vec<([f64; 4], f64)> = blocks.iter().filter_map(mean).collect();
+    let of = |(place, (name, unit)): (usize, (&str, &str))| Dependence {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        pairs: means.iter().map(|(state, residual)| (state[place], *residual)).collect(),
+    };
+    STATES.into_iter().enumerate().map(of).collect()
 }
 
 /// The correlation of a series with itself so many rows before, from 1 row on; none of a series too short or still.

@@ -1,19 +1,38 @@
-//! The graphs of `report.html`: measured, nominal and amended over each other, what is left over time, over its own past and
-//! over the states.
+//! The graphs of `report.html`: measured, nominal and amended over each other, the residual over time, over its own past, over
+//! the states and the inputs.
 
-use crate::diagnosis::{Diagnosis, Trace};
+use crate::diagnosis::{Diagnosis, Trace, Unknown};
 use crate::error::Error;
-use crate::overlay::{Channel, autocorrelation, binned};
+use crate::overlay::{Channel, Dependence, at, autocorrelation, binned};
+use report::thin::thin;
 use report::{Axis, Graph, Line, Page};
 
 /// Channels that are shown, at most: with more nobody finds the one that matters.
 const CHANNELS: usize = 10;
-/// Rows before that the autocorrelation looks at, and bins of the states.
+/// Rows before that the autocorrelation looks at, and bins of a state or an input.
 const LAGS: usize = 40;
 const BINS: usize = 24;
+/// Columns of a picture, of each of which a course keeps its first, least, greatest and last value: the page stays small.
+const COLUMNS: usize = 900;
+/// States and inputs that the residual is shown over, at most: those that it follows most.
+const OVER: usize = 6;
 
 fn refused(error: report::Error) -> Error {
     Error::Model(error.to_string())
+}
+
+/// The course of an unlisted input, where it is known.
+pub fn unlisted(unknown: &Unknown, page: &mut Page) -> Result<(), Error> {
+    if unknown.trace.len() < 2 {
+        return Ok(());
+    }
+    let points: Vec<(f64, f64)> = unknown.trace.iter().map(|[time, value]| (*time, *value)).collect();
+    let axis = Axis::fitted(labelled("unlisted input", &unknown.unit));
+    let title = format!("What acts on {}, first run", unknown.signal);
+    let line = Line::solid("most likely course", thin(&points, COLUMNS));
+    let graph = Graph::new(title, Axis::fitted("time in s"), axis).with(line);
+    page.graphs(&[(graph, String::new())]).map_err(refused)?;
+    Ok(())
 }
 
 /// The first picture any engineer asks for.
@@ -27,9 +46,10 @@ pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     let Some(first) = shown.first() else { return Ok(()) };
     page.heading("Measured, nominal and amended");
     page.text(&format!(
-        "{}, the last run with rows of a channel. Where the motion is compared, a window of it starts at the state that fits it best, \
-         since a balanced arm would leave its log otherwise; nominal and amended are what the units give from there.",
-        first.run
+        "{}{}, the last run with rows of a channel. Where the motion is compared, a window of it starts at the state that fits it best, \
+         since a small error of the start would hide what the model lacks; nominal and amended are what the model gives from there.",
+        first.run,
+        if first.left_out { ", to which nothing was fitted" } else { "" },
     ));
     let graphs: Vec<(Graph, String)> =
         shown.iter().map(|channel| (overlay(channel), String::new())).collect();
@@ -39,27 +59,41 @@ pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
 
 fn overlay(channel: &Channel) -> Graph {
     let title = format!("{} of {}", channel.signal, channel.run);
-    let y = format!("{} in {}", channel.signal, channel.unit);
-    Graph::new(title, Axis::fitted("time in s"), Axis::fitted(y))
-        .with(Line::dots("measured", channel.measured.clone()))
-        .with(Line::dashed("nominal", channel.nominal.clone()))
-        .with(Line::solid("amended", channel.amended.clone()))
+    let y = labelled(&channel.signal, &channel.unit);
+    let graph = Graph::new(title, Axis::fitted("time in s"), Axis::fitted(y))
+        .with(Line::dots("measured", thin(&channel.measured, COLUMNS)))
+        .with(Line::dashed("nominal", thin(&channel.nominal, COLUMNS)));
+    match amended(channel) {
+        true => graph.with(Line::solid("amended", thin(&channel.amended, COLUMNS))),
+        false => graph,
+    }
 }
 
-/// What is left: over time, over its own past, over the states.
-pub fn rests(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
+/// Whether anything was amended: two equal lines over each other look like one that is wrong.
+fn amended(channel: &Channel) -> bool {
+    channel.amended != channel.nominal
+}
+
+/// What an axis shows, with its unit if it has one.
+fn labelled(what: &str, unit: &str) -> String {
+    if unit.is_empty() { what.to_owned() } else { format!("{what} in {unit}") }
+}
+
+/// The residual: over time, over its own past, over the states and the inputs.
+pub fn residuals(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     let mut graphs: Vec<(Graph, String)> = diagnosis.traces.iter().filter_map(trace).collect();
     if let Some(channel) = worst(&diagnosis.channels) {
+        graphs.extend(over_time(channel));
         graphs.extend(of_past(channel));
-        graphs.extend(of_states(channel));
+        graphs.extend(over_variables(channel));
     }
     if graphs.is_empty() {
         return Ok(());
     }
     page.heading("What is left");
     page.text(
-        "A model that lacks nothing leaves noise: no course over time, no memory, no dependence on a state. Dashed lines at the \
-         autocorrelation: 95 % of what noise gives.",
+        "The residual is what was measured less what the model gives. A model that lacks nothing leaves noise: no course over time, \
+         no memory, no dependence on a state or an input. Between the dashed lines lies 95 % of what noise gives.",
     );
     page.graphs(&graphs).map_err(refused)?;
     Ok(())
@@ -70,43 +104,98 @@ fn trace(trace: &Trace) -> Option<(Graph, String)> {
     if trace.before.is_empty() {
         return None;
     }
-    let y = format!("rest in {}", trace.unit);
+    let y = labelled("residual", &trace.unit);
     let graph =
         Graph::new(&trace.title, Axis::fitted("time in s, runs one after the other"), Axis::fitted(y))
-            .with(Line::dots("nominal", trace.before.clone()))
-            .with(Line::dots("amended", trace.after.clone()));
+            .with(Line::dots("nominal", thin(&trace.before, COLUMNS)));
+    let graph = match trace.after == trace.before {
+        true => graph,
+        false => graph.with(Line::dots("amended", thin(&trace.after, COLUMNS))),
+    };
     Some((graph, String::new()))
 }
 
-/// The channel whose rest remembers most.
+/// The channel whose residual remembers most.
 fn worst(channels: &[Channel]) -> Option<&Channel> {
     let memory =
-        |channel: &Channel| autocorrelation(&channel.rest, 1).first().map_or(0.0, |(_, at)| at.abs());
+        |channel: &Channel| autocorrelation(&channel.residual, 1).first().map_or(0.0, |(_, at)| at.abs());
     channels.iter().max_by(|a, b| memory(a).total_cmp(&memory(b)))
 }
 
+fn over_time(channel: &Channel) -> Option<(Graph, String)> {
+    let less = |(time, value): &(f64, f64)| Some((*time, at(&channel.measured, *time)? - value));
+    let nominal: Vec<(f64, f64)> = channel.nominal.iter().filter_map(less).collect();
+    let title = format!("Residual of {}, {}", channel.signal, channel.run);
+    let y = labelled("residual", &channel.unit);
+    let graph = Graph::new(title, Axis::fitted("time in s"), Axis::fitted(y))
+        .with(Line::dots("nominal", thin(&nominal, COLUMNS)));
+    let graph = match amended(channel) {
+        true => graph.with(Line::dots("amended", thin(&channel.residual, COLUMNS))),
+        false => graph,
+    };
+    (nominal.len() > 1).then_some((graph, String::new()))
+}
+
+/// The model whose residual a graph shows.
+fn model(channel: &Channel) -> &'static str {
+    if amended(channel) { "amended" } else { "nominal" }
+}
+
 fn of_past(channel: &Channel) -> Option<(Graph, String)> {
-    let past = autocorrelation(&channel.rest, LAGS);
+    let past = autocorrelation(&channel.residual, LAGS);
     let last = past.last()?.0;
-    let chance = 1.96 / (channel.rest.len() as f64).sqrt();
-    let title = format!("Rest of {}: autocorrelation", channel.signal);
+    let chance = 1.96 / (channel.residual.len() as f64).sqrt();
+    let title = format!("Residual of {}: autocorrelation", channel.signal);
     let graph = Graph::new(title, Axis::fitted("rows before"), Axis::over("correlation", -1.0, 1.0))
-        .with(Line::solid("amended", past))
+        .with(Line::solid(model(channel), past))
         .with(Line::dashed("noise, above", vec![(1.0, chance), (last, chance)]))
         .with(Line::dashed("noise, below", vec![(1.0, -chance), (last, -chance)]));
     (last > 1.0).then_some((graph, String::new()))
 }
 
-fn of_states(channel: &Channel) -> Vec<(Graph, String)> {
-    let names = [("q1", "rad"), ("q2", "rad"), ("dq1", "rad/s"), ("dq2", "rad/s")];
-    let of = |(index, (name, unit)): (usize, (&str, &str))| {
-        let pairs = channel.over_states.iter().map(|(state, rest)| (state[index], *rest)).collect();
-        let means = binned(pairs, BINS);
-        let title = format!("Rest of {} over {name}", channel.signal);
-        let y = format!("mean rest in {}", channel.unit);
-        let graph = Graph::new(title, Axis::fitted(format!("{name} in {unit}")), Axis::fitted(y))
-            .with(Line::solid("amended", means.clone()));
-        (means.len() > 2).then_some((graph, String::new()))
+/// Within this of 0 lie 95 % of the means of so many bins, if the residuals are noise.
+fn chance(pairs: &[(f64, f64)], bins: usize) -> f64 {
+    let square = pairs.iter().map(|(_, residual)| residual * residual).sum::<f64>() / pairs.len() as f64;
+    let each = (pairs.len() as f64 / bins as f64).max(1.0);
+    1.96 * (square / each).sqrt()
+}
+
+/// The residual over the states and inputs that it follows most, in their own order.
+fn over_variables(channel: &Channel) -> Vec<(Graph, String)> {
+    let mean = |over: &Dependence| -> Vec<(f64, f64)> { binned(over.pairs.clone(), BINS) };
+    let size = |(_, means): &(usize, Vec<(f64, f64)>)| -> f64 {
+        means.iter().map(|(_, residual)| residual * residual).sum::<f64>() / means.len() as f64
     };
-    names.into_iter().enumerate().filter_map(of).collect()
+    let means = channel.over.iter().map(mean).enumerate().filter(|(_, means)| means.len() > 2);
+    let mut means: Vec<(usize, Vec<(f64, f64)>)> = means.collect();
+    means.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    means.truncate(OVER);
+    means.sort_by_key(|(place, _)| *place);
+    let of = |(place, means): (usize, Vec<(f64, f64)>)| {
+        let over = &channel.over[place];
+        let title = format!("Residual of {} over {}", channel.signal, over.name);
+        let y = labelled("mean residual", &channel.unit);
+        let ends = (means[0].0, means[means.len() - 1].0);
+        let chance = chance(&over.pairs, means.len());
+        let graph = Graph::new(title, Axis::fitted(labelled(&over.name, &over.unit)), Axis::fitted(y))
+            .with(Line::solid(model(channel), means))
+            .with(Line::dashed("noise, above", vec![(ends.0, chance), (ends.1, chance)]))
+            .with(Line::dashed("noise, below", vec![(ends.0, -chance), (ends.1, -chance)]));
+        (graph, String::new())
+    };
+    means.into_iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chance;
+
+    #[test]
+    fn value_means_of_noise_stay_within_what_is_drawn() {
+        // Residuals of 2 and -2: their root mean square is 2; a bin of 25 of them scatters by 2/5.
+        let pairs: Vec<(f64, f64)> =
+            (0..100).map(|row| (f64::from(row), if row % 2 == 0 { 2.0 } else { -2.0 })).collect();
+        assert!((chance(&pairs, 4) - 1.96 * 0.4).abs() < 1e-12);
+        assert!((chance(&pairs, 100) - 1.96 * 2.0).abs() < 1e-12, "a bin of one scatters as each of them");
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Verdict};
 use crate::error::Error;
+use crate::planned;
 use crate::report_graphs;
 use crate::rigs::acrobot::correction::Correction;
 use crate::rigs::acrobot::story::brief;
@@ -14,7 +15,7 @@ use report::{Cell, Figure, Page, Standing, Table};
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
     page.verdict(&verdict(diagnosis));
-    page.table(&provenance(diagnosis));
+    page.facts(&diagnosis.provenance.lines());
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
         page.table(&effects(diagnosis));
@@ -22,6 +23,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     if let Some(unknown) = &diagnosis.unknown {
         page.heading("What has no name");
         page.text(&format!("{}: {}. {}.", unknown.signal, unknown.shape, unknown.nearest));
+        report_graphs::unlisted(unknown, &mut page)?;
         if let Some(correction) = &diagnosis.correction {
             page.text(&corrected(correction));
             page.table(&terms(correction));
@@ -30,6 +32,9 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
         page.text(&told(next));
+        if let Some(planned) = &next.planned {
+            planned::show(planned, &mut page)?;
+        }
         if !next.separation.is_empty() {
             page.text(
                 "Each experiment of the catalogue, simulated with the members of the class as the truth. Loss: the deviance \
@@ -51,13 +56,13 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     page.heading("How the gap shrinks");
     page.text(&judged(diagnosis));
     page.table(&gaps(&diagnosis.gaps));
-    if !diagnosis.gap.held_out_runs.is_empty() {
+    if !diagnosis.gap.held_out_runs.is_empty() && !diagnosis.cross_validation.is_empty() {
         page.text(
             "By cross-validation (values fitted without each run in turn, effects chosen with all of them):",
         );
         page.table(&gaps(&diagnosis.cross_validation));
     }
-    report_graphs::rests(diagnosis, &mut page)?;
+    report_graphs::residuals(diagnosis, &mut page)?;
     if !diagnosis.place.is_empty() {
         page.heading("Where they disagree");
         page.table(&places(diagnosis));
@@ -86,12 +91,6 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         }
     }
     Ok(page.to_html())
-}
-
-fn provenance(diagnosis: &Diagnosis) -> Table {
-    let lines = diagnosis.provenance.lines().into_iter();
-    let rows = lines.map(|(what, value)| vec![what.into(), value.into()]).collect();
-    Table { head: vec!["this diagnosis".into(), String::new()], rows }
 }
 
 /// The answer, in large letters.
@@ -262,6 +261,12 @@ fn judged(diagnosis: &Diagnosis) -> String {
         [] => format!(
             "By cross-validation over {}: values fitted without each in turn, effects chosen with all of them.",
             gap.cross_validated.join(", ")
+        ),
+        // Only the rig's own way searches again for each part.
+        runs if diagnosis.cross_validation.is_empty() => format!(
+            "On rows that were left out ({}): the search was made without them, and what it named was judged there; nothing is fitted to \
+             them but where each window begins. Noise alone is what the data set states, or the scatter of neighbouring rows.",
+            runs.join(", ")
         ),
         runs => format!(
             "On held-out runs ({}): for each part of them the search was repeated without it, and what it then named was judged there. \

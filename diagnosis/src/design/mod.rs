@@ -17,6 +17,7 @@ use crate::infer::Noise;
 use crate::infer::fit::{At, Options, fit};
 use crate::infer::likelihood::reduced;
 use crate::observe::{Hold, Problem, Scale};
+use crate::planned::{self, Planned, Predicted};
 use crate::search::class::Alternative;
 use crate::statistics::linear::{inverse, submatrix};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
@@ -133,8 +134,39 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         scenario: scenario.as_ref().map(|_| FILE.to_owned()),
         leaves_open,
         separation: separation.collect(),
+        planned: planned(&question, &waves[*best], &time).ok(),
     };
     Some((next, scenario))
+}
+
+/// What is driven, and what each member would give.
+fn planned(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Planned, Error> {
+    let machine = &question.engine.machine;
+    let since = |rows: &[f64], values: &[f64]| -> Vec<(f64, f64)> {
+        rows.iter().zip(values).map(|(t, value)| (t - time[0], *value)).collect()
+    };
+    let inputs = machine.inputs.iter().zip(&wave.values).map(|(input, values)| planned::Course {
+        name: input.name.clone(),
+        unit: input.unit.clone(),
+        points: since(time, values),
+    });
+    let mut outputs: Vec<Predicted> = (machine.channels.iter().zip(&question.noise.channels))
+        .map(|(output, noise)| Predicted {
+            name: output.name.clone(),
+            unit: output.unit.clone(),
+            noise: Some(*noise),
+            members: Vec::new(),
+        })
+        .collect();
+    for member in &question.class {
+        let engine = simulated(question, wave, time, &question.with(Some(member)))?;
+        for (channel, output) in outputs.iter_mut().enumerate() {
+            let own = engine.grids[0].samples.iter().filter(|sample| sample.channel == channel);
+            let (rows, values): (Vec<f64>, Vec<f64>) = own.map(|sample| (sample.time, sample.value)).unzip();
+            output.members.push((question.name(member), since(&rows, &values)));
+        }
+    }
+    Ok(Planned { inputs: inputs.collect(), outputs })
 }
 
 /// The nominal model under the experiment.

@@ -1,5 +1,7 @@
 //! The gap: how far simulation and log part within windows, each from a start state of its own, without process noise.
+//! The same windows give the page its courses of measured, nominal and amended.
 
+use super::courses::courses;
 use super::study::Studied;
 use crate::diagnosis::{Gap, Where};
 use crate::dynamics::Engine;
@@ -7,6 +9,7 @@ use crate::dynamics::build::{Span, build};
 use crate::error::Error;
 use crate::infer::fit::{At, Options, fit};
 use crate::observe::{Problem, Run};
+use crate::overlay::Channel;
 use rayon::prelude::*;
 
 /// Rows of a window at first; halved where a window can't be followed.
@@ -23,18 +26,41 @@ struct Sum {
     count: f64,
 }
 
-/// One window's residuals: time, channel, value; and what one start state costs.
-struct Window {
+/// One window's residuals, and the states that it was followed through.
+pub struct Window {
+    /// Place of its run.
+    pub run: usize,
     from: f64,
     to: f64,
     sums: Vec<Sum>,
+    /// The compared values.
+    pub points: Vec<Point>,
+    /// States, n a row.
+    pub states: Vec<f64>,
 }
 
-/// The gap of each channel on rows left out, the largest first.
+/// One compared value of a window.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    /// Place of the channel.
+    pub channel: usize,
+    /// When, s.
+    pub time: f64,
+    /// Measured less simulated.
+    pub residual: f64,
+    /// Row of the window.
+    pub row: usize,
+}
+
+/// The gap of each channel on rows left out, the largest first, and the courses of the last run of them.
 ///
 /// # Errors
 /// A unit failed everywhere.
-pub fn gaps(problem: &Problem, left: &[(&Run, Span)], trained: &Studied) -> Result<Vec<Gap>, Error> {
+pub fn held_out(
+    problem: &Problem,
+    left: &[(&Run, Span)],
+    trained: &Studied,
+) -> Result<(Vec<Gap>, Vec<Channel>), Error> {
     let mut built = build(problem, left)?;
     let neutral = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&neutral, &built.noise)?;
@@ -49,16 +75,16 @@ pub fn gaps(problem: &Problem, left: &[(&Run, Span)], trained: &Studied) -> Resu
     };
     let after = after.as_ref().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
-    let mut gaps: Vec<(f64, Gap)> = Vec::new();
+    let mut gaps: Vec<(f64, usize, Gap)> = Vec::new();
     for (channel, output) in built.engine.machine.channels.iter().enumerate() {
         let floor = output.noise.unwrap_or(built.scatter[channel].noise);
-        let (before, after) = (mean(&before, channel), mean(after, channel));
-        let closed = (before > floor)
-            .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
-            .filter(|_| before > 1.05 * floor);
+        let (from, to) = (mean(&before, channel), mean(after, channel));
+        let closed = (from > floor)
+            .then(|| 1.0 - (to * to - floor * floor) / (from * from - floor * floor))
+            .filter(|_| from > 1.05 * floor);
         let gap = Gap {
-            before,
-            after,
+            before: from,
+            after: to,
             floor,
             closed,
             held_out_runs: names.clone(),
@@ -66,10 +92,12 @@ pub fn gaps(problem: &Problem, left: &[(&Run, Span)], trained: &Studied) -> Resu
             signal: output.name.clone(),
             unit: output.unit.clone(),
         };
-        gaps.push((before / floor.max(1e-300), gap));
+        gaps.push((from / floor.max(1e-300), channel, gap));
     }
     gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Ok(gaps.into_iter().map(|(_, gap)| gap).collect())
+    let order: Vec<usize> = gaps.iter().map(|(_, channel, _)| *channel).collect();
+    let channels = courses(&built.engine, &order, &before, after);
+    Ok((gaps.into_iter().map(|(_, _, gap)| gap).collect(), channels))
 }
 
 fn mean(windows: &[Window], channel: usize) -> f64 {
@@ -154,6 +182,7 @@ fn window(
         At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
     let options = Options { rounds: 6, settled: 1e-2, ..Options::default() };
     let fitted = fit(&single, &start, &[], None, &options).ok()?;
+    let own = run;
     let run = &fitted.runs[0];
     // what is left after the path's last small move, which the smoother gives
     let moved = crate::infer::smooth(run, noise);
@@ -164,14 +193,17 @@ fn window(
         return None;
     }
     let mut sums = vec![Sum::default(); engine.machine.channels.len()];
+    let mut points = Vec::new();
     for row in 0..run.rows() {
         for value in run.values(row).filter(|value| run.measured[*value].weight > 0.0) {
             let measured = &run.measured[value];
             let by: f64 =
                 (0..wide).map(|i| run.observe[value * wide + i] * moved.state[row * wide + i]).sum();
+            let residual = measured.residual - by;
             let sum = &mut sums[measured.channel];
-            sum.square += (measured.residual - by) * (measured.residual - by);
+            sum.square += residual * residual;
             sum.count += 1.0;
+            points.push(Point { channel: measured.channel, time: measured.time, residual, row });
         }
     }
     let all: f64 = sums.iter().map(|sum| sum.count).sum();
@@ -181,7 +213,10 @@ fn window(
     // each start state takes a value's worth of the residual away
     let share = (all - n as f64) / all;
     sums.iter_mut().for_each(|sum| sum.count *= share);
-    Some(Window { from: begin, to: end, sums })
+    let path = &fitted.at.paths[0];
+    let states = (0..run.rows()).flat_map(|row| (0..n).map(move |i| (row * n + i, row * wide + i)));
+    let states = states.map(|(at, by)| path[at] + moved.state[by]).collect();
+    Some(Window { run: own, from: begin, to: end, sums, points, states })
 }
 
 /// Where the nominal model parts from the log, over all runs.

@@ -4,11 +4,13 @@
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
+//! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `told.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 
 mod amended;
+mod courses;
 mod equivalent;
 mod mismatch;
 mod reading;

@@ -60,7 +60,7 @@ pub fn diagnosed(
     watch.stage("searching without the rows left out");
     let trained = studied(problem, &kept, options, None, false, watch)?;
     watch.stage("measuring the gap on the rows left out");
-    let gaps = mismatch::gaps(problem, &left, &trained)?;
+    let (gaps, channels) = mismatch::held_out(problem, &left, &trained)?;
     watch.stage("searching in all rows");
     let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
     let all = studied(problem, &whole, options, Some(&trained), true, watch)?;
@@ -108,7 +108,7 @@ pub fn diagnosed(
         attachments: amended.attachments,
         experiment,
         traces: Vec::new(),
-        channels: Vec::new(),
+        channels,
     })
 }
 

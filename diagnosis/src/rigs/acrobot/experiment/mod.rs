@@ -18,8 +18,9 @@ mod tests;
 
 use crate::diagnosis::{NextExperiment, Separation};
 use crate::error::Error;
+use crate::planned::{self, Planned, Predicted};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study};
@@ -193,8 +194,62 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
         scenario: text.as_ref().map(|_| FILE.to_owned()),
         leaves_open: groups.iter().filter(|group| group.len() > 1).map(|group| names(group)).collect(),
         separation,
+        planned: planned(question, best.entry).ok(),
     };
     (Some(next), text)
+}
+
+/// What would be logged.
+const DRIVEN: [(&str, &str); 2] = [("tau", "N·m"), ("tau_1", "N·m")];
+const LOGGED: [(&str, &str, &str); 7] = [
+    ("plant", "q1", "rad"),
+    ("plant", "q2", "rad"),
+    ("plant", "tau_applied", "N·m"),
+    ("camera", "u2", "px"),
+    ("camera", "v2", "px"),
+    ("camera", "u3", "px"),
+    ("camera", "v3", "px"),
+];
+
+/// The experiment as a picture: what drives the arm with the best guess, and what each member would give.
+fn planned(question: &Question<'_>, entry: &'static Experiment) -> Result<Planned, Error> {
+    let prepared = prepare(question.data, question.model, entry)?;
+    let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
+    let bench = Bench::new(question, &prepared)?;
+    let members = 0..question.members.len().min(planned::MEMBERS);
+    let runs: Vec<(usize, Run)> =
+        members.map(|truth| Ok((truth, bench.logged(truth)?))).collect::<Result<_, Error>>()?;
+    let course = |table: Option<&Table>, name: &str| -> Option<Vec<(f64, f64)>> {
+        let table = table?;
+        let rows = table.time.iter().copied().zip(table.column(name)?.iter().copied());
+        let rows: Vec<(f64, f64)> = rows.filter(|(_, value)| value.is_finite()).collect();
+        rows.iter().any(|(_, value)| *value != rows[0].1).then_some(rows)
+    };
+    let driven = |(name, unit): &(&str, &str)| {
+        let points = course(runs.first()?.1.controller.as_ref(), name)?;
+        Some(planned::Course { name: format!("torque {name}"), unit: (*unit).to_owned(), points })
+    };
+    let logged = |(instance, variable, unit): &(&str, &str, &str)| {
+        let name = format!("{instance}.{variable}");
+        let of = |(truth, run): &(usize, Run)| {
+            let table = if *instance == "plant" { run.plant.as_ref() } else { run.camera.as_ref() };
+            Some((question.name(*truth), course(table, variable)?))
+        };
+        let members: Vec<(String, Vec<(f64, f64)>)> = runs.iter().filter_map(of).collect();
+        let noise = question.noise.of(&name, prepared.logs.encoders);
+        // Frames that one member loses are rows that nobody can compare.
+        let alike = members.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len());
+        (alike && members.len() > 1).then(|| Predicted {
+            name,
+            unit: (*unit).to_owned(),
+            noise: Some(noise),
+            members,
+        })
+    };
+    Ok(Planned {
+        inputs: DRIVEN.iter().filter_map(driven).collect(),
+        outputs: LOGGED.iter().filter_map(logged).collect(),
+    })
 }
 
 /// An experiment simulated with one member as the truth.

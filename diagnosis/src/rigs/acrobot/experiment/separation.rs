@@ -14,11 +14,12 @@
 
 use super::cuts::Cuts;
 use super::scenario::{Prepared, refused};
-use super::simulate::simulate;
+use super::simulate::{Trial, simulate};
 use super::{Member, Question};
 use crate::error::Error;
 use crate::rigs::acrobot::amend::written;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
+use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Probe;
 use crate::statistics::linear::{solve, submatrix};
@@ -101,6 +102,23 @@ impl<'a> Bench<'a> {
 
     /// The experiment, simulated with one member and cut.
     fn cuts(&self, truth: usize) -> Result<(Vec<f64>, Cuts<'_>), Error> {
+        let (point, trial, repeats) = self.trial(truth)?;
+        let logged = (self.prepared.logs, repeats);
+        let cuts = Cuts::new(self.question, (&self.model, self.list.clone()), trial, logged)?;
+        Ok((point, cuts))
+    }
+
+    /// What a lab would log with one member as the truth.
+    ///
+    /// # Errors
+    /// The experiment can't be simulated.
+    pub fn logged(&self, truth: usize) -> Result<Run, Error> {
+        let (_, trial, _) = self.trial(truth)?;
+        trial.data.runs.into_iter().next().ok_or_else(|| Error::Model("the experiment has no run".into()))
+    }
+
+    /// The point at which one member is on, the experiment simulated there, and how often it stands for its run.
+    fn trial(&self, truth: usize) -> Result<(Vec<f64>, Trial, f64), Error> {
         let point = self.point(truth);
         let values: Vec<(String, String)> = (0..point.len())
             .filter(|index| point[*index] != self.list[*index].off)
@@ -120,9 +138,7 @@ impl<'a> Bench<'a> {
             prepared.repeats *= length / CHAINED;
         }
         let trial = simulate(&prepared, &values, self.question.data, self.question.units)?;
-        let logged = (logs, prepared.repeats);
-        let cuts = Cuts::new(self.question, (&self.model, self.list.clone()), trial, logged)?;
-        Ok((point, cuts))
+        Ok((point, trial, prepared.repeats))
     }
 
     fn linear(&self, cuts: &mut Cuts<'_>, point: &[f64]) -> Result<Losses, Error> {

@@ -6,7 +6,7 @@ use super::detectable::detectable;
 use super::effects::{Swap, part_effects};
 use super::*;
 use crate::diagnosis::{Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
-use crate::overlay;
+use crate::overlay::{self, Channel};
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, torque_shape};
 use crate::rigs::acrobot::correction::Correction;
@@ -67,7 +67,7 @@ pub(super) fn conclude(
         attachments: Vec::new(),
         experiment,
         traces: all.traces,
-        channels: parts.iter().flat_map(|part| overlay::channels(&part.study, &part.signals, data)).collect(),
+        channels: parts.iter().flat_map(|part| courses(part, data)).collect(),
     };
     Ok((diagnosis, all.compared))
 }
@@ -243,6 +243,12 @@ impl Conclusion {
         }
         amend::amended(data, model, list, &point, &self.effects, self.correction.as_ref(), units)
     }
+}
+
+/// Measured, nominal and amended of what a part compares, with the model that saw all runs.
+fn courses(part: &Part, data: &DataSet) -> Vec<Channel> {
+    let blocks = (part.study.nominal.blocks.as_slice(), part.study.last.blocks.as_slice());
+    overlay::channels(blocks, &part.signals, data, false)
 }
 
 /// The signal that is blamed: of what has no name, or where the nominal model is furthest off.

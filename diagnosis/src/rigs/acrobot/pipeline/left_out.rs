@@ -9,6 +9,7 @@ use super::correct::correct;
 use super::plant::{logged_poses, pose_of};
 use super::*;
 use crate::diagnosis::Gap;
+use crate::overlay::{self, Channel};
 use crate::rigs::acrobot::correction::{self, Correction};
 use crate::rigs::acrobot::dataset::Span;
 use crate::rigs::acrobot::gap::{Compared as Of, Shifted, Sums, above};
@@ -38,6 +39,8 @@ pub(super) struct LeftOut {
     pub(super) gaps: Vec<Gap>,
     /// For each repeated search what was left out, and what it named.
     pub(super) found: Vec<(String, Vec<String>)>,
+    /// Measured, nominal and amended of the last run, by the model that never saw it.
+    channels: Vec<Channel>,
 }
 
 /// What a diagnosis found, and how its parts were compared.
@@ -83,7 +86,7 @@ pub(super) fn left_out(
     let kept = again(list, first);
     let shorter: Arc<Vec<Candidate>> = Arc::new(kept.iter().map(|index| list[*index].clone()).collect());
     let mut sums = vec![Sums::default(); first.parts.len()];
-    let (mut runs, mut found) = (Vec::new(), Vec::new());
+    let (mut runs, mut found, mut channels) = (Vec::new(), Vec::new(), Vec::new());
     let point: Vec<f64> = kept.iter().map(|index| first.point[*index]).collect();
     let on = |index: &usize| first.parts.iter().any(|part| part.study.active.contains(index));
     let active: Vec<usize> = (0..kept.len()).filter(|place| on(&kept[*place])).collect();
@@ -106,8 +109,14 @@ pub(super) fn left_out(
             correct(&fold.rest, model, &shorter, part, units, &mut Vec::new())
         });
         let judge = Judge { data: &fold.held, model, list: &shorter, frames: options.frames, units };
-        for (place, own) in judge.sums(&point, corrected.as_ref(), first)?.into_iter().enumerate() {
+        let mut kept = Vec::new();
+        for (place, own) in judge.sums(&point, corrected.as_ref(), first, &mut kept)?.into_iter().enumerate()
+        {
             sums[place] = sums[place].and(own);
+        }
+        let last = |data: &DataSet| data.runs.last().map(|run| run.name.clone());
+        if last(&fold.held) == last(data) {
+            channels = kept;
         }
         runs.extend(fold.names.iter().cloned());
     }
@@ -119,7 +128,7 @@ pub(super) fn left_out(
                 false => gap.clone(),
             }
         });
-    Ok(Some(LeftOut { gaps: gaps.collect(), found }))
+    Ok(Some(LeftOut { gaps: gaps.collect(), found, channels }))
 }
 
 /// Candidates of a repeated search: what was found, what the screens had among their best, and what is of the logs.
@@ -182,6 +191,7 @@ impl Judge<'_> {
         point: &[f64],
         correction: Option<&Correction>,
         first: &First<'_>,
+        kept: &mut Vec<Channel>,
     ) -> Result<Vec<Sums>, Error> {
         // as the search compared them: where no torque was logged beside the angles, pictures stand at the poses of the logs alone
         let led_by_logs = first.parts.iter().all(|part| !part.torque);
@@ -192,14 +202,12 @@ impl Judge<'_> {
                 all.push(Sums::default());
                 continue;
             }
-            let noise = &part.study.noise;
             let sums = if part.torque {
-                let (sums, followed) =
-                    self.plant(point, correction, part.study.discrepancy_dominated, noise)?;
+                let (sums, followed) = self.plant(point, correction, part, kept)?;
                 motions = followed;
                 sums
             } else {
-                self.picture(point, motions.take(), *of, noise)?
+                self.picture(point, motions.take(), *of, part, kept)?
             };
             all.push(sums);
         }
@@ -216,22 +224,23 @@ impl Judge<'_> {
         &self,
         point: &[f64],
         correction: Option<&Correction>,
-        discrepancy_dominated: bool,
-        noise: &[f64],
+        part: &Part,
+        kept: &mut Vec<Channel>,
     ) -> Result<(Sums, Option<(Vec<Logged>, f64)>), Error> {
+        let noise = &part.study.noise;
         let Some(mut rows) = PlantCut::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
         else {
             return Ok((Sums::default(), None));
         };
-        if discrepancy_dominated {
+        if part.study.discrepancy_dominated {
             let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())?.map(Tracked::new)
             else {
                 return Ok((Sums::default(), None));
             };
-            return Ok((self.torques(&mut weak, point, correction, noise)?, None));
+            return Ok((self.torques(&mut weak, point, correction, part, &mut Vec::new())?, None));
         }
         rows.begin(&self.off())?;
-        let sums = self.at_the_log(self.torques(&mut rows, point, correction, noise)?)?;
+        let sums = self.at_the_log(self.torques(&mut rows, point, correction, part, kept)?)?;
         rows.begin(point)?;
         rows.linearise(point, &[])?;
         let sigma = noise[..2].iter().fold(0.0, |a: f64, b| a.max(*b));
@@ -260,7 +269,8 @@ impl Judge<'_> {
         cut: &mut Tracked<C>,
         point: &[f64],
         correction: Option<&Correction>,
-        noise: &[f64],
+        part: &Part,
+        kept: &mut Vec<Channel>,
     ) -> Result<Sums, Error> {
         let nominal = Evaluation::at(cut, &self.off(), &[])?;
         let mut there = point.to_vec();
@@ -270,9 +280,10 @@ impl Judge<'_> {
         }
         cut.reset();
         let last = Evaluation::at(cut, &there, &[])?;
+        kept.extend(overlay::channels((&nominal.blocks, &last.blocks), &part.signals, self.data, true));
         let folds = vec![0; last.blocks.len()];
-        let sums =
-            Of::Torques.sums(&nominal, &last, &Shifted { places: &[], shifts: &[], folds: &folds }, noise);
+        let shifted = Shifted { places: &[], shifts: &[], folds: &folds };
+        let sums = Of::Torques.sums(&nominal, &last, &shifted, &part.study.noise);
         let Some(correction) = correction else { return Ok(sums) };
         let left: Vec<Torque> = correction::left(cut, &there, &last, correction, self.units)?;
         let before = torques(&nominal.under(&last).blocks, &[], &[], &folds);
@@ -285,7 +296,8 @@ impl Judge<'_> {
         point: &[f64],
         motions: Option<(Vec<Logged>, f64)>,
         of: Of,
-        noise: &[f64],
+        part: &Part,
+        kept: &mut Vec<Channel>,
     ) -> Result<Sums, Error> {
         let chained = motions.is_none();
         let pose = motions.map_or(Pose::Free, |(motions, sigma)| Pose::Logged(motions, sigma));
@@ -307,8 +319,10 @@ impl Judge<'_> {
         let nominal = judged(cut.as_mut(), &self.off())?;
         cut.reset();
         let last = judged(cut.as_mut(), point)?;
+        kept.extend(overlay::channels((&nominal.blocks, &last.blocks), &part.signals, self.data, true));
         let folds = vec![0; last.blocks.len().max(nominal.blocks.len())];
-        Ok(of.sums(&nominal, &last, &Shifted { places: &[], shifts: &[], folds: &folds }, noise))
+        let shifted = Shifted { places: &[], shifts: &[], folds: &folds };
+        Ok(of.sums(&nominal, &last, &shifted, &part.study.noise))
     }
 }
 
@@ -334,4 +348,9 @@ pub(super) fn told(diagnosis: &mut Diagnosis, left_out: LeftOut) {
         diagnosis.gap = gap;
     }
     diagnosis.gaps = left_out.gaps;
+    for channel in left_out.channels {
+        if let Some(known) = diagnosis.channels.iter_mut().find(|known| known.signal == channel.signal) {
+            *known = channel;
+        }
+    }
 }

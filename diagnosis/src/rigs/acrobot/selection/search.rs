@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
     /// The likeliest of what isn't on yet, if it is worth a name.
     fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
-        let cut: &mut Tracked = *cut;
+        let cut: &mut Tracked = cut;
         let threshold = found.null.threshold(ALPHA);
         let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().discrepancy_dominated);
         let switched = switched(cut, candidates, last, active, refused, in_vain)?;
@@ -263,7 +263,7 @@ impl<'a> Search<'a> {
         let Self { cut, candidates, last, active, steps, .. } = self;
         let before: Vec<usize> =
             self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
-        let opinion = second_opinion(*cut, candidates, last, active, candidate, &before, steps, watch)?;
+        let opinion = second_opinion(cut, candidates, last, active, candidate, &before, steps, watch)?;
         let other = match opinion {
             Opinion::Stays(others) => {
                 self.class = Some((candidate, others));

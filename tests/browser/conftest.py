@@ -66,7 +66,8 @@ def look(browser):
         page.on("request", lambda asked: None if own(asked.url, address) else complaints.append(f"asks for {asked.url}"))
         page.goto(address)
         if options.get("java_script_enabled", True):
-            page.wait_for_selector("html[data-graphs=drawn]")
+            # A page without graphs and tables to narrow has no scripts.
+            page.wait_for_function("!document.getElementById('graphs') || document.documentElement.dataset.graphs === 'drawn'")
         return page
 
     yield look
@@ -89,3 +90,16 @@ def shown(page, graph):
     """What the legend of a graph says: numbers in the order of its lines, the time first."""
     values = page.locator(".plot").nth(graph).locator(".u-value").all_inner_texts()
     return [float(value) for value in values]
+
+
+def violations(page):
+    from axe_playwright_python.sync_playwright import Axe
+
+    found = Axe().run(page).response["violations"]
+    return [(rule["id"], [node["html"][:200] for node in rule["nodes"]]) for rule in found]
+
+
+def middle(page, graph=0):
+    over = page.locator(".u-over").nth(graph)
+    over.scroll_into_view_if_needed()
+    return over.bounding_box()

@@ -1,10 +1,13 @@
 """The page of a diagnosis, in a real browser."""
 
 import csv
+import math
+import random
+import subprocess
+import sys
 
 import pytest
-from conftest import LOOKS, ROOT, acroscope, shown
-from test_pages import middle, violations
+from conftest import LOOKS, ROOT, acroscope, middle, shown, violations
 
 DATA = ROOT / "examples" / "hidden-effect"
 
@@ -41,3 +44,44 @@ def test_measured_is_the_log_and_amended_comes_nearer_than_nominal(report, look)
         off["amended"] += abs(amended - measured)
     # Noise of the encoders is 2e-4 rad; without the friction the model is off by hundredths of a rad.
     assert off["amended"] < 0.3 * off["nominal"], off
+
+
+@pytest.fixture(scope="module")
+def motor(tmp_path_factory):
+    """The page of a machine that is not ours: a motor in C, whose logs lack nothing but what was hidden."""
+    folder = tmp_path_factory.mktemp("motor")
+    subprocess.run([sys.executable, ROOT / "examples" / "make.py"], check=True, capture_output=True, timeout=300)
+    logs = [ROOT / "examples" / "motor" / "logs" / f"motor-{run}.csv" for run in (1, 2, 3)]
+    acroscope("import", *logs, "--fmu", ROOT / "examples" / "motor" / "motor.fmu", "--out", folder / "set")
+    acroscope("diagnose", folder / "set", "--out", folder / "out")
+    return folder
+
+
+@pytest.mark.parametrize("width, height, scheme", LOOKS)
+def test_the_page_of_any_unit_fits_and_can_be_read(motor, look, width, height, scheme):
+    page = look(motor / "out" / "report.html", width, height, scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width, "it scrolls sideways"
+    assert violations(page) == []
+    assert "viscous friction (motor.b)" in page.locator(".verdict .words").inner_text()
+
+
+def test_any_units_log_is_laid_over_both_models_on_the_run_that_was_left_out(motor, look):
+    page = look(motor / "out" / "report.html")
+    titles = page.locator(".graph-head h3").all_inner_texts()
+    assert titles[:3] == ["motor.phi of run-03.csv", "motor.w of run-03.csv", "motor.i of run-03.csv"]
+    with open(motor / "set" / "run-03.csv", newline="") as file:
+        log = {round(float(row["t [ms]"])): float(row["w [rpm]"]) for row in csv.DictReader(file)}
+    off = {"nominal": 0.0, "amended": 0.0}
+    rng = random.Random(27)
+    for _ in range(10):
+        box = middle(page, 1)
+        page.mouse.move(box["x"] + rng.uniform(0.02, 0.98) * box["width"], box["y"] + 30)
+        page.wait_for_function("acro.graphs[1].plot.cursor.idx != null")
+        time, measured, nominal, amended = shown(page, 1)
+        # The log is in rpm, its time in ms.
+        assert measured == pytest.approx(log[round(1000 * time)] * math.pi / 30, rel=1e-9)
+        off["nominal"] += abs(nominal - measured)
+        off["amended"] += abs(amended - measured)
+    # Noise of the speed is 0.05 rad/s; without the friction the model is off by ten times that.
+    assert off["amended"] < 0.3 * off["nominal"], off
+    assert "Residual of motor.w over motor.u" in titles and "Residual of motor.w: autocorrelation" in titles

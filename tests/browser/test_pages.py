@@ -3,19 +3,7 @@
 import random
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
-from conftest import LOOKS, rows, shown
-
-
-def violations(page):
-    found = Axe().run(page).response["violations"]
-    return [(rule["id"], [node["html"][:200] for node in rule["nodes"]]) for rule in found]
-
-
-def middle(page, graph=0):
-    over = page.locator(".u-over").nth(graph)
-    over.scroll_into_view_if_needed()
-    return over.bounding_box()
+from conftest import LOOKS, middle, rows, shown, violations
 
 
 @pytest.mark.parametrize("width, height, scheme", LOOKS)

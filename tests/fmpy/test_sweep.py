@@ -89,7 +89,7 @@ def test_columns_have_the_promised_types(grid):
     file = parquet.ParquetFile(next((grid / "set" / "cases").glob("part-*.parquet")))
     assert file.schema_arrow.metadata[b"unit:camera.omega_cam"] == b"Hz"
     page = (grid / "set" / "report.html").read_text()
-    assert "all 8 cases ran" in page and page.count("<svg") == 6
+    assert "All 8 cases ran" in page and page.count("<svg") == 6
 
 
 def test_parts_join_to_the_same_table_whatever_the_threads(acroscope, grid, tmp_path):

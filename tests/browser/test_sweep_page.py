@@ -1,0 +1,67 @@
+"""The page of a sweep, in a real browser."""
+
+import pyarrow.parquet as parquet
+import pytest
+from conftest import LOOKS, acroscope, middle, shown, violations
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    out = tmp_path_factory.mktemp("sweep")
+    grids = ["--grid", "camera.T_delay=0:0.06:0.02", "--grid", "camera.omega_cam=15,30,60"]
+    rms = ["--scalar", "rms=controller.z_desired-plant.z:rms", "--scalar", "fell=plant.contact:first_true", "--until", "plant.contact", "--stop", 2]
+    acroscope("sweep", "visual-servo", *grids, *rms, "--out", out / "two")
+    acroscope("sweep", "visual-servo", *grids[:2], *rms, "--out", out / "one")
+    return out
+
+
+def cases(folder):
+    return parquet.read_table(folder / "cases").to_pylist()
+
+
+@pytest.mark.parametrize("width, height, scheme", LOOKS)
+@pytest.mark.parametrize("name", ["one", "two"])
+def test_every_page_fits_and_can_be_read(swept, look, name, width, height, scheme):
+    page = look(swept / name / "report.html", width, height, scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width, "it scrolls sideways"
+    assert violations(page) == []
+    assert page.locator(".verdict").bounding_box()["y"] < page.locator("table, figure").first.bounding_box()["y"]
+
+
+def test_a_curve_has_the_values_of_the_cases(swept, look):
+    page = look(swept / "one" / "report.html")
+    values = {case["camera.T_delay"]: case["rms"] for case in cases(swept / "one")}
+    titles = page.locator(".graph-head h3").all_inner_texts()
+    graph = next(number for number, title in enumerate(titles) if title.startswith("rms of"))
+    for share in [0.01, 0.3, 0.6, 0.99]:
+        box = middle(page, graph)
+        page.mouse.move(box["x"] + share * (box["width"] - 1), box["y"] + 20)
+        page.wait_for_function(f"acro.graphs[{graph}].plot.cursor.idx != null")
+        delay, line, dot = shown(page, graph)
+        assert line == dot == values[delay]
+
+
+def test_a_map_tells_the_value_of_each_cell(swept, look):
+    page = look(swept / "two" / "report.html")
+    figure = page.locator("figure.map").filter(has_text="rms of")
+    for case in cases(swept / "two"):
+        # Each cell by the keyboard: from wherever it is, first to the corner.
+        figure.focus()
+        for key, times in [("ArrowLeft", 3), ("ArrowDown", 4)]:
+            for _ in range(times):
+                page.keyboard.press(key)
+        for _ in range([15, 30, 60].index(case["camera.omega_cam"])):
+            page.keyboard.press("ArrowRight")
+        for _ in range(round(case["camera.T_delay"] / 0.02)):
+            page.keyboard.press("ArrowUp")
+        said = figure.locator(".reading").inner_text()
+        assert f" {case['camera.omega_cam']:g}, " in said and said.endswith(f"rms {case['rms']!r}"), said
+    figure.locator("rect.marked").hover()
+
+
+def test_cases_are_narrowed_to_those_that_fell(swept, look):
+    page = look(swept / "two" / "report.html")
+    fell = [case["case"] for case in cases(swept / "two") if case["fell"] is not None]
+    assert 0 < len(fell) < 12
+    page.get_by_role("button", name=f"with fell ({len(fell)})").click()
+    assert [row.get_attribute("id") for row in page.locator(".filtered tbody tr:visible").all()] == [f"case-{case}" for case in fell]

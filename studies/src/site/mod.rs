@@ -39,6 +39,7 @@ pub fn index(outcomes: &[(&Study, Outcome)], provenance: &Provenance) -> String 
         page.push(html! { details.study id=(study.id) {
             summary { (study.title) " " span.soft { (in_short(outcome)) } }
             p { a href=(address(study)) { "Its own page, with cursor, zoom and all reasons" } }
+            @for note in &outcome.notes { p { (report::page::inline(note)) } }
             div.row { @for figure in &outcome.figures { (report::page::figure(&figure.svg, &figure.caption)) } }
             @for (title, table) in &outcome.tables {
                 h3 { (report::page::inline(title)) }

@@ -29,7 +29,7 @@ const CLASS: f64 = 9.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
     /// Deviance that a model must gain by one more effect: what the best of all candidates gains by chance (χ² with one degree of
-    /// freedom) in one of [`FALSE_ALARM`] searches.
+    /// freedom) in one of `FALSE_ALARM` searches.
     pub gain: f64,
     /// The same, whatever `gain` is beside an unlisted input.
     pub sure: f64,

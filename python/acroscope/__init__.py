@@ -58,8 +58,10 @@ def _files(folder: str, pattern: str) -> dict[str, Path]:
 
 
 def units() -> dict[str, Path]:
-    """The packed units by name, for other tools: `.fmu` files with binaries for every platform they were built for."""
-    return _files("fmus", "*.fmu")
+    """The packed units by name, for other tools: `.fmu` files with binaries for every platform they were built for.
+
+    The blank that `acroscope container` fills is none: without a scenario inside it doesn't start."""
+    return {name: path for name, path in _files("fmus", "*.fmu").items() if name != "acroscope_container"}
 
 
 def scenarios() -> dict[str, Path]:

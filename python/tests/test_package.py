@@ -19,7 +19,7 @@ import acroscope as ac
 
 @pytest.fixture(scope="module")
 def results():
-    return ac.run("visual-servo", {"camera.frames_every": 30}, stop="1/2")
+    return ac.run("visual-servo", {"camera.frames_every": 5}, stop="1/2")
 
 
 def test_results_are_those_of_the_command_line(results):
@@ -139,6 +139,8 @@ def test_isolated_units_give_the_same_bits():
     pid = os.getpid()
     children = Path(f"/proc/{pid}/task/{threading.get_native_id()}/children").read_text().split()
     names = [Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[1:4] for child in children]
+    # Python's multiprocessing may have a process of its own there.
+    names = [name for name in names if name[-1:] == [b"acroscope"]]
     assert names == [[b"-P", b"-m", b"acroscope"]] * 2, "one process for the plant, one for the controller"
     simulation.step(until=0.1)
     assert simulation.get("plant.q1") == ac.run("full-state", stop=0.1).last("plant.q1")

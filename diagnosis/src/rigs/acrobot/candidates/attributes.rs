@@ -133,6 +133,7 @@ mod tests {
             LinkInertia,
             JointWeight,
             ImageDelay,
+            RadialSeries,
             Exposure,
             CameraRoll,
             SensorNoise,

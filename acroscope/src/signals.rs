@@ -6,6 +6,11 @@
 
 use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
 
+/// Within this long after the first one a signal is the same request: `timeout` and shells send it to the program and then to its whole
+/// group. A person who asks again takes longer.
+#[cfg(unix)]
+const SAME: std::time::Duration = std::time::Duration::from_millis(200);
+
 /// The signal that came; 0: none.
 static CAUGHT: AtomicI32 = AtomicI32::new(0);
 /// How many parts of the program look at [`caught`] by themselves.
@@ -65,7 +70,12 @@ fn begin() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
     std::thread::spawn(move || {
+        let mut began: Option<std::time::Instant> = None;
         for signal in signals.forever() {
+            if began.is_some_and(|began| began.elapsed() < SAME) {
+                continue;
+            }
+            began = began.or_else(|| Some(std::time::Instant::now()));
             let first = CAUGHT.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok();
             if first && LOOKING.load(Ordering::Relaxed) > 0 {
                 // What ends by itself has this long; a unit that hangs would keep it for ever.

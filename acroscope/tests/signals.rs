@@ -45,6 +45,22 @@ fn rows_of(folder: &TempDir) -> impl FnMut() -> bool {
 }
 
 #[test]
+fn law_a_signal_that_comes_twice_at_once_is_one_request() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let child = start(folder.path(), &["run", "visual-servo", "--stop", "100000", "--out", "o"]);
+    wait_until("two simulated seconds", rows_of(&folder));
+    // As `timeout` does: to the program, then to its group. Two kinds, since two of one kind may arrive as one.
+    let both = format!("kill -TERM {0}; kill -HUP {0}", child.id());
+    assert!(Command::new("sh").args(["-c", &both]).status().expect("a shell").success());
+    let output = child.wait_with_output().expect("it ends");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(matches!(output.status.code(), Some(143 | 129)), "{text}");
+    for name in ["results.csv", "report.html", "summary.json"] {
+        assert!(folder.path().join("o").join(name).is_file(), "{name}: {text}");
+    }
+}
+
+#[test]
 fn law_a_signal_ends_a_run_with_its_rows_and_report() {
     for (signal, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let folder = tempfile::tempdir().expect("a temporary folder");

@@ -92,9 +92,10 @@ fn every_planted_fault_of_a_library_is_found() {
 
 #[test]
 fn law_a_unit_without_a_fault_has_no_finding() {
-    // Number 27 prints without an end of line, into the middle of what the process says.
+    // Number 27 prints without an end of line, into the middle of what the process says. Number 32 fills the C library's
+    // caches of freed memory, which is no leak.
     let units = Units::new();
-    for fault in [0, 27] {
+    for fault in [0, 27, 32] {
         assert_eq!(check(&faulty(&units, fault)), []);
     }
 }

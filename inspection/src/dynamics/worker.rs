@@ -17,6 +17,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 const RULE: &str = "ACROSCOPE_CHECK_RULE";
 const UNIT: &str = "ACROSCOPE_CHECK_UNIT";
 const MEMORY: &str = "ACROSCOPE_CHECK_MEMORY";
+/// What glibc is told: what its caches of freed memory hold counts as used, tens of kB that come and go, and would look
+/// like a leak.
+const TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0");
 
 /// Begins each line that is ours: a unit may print what it likes to the same place.
 const MARK: &str = "\u{1}acroscope-check ";
@@ -135,6 +138,7 @@ pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<En
     let unheard = || if first { Stdio::inherit() } else { Stdio::null() };
     let mut command = Command::new(&program);
     command.args(arguments).env(RULE, rule).env(UNIT, unit).env(MEMORY, limits.memory.to_string());
+    command.env(TUNABLES.0, TUNABLES.1);
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;

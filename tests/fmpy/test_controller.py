@@ -43,3 +43,23 @@ def test_no_torque_before_the_first_estimate(unit):
     assert held != 0.0
     controller.set(q1=0.2).step(0.01, 0.01)
     assert controller.get("tau") == held, "held until the next estimate"
+
+
+def test_directional_derivatives_are_the_gain(unit):
+    controller = unit("controller")
+    assert controller.description.coSimulation.providesDirectionalDerivative
+    controller.start()
+    names = ("q1", "q2", "dq1", "dq2")
+    x = np.array([-0.1, 0.5, 0.3, -0.2])
+    step = 1e-5
+    ends = [(torque(controller, x + step * e, 0.1) - torque(controller, x - step * e, 0.1)) / (2 * step) for e in np.eye(4)]
+    torque(controller, x, 0.1)
+    reference = {name: controller.variables[name].valueReference for name in (*names, "tau", "z_desired")}
+
+    def derivative(known):
+        return controller.slave.getDirectionalDerivative([reference["tau"]], [reference[known]], [1.0])[0]
+
+    # second order: step**2 = 1e-10 times third derivatives of order 1e3, and rounding 1e-13/step
+    assert [derivative(name) for name in names] == pytest.approx(ends, abs=1e-5)
+    by_place = (torque(controller, x, 0.1 + step) - torque(controller, x, 0.1 - step)) / (2 * step)
+    assert derivative("z_desired") == pytest.approx(by_place, rel=1e-6)

@@ -40,3 +40,23 @@ def test_a_plant_behind_it_does_not_notice_it_while_it_is_off(unit):
         behind.set(tau=0.1 * np.cos(k), tau_1=residual.get("tau_1"), tau_2=residual.get("tau_2")).step(k * 0.005, 0.005)
         alone.set(tau=0.1 * np.cos(k), tau_1=0.02).step(k * 0.005, 0.005)
         assert behind.outputs() == alone.outputs()
+
+
+def test_directional_derivatives_are_the_differences(unit):
+    residual = unit("residual")
+    assert residual.description.coSimulation.providesDirectionalDerivative
+    residual.start(**COEFFICIENTS, **SHAPES)
+    reference = {name: variable.valueReference for name, variable in residual.variables.items()}
+    state = {"q1": 0.3, "q2": -0.4, "dq1": 0.2, "dq2": -0.7}
+    residual.set(**state).step(0.0, 0.01)
+    outputs = ["tau_1", "tau_2", "roll", "joint"]
+    seed = [0.5, -1.0, 0.25, 2.0]
+    got = residual.slave.getDirectionalDerivative([reference[n] for n in outputs], [reference[n] for n in state], seed)
+
+    def at(share):
+        q1, q2, dq1, dq2 = (value + share * change for value, change in zip(state.values(), seed))
+        roll, joint = terms("roll", q1, dq1), terms("joint", q2 - q1, dq2 - dq1)
+        return np.array([roll - joint, joint, roll, joint])
+
+    # second order: h**2 = 1e-10 times third derivatives of tanh(v/0.05), some 1e3
+    assert got == pytest.approx((at(1e-5) - at(-1e-5)) / 2e-5, abs=1e-6)

@@ -49,6 +49,35 @@ pub struct Answer {
     pub place: f64,
 }
 
+/// What the law's answer depends on, in the order of [`slopes`].
+pub const INPUTS: [&str; 5] = ["q1", "q2", "dq1", "dq2", "z_desired"];
+
+/// The derivatives of torque and place by [`INPUTS`], exactly those of what [`torque`] computes; at the ends of the table,
+/// where the schedule stays, that of the side beyond.
+pub fn slopes(
+    schedule: &Schedule,
+    polynomial: &Polynomial,
+    [q1, q2]: [f64; 2],
+    dq: [f64; 2],
+) -> [[f64; 5]; 2] {
+    let (at, slope) = (schedule.at(q2), schedule.slope(q2));
+    let off = [q1 - at.q1, q2 - at.q2];
+    let along = |row: [f64; 2], vector: [f64; 2]| row[0] * vector[0] + row[1] * vector[1];
+    let [a0, a1, a2, a3] = polynomial.a;
+    let scale = schedule.scale();
+    // How the deviation changes with q₂.
+    let moves = [-slope.q1, 1.0 - slope.q2];
+    let place = slope.z + along(slope.cp, off) + along(at.cp, moves);
+    let v = -a0 * place
+        - a1 * along(slope.cp, dq)
+        - a2 * (along(slope.cpk, off) + along(at.cpk, moves))
+        - a3 * along(slope.cpk, dq);
+    let by_q1 = (-a0 * at.cp[0] - a2 * at.cpk[0]) / scale - at.pkk[0];
+    let by_q2 = slope.torque + v / scale - along(slope.pkk, off) - along(at.pkk, moves);
+    let by_rate = |link: usize| (-a1 * at.cp[link] - a3 * at.cpk[link]) / scale;
+    [[by_q1, by_q2, by_rate(0), by_rate(1), a0 / scale], [at.cp[0], place, 0.0, 0.0, 0.0]]
+}
+
 /// The law, for angles in rad and rates in rad/s.
 pub fn torque(
     schedule: &Schedule,

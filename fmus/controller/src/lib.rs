@@ -130,7 +130,7 @@ impl Model for Controller {
             version: env!("CARGO_PKG_VERSION"),
             stop_time: 30.0,
             step_size: 1.0 / 600.0,
-            provides_derivatives: false,
+            provides_derivatives: true,
             log_categories: &[],
         }
     }
@@ -169,5 +169,26 @@ impl Model for Controller {
             return Err(ModelError::Value { name, value: rate.to_string(), expected });
         }
         self.answer(variables, Some(step))
+    }
+
+    /// That of the law at the inputs as they are, as an estimate that is new has it; none before the first one.
+    fn derivative(&self, variables: &Variables, unknown: &str, known: &str) -> Option<f64> {
+        let inputs = &variables.inputs;
+        let known = law::INPUTS.iter().position(|name| *name == known)?;
+        let outputs = ["tau", "z_hat"].iter().position(|name| *name == unknown)?;
+        if inputs.frame == 0 {
+            return Some(0.0);
+        }
+        // There since the first answer, but where the state came as bytes.
+        let theta = variables.parameters.theta();
+        let kept = self.schedule.clone().filter(|schedule| *schedule.theta() == theta);
+        let schedule = kept.or_else(|| Schedule::new(&theta).ok().map(Arc::new))?;
+        let slopes = law::slopes(
+            &schedule,
+            &variables.parameters.polynomial(),
+            [inputs.link1_angle, inputs.link2_angle],
+            [inputs.link1_rate, inputs.link2_rate],
+        );
+        Some(slopes[outputs][known])
     }
 }

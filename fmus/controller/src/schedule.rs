@@ -99,6 +99,37 @@ impl Schedule {
     }
 }
 
+impl Schedule {
+    /// The derivatives by q₂ of what [`Schedule::at`] looks up.
+    pub fn slope(&self, q2: f64) -> Scheduled {
+        if q2.abs() >= self.end {
+            let nothing = [0.0; 2];
+            return Scheduled {
+                q2: 0.0,
+                q1: 0.0,
+                torque: 0.0,
+                z: 0.0,
+                cp: nothing,
+                cpk: nothing,
+                pkk: nothing,
+            };
+        }
+        let [q1, z, cp1, cp2, cpk1, cpk2, pkk1, pkk2] = self.splines.slope(q2.abs());
+        // Even functions have odd derivatives.
+        let side = if q2 < 0.0 { -1.0 } else { 1.0 };
+        Scheduled {
+            q2: 1.0,
+            q1,
+            // Of −θ₁₀ sin q₂, the torque that holds the equilibrium.
+            torque: -self.theta.theta_10 * libm::cos(q2),
+            z,
+            cp: [side * cp1, side * cp2],
+            cpk: [side * cpk1, side * cpk2],
+            pkk: [side * pkk1, side * pkk2],
+        }
+    }
+}
+
 /// The functions at one knot; `upright` is the controllability determinant there.
 fn row(theta: &Theta, place: &Place, upright: f64, q2: f64) -> Result<[f64; 8], MechanicsError> {
     let linearisation = theta.linearisation(q2)?;

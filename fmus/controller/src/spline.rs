@@ -42,10 +42,24 @@ impl<const N: usize> Spline<N> {
 
     /// All functions at `x`; outside the knots the outermost polynomial goes on.
     pub fn at(&self, x: f64) -> [f64; N] {
+        let (interval, t) = self.place(x);
+        self.weighted(interval, weights(t))
+    }
+
+    /// Their derivatives there.
+    pub fn slope(&self, x: f64) -> [f64; N] {
+        let (interval, t) = self.place(x);
+        self.weighted(interval, slopes(t)).map(|slope| slope * self.knots_per_unit)
+    }
+
+    fn place(&self, x: f64) -> (usize, f64) {
         let place = (x - self.start) * self.knots_per_unit;
         let last = self.coefficients.len() - 6;
         let interval = (place.max(0.0) as usize).min(last);
-        let weights = weights(place - interval as f64);
+        (interval, place - interval as f64)
+    }
+
+    fn weighted(&self, interval: usize, weights: [f64; 6]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (coefficients, weight) in self.coefficients[interval..interval + 6].iter().zip(weights) {
             for (sum, coefficient) in sum.iter_mut().zip(coefficients) {
@@ -66,6 +80,19 @@ fn weights(t: f64) -> [f64; 6] {
         (26.0 + t * (50.0 + t * (20.0 + t * (-20.0 + t * (-20.0 + t * 10.0))))) / 120.0,
         (1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - t * 5.0))))) / 120.0,
         t * t * t * t * t / 120.0,
+    ]
+}
+
+/// wⱼ′(t), j = −2..3.
+fn slopes(t: f64) -> [f64; 6] {
+    let u = 1.0 - t;
+    [
+        -u * u * u * u / 24.0,
+        (-50.0 + t * (40.0 + t * (60.0 + t * (-80.0 + t * 25.0)))) / 120.0,
+        t * (-120.0 + t * t * (120.0 - t * 50.0)) / 120.0,
+        (50.0 + t * (40.0 + t * (-60.0 + t * (-80.0 + t * 50.0)))) / 120.0,
+        (5.0 + t * (20.0 + t * (30.0 + t * (20.0 - t * 25.0)))) / 120.0,
+        t * t * t * t / 24.0,
     ]
 }
 

@@ -223,3 +223,44 @@ fn every_uncontrollable_place_is_named() {
     let end = Schedule::new(&theta).unwrap().end();
     assert!((2.39..2.5).contains(&end), "{end}"); // numpy: the determinant changes sign between 2.4 and 2.5
 }
+
+#[test]
+fn law_slopes_are_the_differences_of_the_law() {
+    for theta in [Theta::TABLE_2, PINNED, OTHER] {
+        let schedule = Schedule::new(&theta).unwrap();
+        let polynomial = Polynomial::from_pole_pairs([6.11, 0.84], [3.52, 0.54]);
+        let end = schedule.end();
+        for x in [
+            [-0.1, 0.4, 0.3, -0.2, 0.1],
+            [0.2, -1.3, -0.5, 0.4, -0.3],
+            [0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.3, end + 0.1, 0.2, 0.1, 0.5],
+        ] {
+            let answer = |x: [f64; 5]| {
+                let answer = law::torque(&schedule, &polynomial, [x[0], x[1]], [x[2], x[3]], x[4]);
+                [answer.torque, answer.place]
+            };
+            let slopes = law::slopes(&schedule, &polynomial, [x[0], x[1]], [x[2], x[3]]);
+            for known in 0..5 {
+                // Fourth order: h⁴ = 1e-12 times fifth derivatives of splines, and rounding 1e-13/h.
+                let h = 1e-3;
+                let at = |multiple: f64| {
+                    let mut moved = x;
+                    moved[known] += multiple * h;
+                    answer(moved)
+                };
+                let [far_before, before, after, far_after] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
+                for unknown in 0..2 {
+                    let near = 8.0 * (after[unknown] - before[unknown]);
+                    let expected = (near - (far_after[unknown] - far_before[unknown])) / (12.0 * h);
+                    let found = slopes[unknown][known];
+                    let scale = expected.abs().max(100.0);
+                    assert!(
+                        (found - expected).abs() < 1e-7 * scale,
+                        "{unknown} by {known} at {x:?}: {found}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

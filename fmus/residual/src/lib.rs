@@ -100,7 +100,7 @@ impl Model for Residual {
             version: env!("CARGO_PKG_VERSION"),
             stop_time: 30.0,
             step_size: 1.0 / 600.0,
-            provides_derivatives: false,
+            provides_derivatives: true,
             log_categories: &[],
         }
     }
@@ -135,5 +135,30 @@ impl Model for Residual {
             return Err(ModelError::Value { name, value: rate.to_string(), expected });
         }
         answer(variables, Some(step))
+    }
+
+    /// Exact, at the inputs as they are.
+    fn derivative(&self, variables: &Variables, unknown: &str, known: &str) -> Option<f64> {
+        let inputs = &variables.inputs;
+        let smooth = variables.common.smooth;
+        let [roll_x, roll_v] = variables.roll.axis().slopes(inputs.link1_angle, inputs.link1_rate, smooth);
+        let across = (inputs.link2_angle - inputs.link1_angle, inputs.link2_rate - inputs.link1_rate);
+        let [joint_x, joint_v] = variables.joint.axis().slopes(across.0, across.1, smooth);
+        let (roll, joint, given) = match known {
+            "q1" => (roll_x, -joint_x, [0.0, 0.0]),
+            "q2" => (0.0, joint_x, [0.0, 0.0]),
+            "dq1" => (roll_v, -joint_v, [0.0, 0.0]),
+            "dq2" => (0.0, joint_v, [0.0, 0.0]),
+            "tau_1_in" => (0.0, 0.0, [1.0, 0.0]),
+            "tau_2_in" => (0.0, 0.0, [0.0, 1.0]),
+            _ => return None,
+        };
+        match unknown {
+            "roll" => Some(roll),
+            "joint" => Some(joint),
+            "tau_1" => Some(given[0] + roll - joint),
+            "tau_2" => Some(given[1] + joint),
+            _ => None,
+        }
     }
 }

@@ -48,6 +48,35 @@ impl Axis {
     }
 }
 
+impl Axis {
+    /// Its derivatives by angle and rate, N·m/rad and N·m·s/rad; at a corner that of the inner side.
+    pub fn slopes(&self, angle: f64, rate: f64, smooth: f64) -> [f64; 2] {
+        let (inside_x, inside_v) = (is_within(angle - self.centre, self.reach), is_within(rate, self.speed));
+        let x = within(angle - self.centre, self.reach);
+        let v = within(rate, self.speed);
+        let sign = libm::tanh(v / smooth);
+        let fall = libm::exp(-(v / self.slow) * (v / self.slow));
+        let by_x = [0.0, 1.0, 2.0 * x, 3.0 * x * x, 0.0, 0.0, 0.0, 0.0];
+        let steep = (1.0 - sign * sign) / smooth;
+        let falls = (steep - sign * 2.0 * v / (self.slow * self.slow)) * fall;
+        let by_v = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0 * v.abs(), steep, falls];
+        let sum = |slopes: [f64; TERMS], inside: bool| match inside {
+            true => self
+                .coefficients
+                .iter()
+                .zip(slopes)
+                .map(|(coefficient, slope)| coefficient * slope)
+                .sum::<f64>(),
+            false => 0.0,
+        };
+        [sum(by_x, inside_x), sum(by_v, inside_v)]
+    }
+}
+
+fn is_within(value: f64, limit: f64) -> bool {
+    limit <= 0.0 || value.abs() <= limit
+}
+
 fn within(value: f64, limit: f64) -> f64 {
     if limit > 0.0 { value.clamp(-limit, limit) } else { value }
 }

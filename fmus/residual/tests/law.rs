@@ -135,3 +135,46 @@ fn every_word_of_the_description_is_committed() {
     let committed = include_str!("../../../modelDescriptions/acrobot_residual.xml");
     assert!(fmi2_export::description::Unit::of::<Residual>().xml() == committed, "stale: cargo xtask pack");
 }
+
+#[test]
+fn law_derivatives_are_the_differences() {
+    // All terms at once, inside and beyond what the data covered.
+    let mut values = STATE.to_vec();
+    values.extend([("tau_1_in", 0.4), ("tau_2_in", -0.2)]);
+    let terms = ["bias", "spring", "even", "stiff", "damp", "drag", "stick", "stribeck"];
+    for axis in ["roll", "joint"] {
+        for (place, term) in terms.iter().enumerate() {
+            let name = format!("{term}_{axis}");
+            let declared = Variables::variables().iter().any(|variable| variable.name == name);
+            assert!(declared, "{name}");
+            values.push((Box::leak(name.into_boxed_str()), 0.1 + 0.05 * place as f64));
+        }
+    }
+    values.push(("smooth", 0.5));
+    for limits in [&[][..], &[("reach_roll", 0.2), ("speed_joint", 0.9)]] {
+        let at = |changed: &str, by: f64| {
+            let all = values
+                .iter()
+                .chain(limits)
+                .map(|(name, value)| (*name, value + if *name == changed { by } else { 0.0 }));
+            answered(&all.collect::<Vec<_>>()).expect("legal")
+        };
+        let middle = at("", 0.0);
+        for known in ["q1", "q2", "dq1", "dq2", "tau_1_in", "tau_2_in"] {
+            // Second order: h² = 1e-10 times third derivatives of order 10, and rounding 1e-16/h.
+            let h = 1e-5;
+            let (before, after) = (at(known, -h), at(known, h));
+            for unknown in ["tau_1", "tau_2", "roll", "joint"] {
+                let expected = (get(&after, unknown) - get(&before, unknown)) / (2.0 * h);
+                let found = Residual::default().derivative(&middle, unknown, known).expect("provided");
+                assert!((found - expected).abs() < 1e-8, "{unknown} by {known}: {found}, not {expected}");
+            }
+        }
+    }
+    assert_eq!(Residual::default().derivative(&at_rest(), "tau_1", "smooth"), None);
+    assert_eq!(Residual::default().derivative(&at_rest(), "q1", "q1"), None);
+}
+
+fn at_rest() -> Variables {
+    answered(&STATE).expect("legal")
+}

@@ -64,7 +64,7 @@ fn run(command: Command) -> Result<()> {
             let unit = library::describe(&library)?;
             let folder = out.map_or_else(|| project.target().map(|target| target.join("fmus")), Ok)?;
             let path = folder.join(format!("{}.fmu", unit.identifier));
-            let entries = package::content(&library, &unit, &project.licences()?)?;
+            let entries = package::content(&library, &unit, &project.licences()?, &project.folder())?;
             archive::write_if_changed(&path, &archive::to_bytes(&entries)?)?;
             println!("{}", path.display());
         }

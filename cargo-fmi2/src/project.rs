@@ -83,17 +83,22 @@ impl Project {
         Ok(command.exec()?.target_directory.into_std_path_buf())
     }
 
+    /// Where the crate's Cargo.toml lies.
+    pub fn folder(&self) -> PathBuf {
+        let manifest = self.manifest_path.clone().unwrap_or_else(|| "Cargo.toml".into());
+        let folder = manifest.parent().filter(|folder| !folder.as_os_str().is_empty());
+        folder.unwrap_or(Path::new(".")).to_owned()
+    }
+
     /// Licences that lie beside the crate's Cargo.toml, by the names of their files.
     ///
     /// # Errors
     /// One can't be read.
     pub fn licences(&self) -> Result<Vec<(String, Vec<u8>)>> {
-        let manifest = self.manifest_path.clone().unwrap_or_else(|| "Cargo.toml".into());
-        let folder =
-            manifest.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = self.folder();
         let mut found = Vec::new();
-        for entry in at(folder, fs::read_dir(folder))? {
-            let path = at(folder, entry)?.path();
+        for entry in at(&folder, fs::read_dir(&folder))? {
+            let path = at(&folder, entry)?.path();
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             if name.starts_with("LICENSE") && path.is_file() {
                 found.push((name, at(&path, fs::read(&path))?));

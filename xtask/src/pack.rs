@@ -13,7 +13,7 @@ use std::time::SystemTime;
 pub enum Extent {
     /// Every unit.
     All,
-    /// The units whose library or licence is newer than their `.fmu`.
+    /// The units whose library, or another file that goes into them, is newer than their `.fmu`.
     Stale,
 }
 
@@ -26,7 +26,7 @@ const LICENCES: [&str; 2] = ["LICENSE-MIT", "LICENSE-APACHE"];
 pub fn pack(root: &Path, extent: Extent) -> Result<Vec<PathBuf>> {
     let libraries = build(root, &root.join("target").join("fmu-build"))?;
     let fmus = root.join("target").join("fmus");
-    if extent == Extent::Stale && is_fresh(root, &libraries, &fmus) {
+    if extent == Extent::Stale && is_fresh(root, &libraries, &fmus)? {
         return Ok(Vec::new());
     }
     let units = describe(&libraries)?;
@@ -100,18 +100,21 @@ fn stamp(fmus: &Path) -> PathBuf {
 }
 
 /// Whether nothing that goes into the `.fmu` files is newer than the last packing.
-fn is_fresh(root: &Path, libraries: &[PathBuf], fmus: &Path) -> bool {
+fn is_fresh(root: &Path, libraries: &[PathBuf], fmus: &Path) -> Result<bool> {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
-    let Some(checked) = modified(&stamp(fmus)) else { return false };
+    let Some(checked) = modified(&stamp(fmus)) else { return Ok(false) };
     let before = |time: Option<SystemTime>| time.is_some_and(|time| time <= checked);
     let this_program = std::env::current_exe().ok();
-    let licences = LICENCES.map(|name| root.join(name));
+    let mut inside = LICENCES.map(|name| root.join(name)).to_vec();
+    for shell in shells::folders(root)? {
+        inside.extend(package::extra(&shell)?.into_values());
+    }
     let all_packed = fs::read_dir(fmus).is_ok_and(|entries| {
         let is_fmu = |path: PathBuf| path.extension().is_some_and(|extension| extension == "fmu");
         entries.filter(|entry| entry.as_ref().is_ok_and(|entry| is_fmu(entry.path()))).count()
             == libraries.len()
     });
-    all_packed && libraries.iter().chain(&licences).chain(&this_program).all(|path| before(modified(path)))
+    Ok(all_packed && libraries.iter().chain(&inside).chain(&this_program).all(|path| before(modified(path))))
 }
 
 /// The committed files and what they should say.
@@ -148,9 +151,9 @@ fn orphans(root: &Path, units: &[Unit]) -> Result<Vec<PathBuf>> {
 
 fn write_fmus(root: &Path, libraries: &[PathBuf], units: &[Unit], folder: &Path) -> Result<Vec<PathBuf>> {
     let mut packed = Vec::new();
-    for (library, unit) in libraries.iter().zip(units) {
+    for ((library, unit), shell) in libraries.iter().zip(units).zip(shells::folders(root)?) {
         let path = folder.join(format!("{}.fmu", unit.identifier));
-        let mut entries = content(root, library, unit)?;
+        let mut entries = content(root, library, unit, &shell)?;
         portable::keep(&path, library, &mut entries)?;
         archive::write_if_changed(&path, &archive::to_bytes(&entries)?)?;
         packed.push(path);
@@ -159,7 +162,7 @@ fn write_fmus(root: &Path, libraries: &[PathBuf], units: &[Unit], folder: &Path)
 }
 
 /// What goes into an `.fmu`.
-fn content(root: &Path, library: &Path, unit: &Unit) -> Result<Entries> {
+fn content(root: &Path, library: &Path, unit: &Unit, shell: &Path) -> Result<Entries> {
     let mut all = format!("Either of, at your choice: {}.\n", LICENCES.join(".txt, ") + ".txt").into_bytes();
     all.extend_from_slice(
         b"The library holds the Rust standard library and crates under the same two licences.\n",
@@ -169,5 +172,5 @@ fn content(root: &Path, library: &Path, unit: &Unit) -> Result<Entries> {
         let path = root.join(name);
         licences.push((name.to_owned(), at(&path, fs::read(&path))?));
     }
-    package::content(library, unit, &licences)
+    package::content(library, unit, &licences, shell)
 }

@@ -2,23 +2,28 @@
 
 use crate::{Result, at};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The package names of all shells, sorted by folder; the container's comes last.
 pub fn find(root: &Path) -> Result<Vec<String>> {
+    folders(root)?.iter().map(|folder| package(&folder.join("Cargo.toml"))).collect()
+}
+
+/// Their folders, in the same order.
+pub fn folders(root: &Path) -> Result<Vec<PathBuf>> {
     let folder = root.join("fmus");
-    let mut manifests = Vec::new();
+    let mut shells = Vec::new();
     for entry in at(&folder, fs::read_dir(&folder))? {
-        let manifest = at(&folder, entry)?.path().join("fmu").join("Cargo.toml");
-        if manifest.is_file() {
-            manifests.push(manifest);
+        let shell = at(&folder, entry)?.path().join("fmu");
+        if shell.join("Cargo.toml").is_file() {
+            shells.push(shell);
         }
     }
-    manifests.sort();
-    if !manifests.is_empty() {
-        manifests.push(root.join("container").join("fmu").join("Cargo.toml"));
+    shells.sort();
+    if !shells.is_empty() {
+        shells.push(root.join("container").join("fmu"));
     }
-    manifests.iter().map(|manifest| package(manifest)).collect()
+    Ok(shells)
 }
 
 fn package(manifest: &Path) -> Result<String> {

@@ -1,135 +1,106 @@
-"""Pictures and tables of docs/camera.md, made by the camera unit itself through FMPy.
+"""Numbers of the book: each that was computed or measured stands between two marks that say where it comes from.
 
-For each effect: the circle at the tip as the camera sees it without and with the effect, eight times as large, and how far the three
-centroids move. Writes docs/figures/camera/*.png and the table of docs/camera.md; `tests/fmpy/test_book.py` fails when they are stale.
+    <!-- from SOURCE NAME -->0.01998<!-- end -->
 
-    python scripts/book.py
+SOURCE is a file of the repository, whose constant NAME it is (Rust) or whose entry (JSON; dots lead deeper), or one of the sources of
+`scripts/book_numbers.py`, which run the program. A third word says how a constant is shown: `%`. The marks are invisible on the page;
+what is between them may be a word, a table or a whole block of code.
+
+    python scripts/book.py            makes all of them again, and the pictures of docs/camera.md (needs packed units, gcc, half a minute)
+    python scripts/book.py --check    tells what is stale instead; tests/fmpy/test_book.py does that
 """
 
 import argparse
-import struct
-import tempfile
-import zlib
+import json
+import re
+import sys
 from pathlib import Path
 
-import numpy as np
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import book_numbers  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
-CAMERA = ROOT / "target" / "fmus" / "acrobot_camera.fmu"
-POSE = {"q1": -0.35, "q2": 0.9, "dq1": 0.6, "dq2": -2.0}  # leaning, and swinging, so that a long exposure shows
-INTERVAL = 1.0 / 30.0  # s, the unit's own rate
-BEGIN, END = "<!-- table: scripts/book.py -->\n", "<!-- end of table -->\n"
-HALF, SCALE = 12, 8  # px on each side of the tip; how often each is drawn
-
-# name, values, the sentence beside the picture
-EFFECTS = [
-    ("k1", {"k1": 0.05}, "radial distortion, third order: eq. (3)"),
-    ("k2", {"k2": 0.2}, "radial distortion, fifth order"),
-    ("p1", {"p1": 0.02}, "decentering along u: eqs. (5), (6)"),
-    ("p2", {"p2": 0.02}, "decentering along v: eqs. (5), (6)"),
-    ("s1", {"s1": 0.02}, "thin prism along u: eqs. (7), (8)"),
-    ("s2", {"s2": 0.02}, "thin prism along v: eqs. (7), (8)"),
-    ("beta", {"beta": 3.0}, "vignetting: light falls off towards the edge, eq. (11), and the circle shrinks at the threshold"),
-    ("N", {"N": 3}, "defocus: three passes of the mask"),
-    ("E_t", {"E_t": 0.5}, "a shutter that is open for half of the interval smears a circle that moves"),
-    ("sigma", {"sigma": 25.0}, "noise of 25 grey levels"),
-    ("roll", {"roll": 0.02}, "the camera turned about its axis"),
-    ("pan", {"pan": 0.005}, "the camera's axis turned towards +u"),
-    ("tilt", {"tilt": 0.005}, "the camera's axis turned towards +v"),
-    ("u0", {"u0": 0.01}, "principal point off along u"),
-    ("v0", {"v0": 0.01}, "principal point off along v"),
-    ("scale", {"scale": 1.01}, "a focal length that is off by 1 %"),
-]
+MARK = re.compile(r"<!-- from (\S+) (\S+?)(?: (%))? -->(.*?)<!-- end -->", re.S)
 
 
-def frame(values, folder):
-    """(picture, centroids) of frame 1 of a camera that sees the arm pass POSE at mid-exposure of its ideal shutter."""
-    description = read_model_description(str(CAMERA))
-    variables = {v.name: v for v in description.modelVariables}
-    unit = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(CAMERA)), instanceName="book",
-                     modelIdentifier=description.coSimulation.modelIdentifier)
-    unit.instantiate()
-
-    def put(name, value):
-        kind = variables[name].type
-        cast = {"Real": float, "Integer": int, "Boolean": bool, "String": str}[kind]
-        getattr(unit, "set" + kind)([variables[name].valueReference], [cast(value)])
-
-    unit.setupExperiment(startTime=0.0)
-    for name, value in {**values, "frames_dir": str(folder)}.items():
-        put(name, value)
-    unit.enterInitializationMode()
-    arm(put, -INTERVAL)
-    unit.exitInitializationMode()
-    arm(put, 0.0)  # the pose at the end of the step: Gauss-Seidel
-    unit.doStep(0.0, INTERVAL)
-    seen = [unit.getReal([variables[n].valueReference])[0] for n in ("u1", "v1", "u2", "v2", "u3", "v3")]
-    valid = unit.getBoolean([variables["valid"].valueReference])[0]
-    unit.terminate()
-    unit.freeInstance()
-    files = sorted(Path(folder).glob("*.png"))
-    return read_grey(files[-1]), (np.array(seen).reshape(3, 2) if valid else None)
+def pages():
+    """Pages that may have marks: the book, and what a reader of the repository begins with."""
+    return sorted((ROOT / "docs").rglob("*.md")) + [ROOT / name for name in ("README.md", "examples/README.md")]
 
 
-def arm(put, after):
-    """The pose so long after POSE, at its rates."""
-    for angle, rate in (("q1", "dq1"), ("q2", "dq2")):
-        put(angle, POSE[angle] + after * POSE[rate])
-        put(rate, POSE[rate])
+def constant(file, name):
+    """The number of a constant or of a field, as Rust's source has it."""
+    found = re.findall(rf"\b{re.escape(name)}\b(?:: [\w ]+ =|:| =) ([-\d._e]+)[;,]", (ROOT / file).read_text())
+    if len(found) != 1:
+        raise KeyError(f"{file} has {len(found)} constants {name}, not one")
+    return float(found[0].replace("_", ""))
 
 
-def read_grey(file):
-    """A PNG of 8 bit grey without interlacing, which is what the unit writes."""
-    import cv2
-
-    return cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
-
-
-def write_grey(file, picture):
-    """A PNG with the same bytes on every machine."""
-    height, width = picture.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in picture)
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+def entry(file, path):
+    value = json.loads((ROOT / file).read_text())
+    for key in path.split("."):
+        value = value[int(key)] if isinstance(value, list) else value[key]
+    return value
 
 
-def cut(picture, centre):
-    """The neighbourhood of a place (pixels from the middle, v up), enlarged."""
-    column, row = int(round(picture.shape[1] / 2 + centre[0])), int(round(picture.shape[0] / 2 - centre[1]))
-    part = picture[row - HALF : row + HALF, column - HALF : column + HALF]
-    return np.kron(part, np.ones((SCALE, SCALE), dtype=np.uint8))
+def shown(value, form):
+    """Digits in threes where there are five or more, as the pages write them."""
+    if isinstance(value, str):
+        return value
+    if form == "%":
+        return f"{100 * value:g} %"
+    return f"{value:,.0f}".replace(",", " ") if float(value).is_integer() and abs(value) >= 10_000 else f"{value:g}"
 
 
-def make(docs):
-    folder = docs / "figures" / "camera"
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as scratch:
-        def taken(name, values):
-            here = Path(scratch) / name
-            here.mkdir()
-            return frame(values, here)
+def value(source, name, form, made, docs):
+    """What belongs between the marks. `made` keeps what a source gave, so that each runs once."""
+    if source.endswith(".rs"):
+        return shown(constant(source, name), form)
+    if source.endswith(".json"):
+        return shown(entry(source, name), form)
+    if source not in made:
+        made[source] = book_numbers.SOURCES[source](docs)
+    return shown(made[source][name], form)
 
-        plain, at = taken("nominal", {})
-        lines = ["| | without, with | joint moves (px) | tip moves (px) | |", "|---|---|---|---|---|"]
-        for name, values, words in EFFECTS:
-            picture, seen = taken(name, values)
-            gap = np.full((2 * HALF * SCALE, SCALE), 128, dtype=np.uint8)
-            write_grey(folder / f"{name}.png", np.hstack([cut(plain, at[2]), gap, cut(picture, at[2])]))
-            told = ", ".join(f"`{k}` = {v:g}" for k, v in values.items())
-            moved = ["lost", "lost"] if seen is None else ["{:+.2f}, {:+.2f}".format(*(seen[k] - at[k] + 0.0)) for k in (1, 2)]
-            lines.append(f"| {told} | ![{name}](figures/camera/{name}.png) | {moved[0]} | {moved[1]} | {words} |")
-    page = docs / "camera.md"
-    head, rest = page.read_text().split(BEGIN)
-    page.write_text(head + BEGIN + "\n".join(lines) + "\n" + END + rest.split(END)[1])
+
+def filled(page, text, made, docs):
+    """The text of a page with everything between marks made again."""
+
+    def one(match):
+        source, name, form, _ = match.groups()
+        try:
+            new = value(source, name, form, made, docs)
+        except (KeyError, FileNotFoundError, IndexError) as why:
+            raise SystemExit(f"{page}: nothing is known of `{source} {name}`: {why}") from why
+        return match.group(0)[: match.start(4) - match.start(0)] + new + "<!-- end -->"
+
+    text, opened = MARK.sub(one, text), len(re.findall(r"<!-- from ", text))
+    if opened != len(MARK.findall(text)) or opened != text.count("<!-- end -->"):
+        raise SystemExit(f"{page}: a mark is not closed, or misspelt: {opened} begin, {len(MARK.findall(text))} are whole")
+    for line in re.findall(r"^ *<!-- from .* -->.*\S.*$", text, re.M):
+        # Markdown takes a line that begins with a comment for a block of its own, which would end the paragraph.
+        raise SystemExit(f"{page}: a mark within a sentence can't begin its line: {line}")
+    return text
+
+
+def make(docs=ROOT / "docs"):
+    """{page: (text as it is, text as it should be)}; pictures are written below `docs`."""
+    made = {}
+    texts = {page: page.read_text() for page in pages()}
+    return {page: (text, filled(page.relative_to(ROOT), text, made, docs)) for page, text in texts.items() if "<!-- from" in text}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write no page, exit 1 if one is stale")
+    arguments = parser.parse_args()
+    stale = {page: new for page, (old, new) in make().items() if old != new}
+    for page, new in stale.items():
+        print(page.relative_to(ROOT))
+        if not arguments.check:
+            page.write_text(new)
+    sys.exit(1 if arguments.check and stale else 0)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder of the pages (default docs)")
-    make(parser.parse_args().docs)
+    main()

@@ -1,7 +1,9 @@
-"""The book's pictures and numbers come from the units: made again, they are the same. Its links lead somewhere."""
+"""The book's pictures and numbers come from the program: made again, they are the same. Its links lead somewhere."""
 
+import difflib
 import html
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -15,20 +17,90 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_golden_what_the_camera_page_shows_is_what_the_unit_does(tmp_path):
+def test_golden_numbers_and_pictures_of_the_book_are_those_that_are_made_today(tmp_path):
     book = module("book")
-    docs = tmp_path / "docs"
-    docs.mkdir()
-    shutil.copy(ROOT / "docs" / "camera.md", docs / "camera.md")
-    book.make(docs)
-    stale = "run: python scripts/book.py"
-    assert (docs / "camera.md").read_text() == (ROOT / "docs" / "camera.md").read_text(), stale
-    made, committed = docs / "figures" / "camera", ROOT / "docs" / "figures" / "camera"
-    assert sorted(p.name for p in made.iterdir()) == sorted(p.name for p in committed.iterdir()), stale
+    stale = [f"{page.relative_to(ROOT)}:\n{difference(old, new)}" for page, (old, new) in book.make(tmp_path).items() if old != new]
+    assert stale == [], "\n".join(["run: python scripts/book.py", *stale])
+    made, committed = tmp_path / "figures" / "camera", ROOT / "docs" / "figures" / "camera"
+    assert sorted(p.name for p in made.iterdir()) == sorted(p.name for p in committed.iterdir())
     for file in made.iterdir():
         # Decoded, not as bytes: another zlib may pack the same picture in other bytes.
         ours, theirs = (cv2.imread(str(f), cv2.IMREAD_GRAYSCALE) for f in (file, committed / file.name))
-        assert np.array_equal(ours, theirs), f"{file.name} is stale, {stale}"
+        assert np.array_equal(ours, theirs), f"{file.name} is stale, run: python scripts/book.py"
+
+
+def difference(old, new):
+    return "\n".join(line for line in difflib.unified_diff(old.splitlines(), new.splitlines(), lineterm="", n=0) if line[0] in "+-")
+
+
+# What looks like a result on a page but was laid down: an input of an example, a rule, a definition. Anything else is made by
+# scripts/book.py, or stands in a record, which says so with its date.
+GIVEN = {
+    "docs/camera.md": ["256 px", "0.9 rad", "-2 rad", "0.1 px"],
+    "docs/check.md": ["2 %", "1 %"],
+    "docs/cluster.md": ["3 of 16"],
+    "docs/container.md": ["1 ms", "30 Hz"],
+    "docs/controller.md": ["75 %"],
+    "docs/diagnosis-any.md": ["2 %"],
+    "docs/diagnosis-json.md": ["95 %"],
+    "docs/diagnosis-told.md": ["0.2 mrad"],
+    "docs/diagnosis.md": ["0.5 s"],
+    "docs/start.md": ["50 ms"],
+    "docs/sweep.md": ["128 cases", "61 rows"],
+    "docs/timing.md": ["600 Hz", "50 ms", "30 Hz", "600 Hz"],
+    "docs/units.md": ["0.956 N·m", "256 times", "75 %"],
+    "examples/README.md": ["20 s", "0.2 mrad", "0.02 N·m"],
+}
+UNITS = "µs|us|ms|s|minutes?|hours?|MB|MiB|GB|kB|px|N·m|rad|mrad|1/s|Hz|times|lines|rows|cases|of \\d+"
+RESULT = re.compile(rf"(?<![\w./–-])[-+−]?\d[\d ]*(?:\.\d+)?(?:e-?\d+)? ?(?:%|(?:{UNITS})\b)")
+# Code, links, indented blocks, and what scripts/book.py makes.
+NO_PROSE = re.compile(r"```.*?```|`[^`\n]*`|<!-- from .*?<!-- end -->|\]\([^)]*\)|^    [^\n]*$", re.S | re.M)
+RECORD = re.compile(r"(?:\*Record\b[^*]*?|\(record of )\d{4}-\d\d-\d\d")
+
+
+def results(text):
+    """Numbers of a page that nothing makes, up to where a record begins."""
+    told = NO_PROSE.sub("", RECORD.split(text)[0])
+    return [found.group(0) for found in RESULT.finditer(told)]
+
+
+def test_law_every_result_in_the_book_is_made_or_a_record_or_given():
+    # docs/speed.md is written by scripts/bench.sh as a whole.
+    loose = {str(page.relative_to(ROOT)): results(page.read_text()) for page in module("book").pages() if page.name != "speed.md"}
+    assert {page: numbers for page, numbers in loose.items() if numbers} == GIVEN
+    records = [page for page in (ROOT / "docs" / "log").glob("*.md") if not RECORD.search("".join(page.read_text().splitlines(True)[:6]))]
+    assert records == []
+
+
+def test_value_what_counts_as_a_result():
+    assert results("took 44 s of CPU, 87 % and 7 of 7, 2 000 rows, 1/600 s, FMI 2.0") == ["44 s", "87 %", "7 of 7", "2 000 rows"]
+    assert results("<!-- from a b -->44 s<!-- end --> and `3 s`\n*Record of 2026-11-24.* 5 s") == []
+    assert results("*Record.* 5 s") == ["5 s"], "a record has its date"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a <!-- from nowhere x -->1<!-- end -->", "nothing is known of `nowhere x`"),
+        ("a <!-- from report/src/thin.rs NO_SUCH -->1<!-- end -->", "has 0 constants NO_SUCH"),
+        ("a <!-- from tests/hidden_any/gates.json no.such -->1<!-- end -->", "nothing is known of"),
+        ("a <!-- from report/src/thin.rs BUCKETS -->1", "not closed"),
+        ("<!-- from report/src/thin.rs BUCKETS -->1<!-- end --> begins a line", "can't begin its line"),
+    ],
+)
+def test_value_a_wrong_mark_is_told_with_its_page(text, says):
+    with pytest.raises(SystemExit, match=says) as told:
+        module("book").filled("page.md", text, {}, None)
+    assert str(told.value).startswith("page.md: ")
+
+
+def test_value_marks_take_constants_and_entries():
+    book = module("book")
+    (ROOT / "report/src/thin.rs").read_text().index("const BUCKETS: usize = 32_768;")
+    text = "a <!-- from report/src/thin.rs BUCKETS -->1<!-- end -->, <!-- from tests/hidden_any/gates.json gap_closed % -->?<!-- end -->."
+    gate = json.loads((ROOT / "tests/hidden_any/gates.json").read_text())["gap_closed"]
+    plain = re.sub("<!--.*?-->", "", book.filled("page.md", text, {}, None))
+    assert plain == f"a 32 768, {100 * gate:g} %."
 
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")

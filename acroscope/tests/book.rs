@@ -10,7 +10,7 @@ fn root() -> PathBuf {
 }
 
 /// Beginnings of commands that are not run here, and who runs them.
-const ELSEWHERE: [(&str, &str); 20] = [
+const ELSEWHERE: [(&str, &str); 23] = [
     ("./scripts/", "they are the tests, or build what is shipped"),
     ("cargo xtask", "scripts/test.sh, scripts/platforms.sh"),
     ("cargo install", "tests/fmpy/test_own_unit.py builds with cargo-fmi2"),
@@ -29,6 +29,9 @@ const ELSEWHERE: [(&str, &str); 20] = [
     ("acroscope reproduce", "studies/tests run every study"),
     ("acroscope diagnose path/to/dataset", "a pattern"),
     ("acroscope run embrace.ssp", "ssp/tests read packages of others"),
+    ("acroscope import examples/motor", "tests/hidden_any/test_import.py runs the page's commands in order"),
+    ("acroscope diagnose out/motor", "tests/hidden_any/test_import.py"),
+    ("acroscope run out/motor-diagnosis", "tests/hidden_any/test_import.py"),
     ("acroscope new plant.fmu controller.fmu", "acroscope/tests/new.rs"),
     ("acroscope run my-scenario.toml", "acroscope/tests/new.rs"),
 ];

@@ -94,7 +94,8 @@ def test_what_fits_nothing_is_told(motor, tmp_path):
 
 def test_the_tutorials_commands(tmp_path):
     text = (ROOT / "docs" / "your-fmu.md").read_text()
-    commands = [line for block in re.findall(r"```sh\n(.*?)```", text, re.S) for line in block.splitlines()]
+    blocks = re.findall(r"```console\n(.*?)```", text, re.S)
+    commands = [line[2:] for block in blocks for line in block.splitlines() if line.startswith("$ ")]
     assert len(commands) == 4
     # what is built already stands for cargo, and results go elsewhere
     for command in commands:

@@ -30,6 +30,9 @@ pub enum Error {
     /// Results can't be written in another format.
     #[error(transparent)]
     Export(#[from] export::Error),
+    /// Recorded frames can't be used.
+    #[error(transparent)]
+    Frames(#[from] frames::Error),
     /// A sweep can't be made.
     #[error(transparent)]
     Sweep(#[from] sweep::Error),
@@ -110,7 +113,7 @@ impl Error {
             Self::Inspection(error) if !error.is_input() => 1,
             Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
             Self::Ssp(_) | Self::Container(_) => 2,
-            Self::Inspection(_) | Self::There { .. } => 2,
+            Self::Inspection(_) | Self::There { .. } | Self::Frames(_) => 2,
             Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Words(_) => 2,
             Self::Interrupted { signal, .. } | Self::SweepInterrupted { signal, .. } => {

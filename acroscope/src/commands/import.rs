@@ -1,21 +1,67 @@
-//! `acroscope import`: a data set of a unit and measured logs.
+//! `acroscope import`: a data set of a unit and measured logs, or of images of a real camera.
 
-use crate::cli::Import;
+use crate::cli::{Import, StampOf};
 use crate::error::Error;
+use frames::{Recording, Stamp, Times};
 
 /// Writes the data set and says what was guessed.
 pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
+    let Some(fmu) = &arguments.fmu else {
+        return images(arguments, quiet);
+    };
     let units = scenarios::unit_path();
-    let imported = diagnosis::import(&arguments.logs, &arguments.fmu, &arguments.out, &units)?;
+    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units)?;
     if quiet {
         return Ok(());
     }
-    for notice in &imported.notices {
-        eprintln!("note: {notice}");
-    }
+    notes(&imported.notices);
     tell!("guesses, also in {}:", arguments.out.join("dataset.toml").display());
     for guess in &imported.guesses {
         tell!("  {guess}");
+    }
+    tell!("then: acroscope diagnose {}", arguments.out.display());
+    Ok(())
+}
+
+fn notes(notices: &[String]) {
+    for notice in notices {
+        eprintln!("note: {notice}");
+    }
+}
+
+/// `--frames`
+fn images(arguments: &Import, quiet: bool) -> Result<(), Error> {
+    let times = match arguments.rate {
+        Some(rate) => vec![Times::Rate { rate, start: arguments.start }],
+        None => arguments.times.iter().cloned().map(Times::Table).collect(),
+    };
+    if times.is_empty() {
+        let words = "--frames needs to know when they were taken: expected --rate HZ, or --times FILE.csv with a column time in s";
+        return Err(Error::Words(words.to_owned()));
+    }
+    let recording = Recording {
+        folders: arguments.frames.clone(),
+        times,
+        stamp: match arguments.stamp {
+            StampOf::Delivered => Stamp::Delivered,
+            StampOf::ExposureStart => Stamp::ExposureStart,
+            StampOf::MidExposure => Stamp::MidExposure,
+            StampOf::ExposureEnd => Stamp::ExposureEnd,
+        },
+        scenario: arguments.scenario.clone(),
+        set: arguments.set.clone(),
+        white: arguments.white,
+    };
+    let imported = frames::import(&recording, &arguments.out)?;
+    if quiet {
+        return Ok(());
+    }
+    notes(&imported.notices);
+    for (folder, (frames, found)) in arguments.frames.iter().zip(&imported.counts) {
+        tell!("{}: {frames} frames, {found} of them with all three circles", folder.display());
+    }
+    for path in &imported.written {
+        tell!("{}", path.display());
     }
     tell!("then: acroscope diagnose {}", arguments.out.display());
     Ok(())

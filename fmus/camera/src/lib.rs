@@ -3,7 +3,7 @@
 //! Rooms along the path of the light: [`scene`] (where the circles are), [`geometry`] (world to picture),
 //! [`effects`] (one file per lens or sensor effect), [`photometry`] (coverage to grey levels), [`shutter`] (which
 //! poses a frame sees, and when its result is delivered) and [`vision`] (from a frame to the state). [`Camera`] is
-//! the unit, [`variables`] its FMI variables.
+//! the unit, [`variables`] its FMI variables, [`recorded`] the vision alone, for frames of a real camera.
 //!
 //! # Picture coordinates
 //! Image plane: u to the right, v up, −1..1 across the picture. Pixels: `u_px = width/2 · u`, `v_px = height/2 · v`,
@@ -13,6 +13,7 @@
 pub mod effects;
 pub mod geometry;
 pub mod photometry;
+pub mod recorded;
 mod recording;
 pub mod scene;
 pub mod shutter;

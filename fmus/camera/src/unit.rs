@@ -8,7 +8,7 @@ use crate::scene::Pose;
 use crate::shutter::history::Motion;
 use crate::shutter::{FrameClock, History, Queue, Segment, clock, exposure};
 use crate::variables::{Inputs, Outputs, Scene, Sensor, Variables};
-use crate::vision::{Component, Estimate, Estimators, Feature, Labeller, Tracker, View, select};
+use crate::vision::{Estimate, Finder, Tracker, View};
 use fmi2_export::{
     Dependencies, Description, Experiment, Log, LogCategory, Model, ModelError, Slot, Step, Table,
 };
@@ -37,10 +37,7 @@ struct Workshop(Arc<Mutex<Bench>>);
 #[derive(Debug, Default)]
 struct Bench {
     maker: Option<FrameMaker>,
-    labeller: Labeller,
-    estimators: Estimators,
-    components: Vec<Component>,
-    features: Vec<Feature>,
+    finder: Finder,
     centres_world: Vec<[(f64, f64); 3]>,
 }
 
@@ -72,7 +69,7 @@ impl Bench {
 }
 
 /// Refuses values outside their declared range, and areas that exclude one another.
-fn check(variables: &Variables) -> Result<(), ModelError> {
+pub(crate) fn check(variables: &Variables) -> Result<(), ModelError> {
     for (index, declared) in Variables::variables().iter().enumerate() {
         let value = match variables.get(index) {
             Some(Slot::Real(value)) => *value,
@@ -190,20 +187,16 @@ impl Camera {
         bench.maker(variables)?.render(Shot { k, seed: sensor.seed, centres_world: &centres, whole });
         bench.centres_world = centres;
 
-        let Bench { maker: Some(maker), labeller, estimators, components, features, .. } = &mut *bench else {
+        let Bench { maker: Some(maker), finder, .. } = &mut *bench else {
             return Err(ModelError::Failed("no frame was made".to_owned()));
         };
         if whole {
             recording::write(sensor, k, maker.picture())?;
         }
         let row_step = if sensor.interlaced { 2 } else { 1 };
-        labeller.label(maker.mask(), maker.windows(), row_step, components);
-        features.clear();
-        let circles = components.iter().filter(|component| select::may_be_circle(component, sensor));
         let (picture, mask, windows) = (maker.picture(), maker.mask(), maker.windows());
         let view = View { picture, mask, windows, row_step };
-        let feature = |component| estimators.feature(component, &view, scene, sensor, &variables.effects);
-        features.extend(circles.map(feature));
+        let features = finder.find(&view, scene, sensor, &variables.effects);
         let estimate = self.tracker.follow(features, clock.mid_exposure(k), scene, sensor);
         Ok(Estimate { number: k, ..estimate })
     }

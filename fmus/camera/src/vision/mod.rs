@@ -4,6 +4,7 @@
 pub mod centroid;
 pub mod correspondence;
 pub mod estimator;
+pub mod finder;
 pub mod grey;
 pub mod label;
 pub mod likelihood;
@@ -12,5 +13,6 @@ pub mod state;
 
 pub use centroid::Feature;
 pub use estimator::{Estimators, View};
+pub use finder::Finder;
 pub use label::{Component, Labeller};
 pub use state::{Estimate, Tracker};

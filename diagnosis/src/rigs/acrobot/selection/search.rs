@@ -5,7 +5,7 @@ use super::evaluation::{Evaluation, Folds, all_probes};
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
-use super::together::{EACH, LATTICE, Proposal, together};
+use super::together::{Proposal, pays, together};
 use super::trials::{Accepted, Trials, shortlist};
 use super::{ALPHA, Alternative, Step, Study};
 use crate::error::Error;
@@ -158,7 +158,7 @@ impl<'a> Search<'a> {
             let there = look(self.cut, self.candidates, &point, &active)?;
             let more = active.len() as f64 - self.active.len() as f64;
             let gained = self.last.under(&there).total.square - there.total.square;
-            if gained <= more * EACH + more.signum() * LATTICE * there.total.square {
+            if !pays(gained, more, there.total.square) {
                 self.cut.restore(&kept);
                 break;
             }

@@ -11,11 +11,11 @@ use crate::statistics::linear::{inverse, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
 /// Fall of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
-pub(super) const EACH: f64 = POLICY.clear * POLICY.clear;
+const EACH: f64 = POLICY.clear * POLICY.clear;
 
 /// Share of the squares by which two fits differ that are equally good, since the pixel lattice lies otherwise under each image. Seen: 0.011
 /// and 0.014 between a lens of seven terms and one with two that aren't there.
-pub(super) const LATTICE: f64 = 0.02;
+const LATTICE: f64 = 0.02;
 /// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
 const MOST: usize = 16;
 /// Share of a column's square by which two that do the same are told apart.
@@ -26,6 +26,11 @@ const SINGULAR: f64 = 1e-10;
 pub(super) struct Proposal {
     pub(super) active: Vec<usize>,
     pub(super) point: Vec<f64>,
+}
+
+/// Whether a fall of the squares is worth so many more effects, beside so many that are left; of fewer, whether a rise is.
+pub(super) fn pays(fall: f64, more: f64, left: f64) -> bool {
+    fall > more * EACH + more.signum() * LATTICE * left
 }
 
 /// What all linear effects of the picture say together, if those that are needed are others than the active ones.
@@ -138,6 +143,19 @@ mod tests {
     /// Renderers that agree.
     fn exact(columns: usize) -> DMatrix<f64> {
         DMatrix::zeros(columns, 0)
+    }
+
+    #[test]
+    fn value_fits_that_the_lattice_alone_tells_apart_are_equally_good() {
+        // one of 10 000 squares with two effects more: 0.011 and 0.014 of them are the lattice's, 0.03 aren't
+        let left = 1e4;
+        let falls = [110.0, 140.0, 300.0].map(|fall| pays(fall, 2.0, left));
+        assert_eq!(falls, [false, false, true]);
+        // two that aren't there go though 0.014 more is left, and stay where 0.03 would be
+        let rises = [140.0, 300.0].map(|rise| pays(-rise, -2.0, left));
+        assert_eq!(rises, [true, false]);
+        // within a hundredth of where the line is: 2 * 20.25 + 0.02 * 10 000
+        assert!(!pays(240.0, 2.0, left) && pays(241.0, 2.0, left));
     }
 
     #[test]

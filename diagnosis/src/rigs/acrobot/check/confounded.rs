@@ -4,24 +4,11 @@ use super::shape::nominal_shape;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate};
+use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 use crate::statistics::linear::submatrix;
 use nalgebra::{DMatrix, DVector};
-
-/// So many effects on one cut may imitate another one together.
-const IMITATORS: usize = 3;
-/// They take each other away if their sum's square is below this share of the sum of their squares. Seen: 0.02 where a lens of
-/// fifth order was imitated, 0.35 to 1.5 for effects that are there.
-const CANCELLED: f64 = 0.1;
-/// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
-/// clearly there, and resemble it by more than that (a correlation). Seen: 0.014 and 0.67 to 0.96 where k1 imitated k2 in noisy
-/// pictures.
-const MENDED: f64 = 0.04;
-const RESEMBLES: f64 = 0.4;
-/// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
-/// backlash were imitated by five and four effects.
-const SLIGHT: f64 = 0.005;
 
 /// What they imitate has no name, unless something is left that tells more.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -41,7 +28,7 @@ pub(super) fn explained(found: &Found<'_>) -> Option<Unknown> {
 fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let last = &study.last;
     let places = last.places(&study.active);
-    if study.active.len() < IMITATORS || places.len() < study.active.len() {
+    if study.active.len() < CHECK.imitators || places.len() < study.active.len() {
         return None;
     }
     let gram = submatrix(&last.total.gram, &places);
@@ -61,7 +48,7 @@ fn cancelled(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str], series: 
     let one = DVector::from_fn(sizes.len(), |i, _| if series[i] { sizes[i] } else { 0.0 });
     let each = one.dot(&(gram * &one)) + (0..sizes.len()).filter(|i| !series[*i]).map(alone).sum::<f64>();
     let together = sizes.dot(&(gram * sizes));
-    (together <= CANCELLED * each).then(|| {
+    (together <= CHECK.cancelled * each).then(|| {
         format!(
             "{} together imitate it, but take each other away: {:.1} % of their squares is left",
             names.join(", "),
@@ -77,10 +64,10 @@ fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<S
     let first = (0..sizes.len()).max_by(|a, b| alone(*a).total_cmp(&alone(*b)))?;
     let all = sizes.dot(&answer);
     let share = 1.0 - alone(first) / all;
-    let slight = |i: usize| sizes[i] * sizes[i] * gram[(i, i)] < SLIGHT * all;
+    let slight = |i: usize| sizes[i] * sizes[i] * gram[(i, i)] < CHECK.slight * all;
     let alike = |i: usize| gram[(first, i)].abs() / (gram[(first, first)] * gram[(i, i)]).sqrt();
     let others: Vec<usize> = (0..sizes.len()).filter(|i| *i != first).collect();
-    (share < MENDED && others.iter().all(|i| slight(*i) || alike(*i) > RESEMBLES)).then(|| {
+    (share < CHECK.mended && others.iter().all(|i| slight(*i) || alike(*i) > CHECK.resembles)).then(|| {
         let mends: Vec<&str> = others.iter().map(|i| names[*i]).collect();
         format!(
             "{} comes nearest, but its form is wrong: {}, which resemble it, are there only to mend the last {:.1} %",

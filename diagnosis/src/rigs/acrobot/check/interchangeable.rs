@@ -4,11 +4,9 @@ use super::shape::nominal_shape;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study};
-
-/// An effect for which this share of all candidates could stand says only that something is there.
-const ANYTHING: f64 = 0.3;
 
 /// Such an effect is none, unless something is left that tells more.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -36,7 +34,7 @@ fn anything(
     let (index, count) = classes
         .iter()
         .map(|(index, alternatives)| (*index, open(alternatives)))
-        .find(|(_, count)| *count > 2 && *count as f64 > ANYTHING * seen)?;
+        .find(|(_, count)| *count > 2 && *count as f64 > CHECK.anything * seen)?;
     let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
     let nearest = format!("{} and {} others explain it equally well", candidates[index].name, count - 1);
     Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })

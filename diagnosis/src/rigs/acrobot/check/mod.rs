@@ -5,6 +5,7 @@ mod confounded;
 mod drift;
 mod gap;
 mod interchangeable;
+mod policy;
 mod residual;
 mod runs;
 mod shape;

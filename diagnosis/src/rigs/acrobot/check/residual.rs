@@ -4,6 +4,7 @@ use super::shape::{image_shape, nearest, torque_shape};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::plant::MOTION;
@@ -66,17 +67,6 @@ fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     rows
 }
 
-/// Lacking torque over what noise alone gives.
-const TORQUE_RATIO: f64 = 1.4;
-/// Scatter and correlation of a rest too quick for the torques, in angles and rates: a logged torque may be that before or after
-/// a command, which scatters without a rest.
-const SCATTER: f64 = 1.15;
-const CORRELATED: f64 = 0.25;
-/// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest, where a block has
-/// so many rows. At a measured motion the means of more rows show more of the motion's own error, which rows share.
-const MEANS: f64 = 2.5;
-const ROWS: f64 = 6.0;
-
 /// More than noise is left, of which nothing on the list has the form.
 pub(super) fn doubt(found: &Found<'_>, _: Option<&Unknown>) -> Judgement {
     unknown(found.study, found.signals, found.list, found.torque).into()
@@ -90,11 +80,14 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
     let rest = rest(&study.last, signals, accounted);
     let nearest = nearest(study, candidates);
     if torque {
-        let quick =
-            rest.signals.iter().take(MOTION).position(|(ratio, rho)| *ratio > SCATTER && *rho > CORRELATED);
+        let quick = rest
+            .signals
+            .iter()
+            .take(MOTION)
+            .position(|(ratio, rho)| *ratio > CHECK.scatter && *rho > CHECK.correlated);
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
         let evident = lacking(&study.last, &study.folds, study.explained, false);
-        if !evident && quick.is_none() && size < TORQUE_RATIO * floor.hypot(stamps) {
+        if !evident && quick.is_none() && size < CHECK.torque_ratio * floor.hypot(stamps) {
             return None;
         }
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
@@ -112,7 +105,9 @@ pub fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torq
         .any(|cell| cell.signal.first().is_some_and(|s| *s < COLUMNS.len()) && cell.soft.ncols() > 0);
     // a circle that stays at one place on the lattice shows there the tolerance of renderers, row after row
     let tolerance = |s: usize, rows: f64| rows * (signals[s].tolerance / study.last.sigmas[s]).powi(2);
-    let most = |rows: f64| if measured { 1.0 + (MEANS - 1.0) * (rows / ROWS).max(1.0) } else { MEANS };
+    let most = |rows: f64| {
+        if measured { 1.0 + (CHECK.means - 1.0) * (rows / CHECK.rows).max(1.0) } else { CHECK.means }
+    };
     let over = |s: usize, (mean, rows): (f64, f64)| mean / (most(rows) + tolerance(s, rows));
     let worst = |rest: &Rest| {
         let all = rest.means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));

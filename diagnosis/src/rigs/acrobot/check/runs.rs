@@ -4,12 +4,10 @@
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
-
-/// What share of the squares that noise doesn't leave values of their own must take away: a drag, too, looks like a friction that is larger in quicker runs.
-const MOST: f64 = 0.5;
 
 /// A rest that runs differ by is told so, where no clock drifts.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -26,7 +24,7 @@ fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[Str
         (0..list.len()).filter(plants).filter_map(|index| Some((index, steadiness(at, index, active)?)));
     let (index, runs) = all.max_by(|a, b| a.1.apart.total_cmp(&b.1.apart))?;
     let left = at.total.square - at.total.freedom;
-    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart || runs.apart * runs.over < MOST * left {
+    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart || runs.apart * runs.over < CHECK.most * left {
         return None;
     }
     let own = &list[index];

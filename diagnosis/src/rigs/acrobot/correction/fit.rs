@@ -1,27 +1,13 @@
 //! Which terms, and how large: forward selection, each term judged on runs that were left out.
 
 use super::dictionary::Entry;
+use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::torque::{Torque, rms, torques};
 use crate::rigs::acrobot::residual::{Block, Probe, Signal};
 use crate::rigs::acrobot::selection::{Evaluation, Folds};
 use crate::statistics::linear::{bare, moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviations, by the scatter between blocks, that a coefficient must be away from 0. Fewer than for a name:
-/// terms resemble one another, and it is the runs left out that decide.
-const CERTAIN: f64 = 3.0;
-/// Share by which a run left out may get worse: rounding, and noise of a run that shows nothing of it.
-const WORSE: f64 = 0.01;
-/// Share of what is left above the floor, on runs left out, that a term must take away.
-const WORTH: f64 = 0.02;
-/// Share of the first rest that a term must amount to: torques between rows are about as exact beside large ones, which are held over steps.
-/// A drag of 0.18 N·m came with a spring of 0.0015 N·m.
-const EXACT: f64 = 0.01;
-/// More terms than this say that the dictionary has no law for the rest.
-const MOST: usize = 5;
-/// Where the plant, held by slack torques, is further than this from the log (rad), nothing can be said of what it
-/// lacks.
-const LOST: f64 = 0.02;
 /// Sizes of what may be lacking beside the terms, N·m at an arm of inertia scale 1: the likeliest is taken.
 const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 
@@ -61,7 +47,7 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
     rest.first = before;
     let mut active: Vec<usize> = Vec::new();
     let mut now = before;
-    while active.len() < MOST {
+    while active.len() < CORRECTION.most {
         let supported = rest.ranked(&active).into_iter().find_map(|more| {
             let with = rest.size(&more).0;
             (rest.worth(now, with, floor) && rest.certain(&more)).then_some((more, with))
@@ -101,7 +87,7 @@ fn followed(block: &Block) -> bool {
             .filter(|row| cell.signal[*row] < 2)
             .map(|row| (rest[row] * cell.sigma[row]).powi(2))
             .collect();
-        (angles.iter().sum::<f64>() / angles.len().max(1) as f64).sqrt() < LOST
+        (angles.iter().sum::<f64>() / angles.len().max(1) as f64).sqrt() < CORRECTION.lost
     })
 }
 
@@ -157,14 +143,14 @@ impl Rest<'_> {
     /// A fair part of what is left goes, and more than is inexact.
     fn worth(&self, now: f64, with: f64, floor: f64) -> bool {
         let gain = now * now - with * with;
-        let least = (EXACT * self.first).powi(2);
-        gain >= f64::max(WORTH * (now * now - floor * floor), least) && with < now
+        let least = (CORRECTION.exact * self.first).powi(2);
+        gain >= f64::max(CORRECTION.worth * (now * now - floor * floor), least) && with < now
     }
 
     /// No fold that is left out gets worse.
     fn everywhere(&self, before: &[usize], after: &[usize]) -> bool {
         let (before, after) = (self.by_fold(before), self.by_fold(after));
-        before.iter().zip(&after).all(|(before, after)| *after <= before * (1.0 + WORSE))
+        before.iter().zip(&after).all(|(before, after)| *after <= before * (1.0 + CORRECTION.worse))
     }
 
     /// Sums of squares of what is left of each fold, N²·m².
@@ -198,7 +184,7 @@ impl Rest<'_> {
     /// Every one of them is certain beside the others.
     fn certain(&self, active: &[usize]) -> bool {
         let (values, errors) = (self.values(active), self.errors(active));
-        values.iter().zip(&errors).all(|(value, error)| value.abs() > CERTAIN * error)
+        values.iter().zip(&errors).all(|(value, error)| value.abs() > CORRECTION.certain * error)
     }
 
     /// Noise and size of what is lacking as they show once the terms are there: large rests weigh rows too alike.

@@ -11,10 +11,12 @@
 
 mod dictionary;
 mod fit;
+mod policy;
 pub mod wiring;
 
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
+use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
@@ -22,9 +24,6 @@ use crate::rigs::acrobot::selection::Evaluation;
 use nalgebra::DVector;
 use orchestrator::UnitPath;
 use serde::Serialize;
-
-/// Least share of the gap that a correction must close on runs left out to be offered.
-const OFFERED: f64 = 0.1;
 
 /// A term with its coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -200,7 +199,7 @@ pub fn offer(
     let fitted = fit::fit(blocks, cut.signals(), &entries);
     let (before, after, floor) = fitted.gap;
     let closed = 1.0 - (after * after - floor * floor) / (before * before - floor * floor);
-    if fitted.terms.is_empty() || before <= floor || closed < OFFERED {
+    if fitted.terms.is_empty() || before <= floor || closed < CORRECTION.offered {
         return Ok(Offer { correction: None, left: before });
     }
     let mut parameters = covered;

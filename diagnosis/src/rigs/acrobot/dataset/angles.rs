@@ -2,14 +2,10 @@
 
 use super::{Manifest, Table};
 use crate::rigs::acrobot::dataset::manifest::number;
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use mechanics::Theta;
 use std::f64::consts::{PI, TAU};
-
-/// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
-const LARGEST_ANGLE: f64 = 12.0 * PI;
-/// Degrees are 57 times radians; halfway on a logarithmic scale.
-const DEGREE_RATIO: f64 = 7.6;
 
 /// The rate (rad/s) that gravity gives each link of the nominal model, √(θ₉/θ₁) and √(θ₁₀/θ₅). A free arm of 9 cm that
 /// tumbles moves up to 4 times as fast (seen on a real one); in degrees a swing of 10° is 10 times as fast.
@@ -112,7 +108,7 @@ pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> O
 /// The row of an angle that goes further, and faster, than any arm turns, and what it is then.
 pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)> {
     let values = log.column(name)?;
-    let row = values.iter().position(|value| value.abs() > LARGEST_ANGLE)?;
+    let row = values.iter().position(|value| value.abs() > LOGS.largest_angle)?;
     let speed = speed(&log.time, values);
     let brief = |x: f64| if x.abs() < 1e6 { format!("{x:.1}") } else { format!("{x:.1e}") };
     let message = format!(
@@ -122,13 +118,13 @@ pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)>
         brief(values[row].abs() / TAU),
         brief(speed)
     );
-    (speed > DEGREE_RATIO * falling).then_some((row, message))
+    (speed > LOGS.degree_ratio * falling).then_some((row, message))
 }
 
 /// How many times as far as another an angle moves, if that is more than any error of either.
 pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
     let times = spread(angle) / spread(other);
-    (spread(other) > POLICY.least_motion && times > DEGREE_RATIO).then_some(times)
+    (spread(other) > POLICY.least_motion && times > LOGS.degree_ratio).then_some(times)
 }
 
 fn spread(values: &[f64]) -> f64 {

@@ -6,16 +6,8 @@ use super::stamps::{self, Moved};
 use super::{Run, TORN, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
-
-/// A torque is held from its row to the next: one row is a log of it.
-const FEWEST_TORQUES: usize = 1;
-/// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
-const LATEST: f64 = 1e10;
-/// A torque so many times that of gravity is none.
-const ABSURD: f64 = 1000.0;
-/// An arm that is below the horizontal in this share of the rows is not being balanced.
-const BELOW: f64 = 0.2;
 
 /// Takes out what is no measurement, whatever the logs mean by it. `gravity` is the torque of the nominal model's, N·m.
 pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
@@ -41,7 +33,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
     let commanded = run.controller.is_some();
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", POLICY.rows),
-        (&mut run.controller, "controller.csv", FEWEST_TORQUES),
+        (&mut run.controller, "controller.csv", LOGS.fewest_torques),
         (&mut run.plant, "plant.csv", POLICY.rows),
     ] {
         if let Some((line, why)) = table.as_ref().and_then(|table| unusable(table, fewest)) {
@@ -133,7 +125,7 @@ fn absurd(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
     let Some(log) = run.controller.as_mut().filter(|_| gravity > 0.0) else { return };
     for name in ["tau", "tau_1"] {
         let Some(torques) = log.column_mut(name) else { continue };
-        let absurd = |torque: &f64| torque.abs() > ABSURD * gravity;
+        let absurd = |torque: &f64| torque.abs() > LOGS.absurd * gravity;
         let Some(first) = torques.iter().position(absurd) else { continue };
         let (value, count) = (torques[first], torques.iter().filter(|torque| absurd(torque)).count());
         torques.iter_mut().filter(|torque| absurd(torque)).for_each(|torque| *torque = f64::NAN);
@@ -150,7 +142,7 @@ fn unusable(table: &Table, fewest: usize) -> Option<(usize, String)> {
     if table.len() < fewest {
         return Some((0, format!("{} rows are too few ({fewest} or more are needed)", table.len())));
     }
-    let row = table.time.iter().position(|time| time.abs() > LATEST)?;
+    let row = table.time.iter().position(|time| time.abs() > LOGS.latest)?;
     let why = format!("time = {:e} is no time in s (are these milliseconds, or less?)", table.time[row]);
     Some((table.line[row], why))
 }
@@ -179,7 +171,7 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
         let below = rows.iter().filter(|angle| libm::cos(**angle) < 0.0).count();
         below as f64 / rows.len().max(1) as f64
     });
-    if below >= BELOW && !commanded {
+    if below >= LOGS.below && !commanded {
         run.controller = Some(Table::new(vec![plant.time[0]], vec![("tau".to_owned(), vec![0.0])]));
         return "no controller.csv beside it and the arm isn't held up: taken as a free swing, without torque".into();
     }

@@ -2,19 +2,14 @@
 
 use super::{DataSet, Run, Table};
 use crate::error::Notice;
+use crate::rigs::acrobot::dataset::policy::LOGS;
 
-/// Fewest rows that show a clock.
-const ROWS: usize = 50;
 /// Scatter about the ticks that is worth a look, as a share of the interval, and beyond which there are no ticks.
 const SCATTER: (f64, f64) = (0.02, 0.4);
-/// How well ticks must be known, s: a plant's log tells its clock to some 20 µs, and a line through few stamps would be off by more.
-const KNOWN: f64 = 2.5e-5;
-/// Correlation of the scatter from row to row beyond which the clock itself wanders, or rows were lost.
-const WANDERS: f64 = 0.3;
 
 /// Even times through stamps that scatter about them, and by how much they do, s.
 fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
-    if time.len() < ROWS {
+    if time.len() < LOGS.even_rows {
         return None;
     }
     // counted from the first: a sum of epochs is only known to 50 µs a row
@@ -31,9 +26,9 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     let along: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let scatter = (square / n).sqrt();
     let scatters = scatter > SCATTER.0 * interval && scatter < SCATTER.1 * interval;
-    let known = scatter < KNOWN * n.sqrt();
+    let known = scatter < LOGS.known * n.sqrt();
     let ticks = ticks.into_iter().map(|tick| first + tick).collect();
-    (scatters && known && along.abs() < WANDERS * square).then_some((ticks, scatter))
+    (scatters && known && along.abs() < LOGS.wanders * square).then_some((ticks, scatter))
 }
 
 impl DataSet {

@@ -4,6 +4,7 @@ use super::stated::Stated;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::channels::CHANNELS;
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::parameters;
 use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
@@ -12,9 +13,6 @@ use toml::Value;
 
 /// What the file may hold at its top. In a `[[run]]` any other key beside `dir` is a note for people: `dir` mistyped is missed.
 const KEYS: [&str; 6] = ["format", "scenario", "set", "noise", "log", "run"];
-
-/// A mount that is turned by more than this moves what lies at the edge of a picture by more than a check of heights allows, rad.
-const TURNED: f64 = 0.1;
 
 /// The head of a data set.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +94,7 @@ impl Manifest {
     pub fn ground(&self) -> Option<f64> {
         let turned = [name(Attribute::CameraRoll), parameters::MOUNT]
             .iter()
-            .any(|name| self.number(name, 0.0).abs() > TURNED);
+            .any(|name| self.number(name, 0.0).abs() > LOGS.turned);
         let world = self.number(parameters::GROUND, -8.0) + self.number(parameters::DRUM, 1.0);
         (!turned).then(|| world * self.picture().0 / self.number(parameters::FIELD_OF_VIEW, 20.0))
     }

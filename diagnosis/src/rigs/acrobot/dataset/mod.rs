@@ -8,6 +8,7 @@ mod check;
 mod even;
 mod manifest;
 mod pictures;
+mod policy;
 mod stamps;
 pub mod stated;
 mod table;
@@ -20,6 +21,7 @@ pub use table::Table;
 
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::channels::{File, columns};
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
 use stamps::Moved;
@@ -28,18 +30,6 @@ use std::path::{Path, PathBuf};
 /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
 /// cubic does.
 pub const TORN: f64 = 0.08;
-
-/// So many of its usual steps a torque is held after its last row: the next one would have come by then.
-const HELD: f64 = 1.5;
-
-/// One in so many rows without a torque is one that is missing.
-const FEW_BARE: usize = 20;
-
-/// Links that touch may give way by this, or be logged a little off, rad.
-const TOUCHING: f64 = 0.2;
-/// Links this near to their stop may touch it, rad, by encoders and in pictures, which a lens bends.
-const NEAR: f64 = 0.02;
-const SEEN: f64 = 0.05;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
@@ -107,7 +97,7 @@ impl Run {
         let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
             return (f64::NEG_INFINITY, f64::INFINITY);
         };
-        (log.time[0], log.time[log.len() - 1] + HELD * typical)
+        (log.time[0], log.time[log.len() - 1] + LOGS.held * typical)
     }
 
     /// The speed of an angle of `plant.csv` that is exceeded in a twentieth of its rows, rad/s.
@@ -120,7 +110,7 @@ impl Run {
     /// The first row of `plant.csv` at which the links touch: from there on the arm lies in its stop.
     pub fn touches(&self, contact: f64) -> Option<usize> {
         let q2 = self.plant.as_ref()?.column("q2")?;
-        q2.iter().position(|angle| angle.abs() >= contact - NEAR)
+        q2.iter().position(|angle| angle.abs() >= contact - LOGS.near)
     }
 
     /// Until when the machine is seen to move, s: up to where the links touch, or it leaves what the encoders log and pictures show.
@@ -130,7 +120,7 @@ impl Run {
             return plant.time.get(row).copied().unwrap_or(f64::INFINITY);
         }
         let seen = self.camera.as_ref().map(stamps::directions).unwrap_or_default();
-        let touches = |(_, [_, link]): &&(f64, [f64; 2])| link.abs() >= contact - SEEN;
+        let touches = |(_, [_, link]): &&(f64, [f64; 2])| link.abs() >= contact - LOGS.seen;
         seen.iter().find(touches).or(seen.last()).map_or(f64::INFINITY, |(time, _)| *time)
     }
 
@@ -143,7 +133,7 @@ impl Run {
         let torques: Vec<&[f64]> = ["tau", "tau_1"].iter().filter_map(|name| log.column(name)).collect();
         let bare = |row: &usize| torques.iter().any(|torque| torque[*row].is_nan());
         let rows: Vec<usize> = (0..log.len()).filter(bare).collect();
-        let few = rows.len() * FEW_BARE <= log.len();
+        let few = rows.len() * LOGS.few_bare <= log.len();
         let until = |row: &usize| log.time.get(row + 1).copied().unwrap_or(f64::INFINITY);
         let spans = rows.iter().filter(|_| few).map(|row| (log.time[*row], until(row)));
         spans.chain(log.broken()).collect()
@@ -220,7 +210,7 @@ impl DataSet {
     pub fn contact(&self, q2_max: f64) -> f64 {
         let beyond = |run: &Run| {
             let q2 = run.plant.as_ref().and_then(|log| log.column("q2")).unwrap_or(&[]);
-            let rows = q2.iter().filter(|angle| angle.abs() > q2_max + TOUCHING).count();
+            let rows = q2.iter().filter(|angle| angle.abs() > q2_max + LOGS.touching).count();
             rows * 20 > q2.len()
         };
         if self.runs.iter().any(beyond) { f64::INFINITY } else { q2_max }

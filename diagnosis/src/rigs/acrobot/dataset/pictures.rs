@@ -4,13 +4,8 @@ use super::angles::{as_far, degrees};
 use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures, measuring};
+use crate::rigs::acrobot::dataset::policy::LOGS;
 
-/// So many pictures of a run tell where circle 1 rolls.
-const FIRST: usize = 15;
-/// A circle this near to that height is on the line, and circle 1 this far from it is not, px: lenses bend that line by less,
-/// and a mount that is turned by 40 degrees inclines it by 16 px for each radian that the arm rolls.
-const ON_LINE: f64 = 5.0;
-const OFF_LINE: f64 = 40.0;
 /// Circles 2 and 3 tell a pose: where circle 1 is then, the angles say.
 const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
 
@@ -33,7 +28,7 @@ pub(super) fn pictures(run: &mut Run, notices: &mut Vec<Notice>) {
         let message = format!(
             "circle 1 is more than {:.0} px off the line that it rolls on, and another is on it ({count} such rows, this is the first): \
              taken as not measured",
-            OFF_LINE
+            LOGS.off_line
         );
         notices.push(Notice { file: file.clone(), line: camera.line[row], message });
     }
@@ -52,12 +47,12 @@ fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
     let [Some(first), Some(second), Some(third)] = heights else { return None };
     // before anything is confused: it stays so, where the arm then lies
     let mut sorted: Vec<f64> =
-        first.iter().copied().filter(|height| height.is_finite()).take(FIRST).collect();
+        first.iter().copied().filter(|height| height.is_finite()).take(LOGS.first).collect();
     sorted.sort_by(f64::total_cmp);
     let line = *sorted.get(sorted.len() / 2)?;
-    let on_line = |height: f64| (height - line).abs() < ON_LINE;
+    let on_line = |height: f64| (height - line).abs() < LOGS.on_line;
     let wrong = |row: &usize| {
-        (first[*row] - line).abs() > OFF_LINE && (on_line(second[*row]) || on_line(third[*row]))
+        (first[*row] - line).abs() > LOGS.off_line && (on_line(second[*row]) || on_line(third[*row]))
     };
     let rows: Vec<usize> = (0..camera.len()).filter(wrong).collect();
     for name in compared() {

@@ -6,21 +6,11 @@
 use super::angles::unwrapped;
 use super::{Run, Table};
 use crate::error::Notice;
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 
 /// Pictures that are late by this much against the encoders are late, and not stamped by another clock, s.
 const LATE: (f64, f64) = (-0.05, 1.0);
-/// Step of the search, s, and of its end.
-const STEP: f64 = 0.02;
-const FINE: f64 = 0.002;
-/// Logs that are longer together than this (s), maybe for one absurd stamp, are not searched.
-const LONGEST: f64 = 7200.0;
-/// Rows that are compared in the search.
-const ROWS: usize = 300;
-/// Share of the motion that may be left where two logs agree: lenses bend, encoders slip.
-const AGREES: f64 = 0.2;
-/// So many times more must be left at any other time, or a motion that repeats itself would fit anywhere.
-const CLEARLY: f64 = 3.0;
 
 /// What was set right by the motion, and is known by it alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,30 +92,30 @@ fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     if seen.is_empty() || logged.is_empty() {
         return Some(0.0);
     }
-    let thin: Vec<_> = seen.iter().step_by(seen.len().div_ceil(ROWS).max(1)).copied().collect();
+    let thin: Vec<_> = seen.iter().step_by(seen.len().div_ceil(LOGS.stamps_rows).max(1)).copied().collect();
     let least = |from: f64, to: f64, step: f64, rows: &[(f64, [f64; 2])]| {
         let tries = (0..=((to - from) / step) as usize).map(|place| from + place as f64 * step);
         tries.map(|late| (left(&logged, rows, late), late)).min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let now = least(LATE.0, LATE.1, STEP, &thin)?.0;
-    if now < AGREES {
+    let now = least(LATE.0, LATE.1, LOGS.step, &thin)?.0;
+    if now < LOGS.agrees {
         return Some(0.0);
     }
     let (from, to) = (camera.time[0] - span(plant).1, span(camera).1 - plant.time[0]);
-    if to - from > LONGEST {
+    if to - from > LOGS.longest {
         return (!apart).then_some(0.0);
     }
-    let best = least(from, to, STEP, &thin)?;
-    let near = 10.0 * STEP;
-    let others = [least(from, best.1 - near, STEP, &thin), least(best.1 + near, to, STEP, &thin)];
+    let best = least(from, to, LOGS.step, &thin)?;
+    let near = 10.0 * LOGS.step;
+    let others = [least(from, best.1 - near, LOGS.step, &thin), least(best.1 + near, to, LOGS.step, &thin)];
     let second = others.into_iter().flatten().fold(now, |second, other| second.min(other.0));
-    let clear = best.0 < AGREES && best.0 * CLEARLY < second;
-    let (_, fine) = least(best.1 - STEP, best.1 + STEP, FINE, &seen)?;
-    let bottom = [-FINE, 0.0, FINE].map(|by| left(&logged, &seen, fine + by).powi(2));
+    let clear = best.0 < LOGS.agrees && best.0 * LOGS.clearly < second;
+    let (_, fine) = least(best.1 - LOGS.step, best.1 + LOGS.step, LOGS.fine, &seen)?;
+    let bottom = [-LOGS.fine, 0.0, LOGS.fine].map(|by| left(&logged, &seen, fine + by).powi(2));
     // of the parabola through three points
     let bend = bottom[0] - 2.0 * bottom[1] + bottom[2];
-    let by = if bend > 0.0 { 0.5 * FINE * (bottom[0] - bottom[2]) / bend } else { 0.0 };
-    if clear { Some(fine + by.clamp(-FINE, FINE)) } else { (!apart).then_some(0.0) }
+    let by = if bend > 0.0 { 0.5 * LOGS.fine * (bottom[0] - bottom[2]) / bend } else { 0.0 };
+    if clear { Some(fine + by.clamp(-LOGS.fine, LOGS.fine)) } else { (!apart).then_some(0.0) }
 }
 
 /// Times, and directions of the links as a picture shows them, but for a mount that turns all of them, rad.

@@ -1,12 +1,11 @@
 //! One CSV log: `time` and columns of numbers; an empty cell is `NaN` (not measured then).
 
 use crate::error::{Error, Notice};
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use std::path::Path;
 
 /// No run is silent for so long, s.
 const DAY: f64 = 86_400.0;
-/// So often a clock may have been set in a run.
-const FEW: usize = 3;
 
 /// An ordered log.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -221,7 +220,7 @@ fn leap(before: f64, time: f64) -> String {
 fn longest(table: &mut Table, notes: &mut Notes<'_>) {
     let leaps: Vec<usize> =
         (1..table.len()).filter(|row| table.time[*row] - table.time[row - 1] > DAY).collect();
-    if leaps.is_empty() || leaps.len() > FEW {
+    if leaps.is_empty() || leaps.len() > LOGS.few {
         return;
     }
     let edges: Vec<usize> = [0].into_iter().chain(leaps).chain([table.len()]).collect();

@@ -4,17 +4,10 @@ use super::Question;
 use super::catalogue::Experiment;
 use super::separation::Losses;
 use crate::diagnosis::Separation;
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 
 /// Expected loss above which two members count as told apart: odds of 1 to 90.
 pub const TOLD: f64 = 9.0;
-/// By how much a simulated loss flatters: a lab's model lacks more than one thing, and its noise is not white.
-const CAUTION: f64 = 4.0;
-/// Certainties that differ by less are equal; the cheaper experiment is taken then.
-const EQUAL: f64 = 0.01;
-/// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS`.
-const ENOUGH: f64 = 17.0;
-/// A lab records as many times what it did before, but no more.
-const LONGEST: f64 = 5.0;
 
 /// An experiment of the catalogue with what simulating it gave.
 pub struct Tried {
@@ -31,8 +24,9 @@ impl Tried {
     pub fn lengthen(&mut self) {
         let count = self.losses.len();
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-        let hopeful = pairs.map(|(a, b)| self.pair(a, b)).filter(|loss| loss * LONGEST >= ENOUGH);
-        let times = (ENOUGH / hopeful.fold(ENOUGH, f64::min)).ceil();
+        let hopeful =
+            pairs.map(|(a, b)| self.pair(a, b)).filter(|loss| loss * DESIGN.longest >= DESIGN.enough);
+        let times = (DESIGN.enough / hopeful.fold(DESIGN.enough, f64::min)).ceil();
         self.losses.iter_mut().flatten().for_each(|loss| *loss *= times);
         self.times *= times;
     }
@@ -74,7 +68,7 @@ impl Tried {
     pub fn certainty(&self, weights: &[f64]) -> f64 {
         let all: f64 = weights.iter().sum();
         let after = |a: usize| {
-            let rivals = self.losses[a].iter().map(|loss| libm::exp(-0.5 * loss / CAUTION));
+            let rivals = self.losses[a].iter().map(|loss| libm::exp(-0.5 * loss / DESIGN.caution));
             1.0 / rivals.sum::<f64>()
         };
         weights.iter().enumerate().map(|(a, weight)| weight * after(a)).sum::<f64>() / all
@@ -82,7 +76,7 @@ impl Tried {
 
     /// Better first: by certainty in whole steps, then the cheaper, then the larger loss of the worst pair.
     pub fn rank(&self, weights: &[f64]) -> (i64, i64, f64) {
-        let steps = (self.certainty(weights) / EQUAL).round() as i64;
+        let steps = (self.certainty(weights) / DESIGN.equal).round() as i64;
         (-steps, i64::from(self.entry.cost) + i64::from(self.times > 1.0), -self.worst().2)
     }
 

@@ -6,6 +6,7 @@ use super::{Member, Question};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::chain::Chain;
@@ -15,12 +16,6 @@ use crate::rigs::acrobot::residual::trajectory::{PREROLL, State};
 use crate::rigs::acrobot::residual::{Block, Probe, Tracked};
 use crate::statistics::linear::{Reduced, reduce};
 use std::sync::Arc;
-
-/// Frames that are rendered for a prediction: enough to visit the picture, few enough to be quick.
-const FRAMES: usize = 100;
-/// A tangent in the plant is taken over this share of the step at which a candidate is looked for: far above the
-/// integrator's 1e-9, far below where a window bends.
-const TANGENT: f64 = 0.01;
 
 /// All cuts that the logs of an experiment allow, as far as a member shows there.
 pub struct Cuts<'a> {
@@ -59,7 +54,7 @@ impl<'a> Cuts<'a> {
             let pose = Pose::Logged(vec![trial.motion.clone()], sigma);
             let frames: usize =
                 data.runs.iter().filter_map(|run| run.camera.as_ref()).map(|log| log.len()).sum();
-            if let Some(cut) = ImageCut::new(data, model, list.clone(), pose, FRAMES)? {
+            if let Some(cut) = ImageCut::new(data, model, list.clone(), pose, DESIGN.frames)? {
                 let share = frames as f64 / cut.frames.len() as f64;
                 all.push((Box::new(Tracked::new(cut)), share));
             }
@@ -81,7 +76,7 @@ impl<'a> Cuts<'a> {
             Motion::Saturation { .. } | Motion::Count { .. } | Motion::Switch if x == here.off => size,
             Motion::Count { .. } | Motion::Switch => here.off - x,
             Motion::Saturation { .. } => step,
-            _ if here.side == Side::Plant => step * TANGENT,
+            _ if here.side == Side::Plant => step * DESIGN.tangent,
             _ => step,
         };
         Probe { candidate, by }

@@ -10,6 +10,7 @@ mod catalogue;
 mod choose;
 mod cuts;
 mod motion;
+mod policy;
 mod scenario;
 mod separation;
 mod simulate;
@@ -21,6 +22,7 @@ use crate::error::Error;
 use crate::planned::{self, Planned, Predicted};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study};
@@ -31,13 +33,6 @@ use scenario::{Logs, Prepared, prepare, refused};
 use separation::{Bench, Losses};
 use std::collections::BTreeMap;
 
-/// How many of the best are simulated with every member as the truth; the rest with the most probable one.
-const FINALISTS: usize = 2;
-/// How many members besides the most probable one are each the truth there.
-const TRUTHS: usize = 3;
-/// Noise of what was not logged before: good encoders in rad, a torque cell in N·m.
-const ENCODER: f64 = 2e-4;
-const TORQUE: f64 = 1e-2;
 /// File that the scenario is written to.
 const FILE: &str = "next_experiment.toml";
 
@@ -69,9 +64,9 @@ impl Noise {
         let stated = self.stated.get(name).filter(|_| !read);
         let seen = self.seen.get(name).filter(|_| encoders == self.encoders || !name.starts_with("plant."));
         let guess = match name.rsplit('.').next().unwrap_or_default() {
-            "q1" | "q2" if encoders => ENCODER,
+            "q1" | "q2" if encoders => DESIGN.encoder,
             "q1" | "q2" => 1e-3,
-            "tau_applied" => TORQUE,
+            "tau_applied" => DESIGN.torque,
             area if area.starts_with("area") => 1.0,
             _ => 0.08,
         };
@@ -162,7 +157,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     };
     tried.iter_mut().for_each(weigh);
     choose::sort(&mut tried, &weights);
-    for one in tried.iter_mut().take(FINALISTS) {
+    for one in tried.iter_mut().take(DESIGN.finalists) {
         match closer_look(question, one.entry, likely) {
             Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
             Err(problem) => {
@@ -272,7 +267,7 @@ fn closer_look(question: &Question<'_>, entry: &'static Experiment, likely: usiz
     let mut rivals: Vec<usize> = (0..losses.len()).filter(|truth| *truth != likely).collect();
     // in a large class, the improbable ones keep the row that the columns of the most probable one give
     rivals.sort_by(|a, b| question.members[*b].weight.total_cmp(&question.members[*a].weight));
-    for truth in rivals.into_iter().take(TRUTHS) {
+    for truth in rivals.into_iter().take(DESIGN.truths) {
         losses[truth] = bench.losses(truth)?.swap_remove(truth);
     }
     Ok(losses)

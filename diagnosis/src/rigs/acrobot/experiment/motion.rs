@@ -5,21 +5,14 @@ use super::scenario::{feed, refused};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use orchestrator::Scenario;
 use orchestrator::scenario::Shape;
 use std::f64::consts::{PI, TAU};
 
-/// Without a picture in the loop a run of this length, s, is enough: it is logged at a higher rate.
-const SHORT: f64 = 10.0;
-/// A repeated z_desired is given in straight lines of this length, s.
-const THINNED: f64 = 0.1;
-/// Torque steps of an arm that hangs, s.
-const HELD: f64 = 0.01;
 /// Torque at the joint and at the first link, as shares of the second link's weight: swings of half a radian to one.
 const SHARES: [f64; 2] = [0.1, 0.15];
-/// Beyond this an arm hangs rather than stands, rad.
-const HANGING: f64 = 1.6;
 
 /// What the inputs get over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +79,7 @@ pub fn repeated(data: &DataSet, rig: Rig) -> Tables {
     let sizes: Vec<f64> = data.runs.iter().map(|run| moved(run.controller.as_ref(), column)).collect();
     let best = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b])).unwrap_or(0);
     let share = Some(sizes[best] / sizes.iter().sum::<f64>()).filter(|share| share.is_finite());
-    let longest = if rig == Rig::Pinned { SHORT } else { LENGTH };
+    let longest = if rig == Rig::Pinned { DESIGN.short } else { LENGTH };
     let mut tables =
         Tables { desired: None, torques: None, start: None, length: longest, share: share.or(Some(1.0)) };
     let Some((run, log)) = data.runs.get(best).and_then(|run| Some((run, run.controller.as_ref()?))) else {
@@ -99,13 +92,14 @@ pub fn repeated(data: &DataSet, rig: Rig) -> Tables {
         let table = |name: &str, every: f64| {
             log.column(name).map_or(Vec::new(), |_| sampled(log, name, begin, tables.length, every))
         };
-        tables.torques = Some([table("tau", HELD), table("tau_1", HELD)]);
+        tables.torques = Some([table("tau", DESIGN.held), table("tau_1", DESIGN.held)]);
         tables.start = start(run, true);
         return tables;
     }
     tables.start = start(run, false);
     if log.column("z_desired").is_some_and(|z| z.iter().any(|z| z.is_finite() && *z != 0.0)) {
-        tables.desired = Some((Shape::Linear, sampled(log, "z_desired", begin, tables.length, THINNED)));
+        tables.desired =
+            Some((Shape::Linear, sampled(log, "z_desired", begin, tables.length, DESIGN.thinned)));
     }
     tables
 }
@@ -116,9 +110,9 @@ pub fn hanging(data: &DataSet, model: &Model) -> Tables {
     let shoulder = data.runs.iter().any(|run| moved(run.controller.as_ref(), "tau_1") > 0.0);
     // frequencies without a common divisor, phases that keep the begin gentle
     let sines = |size: f64, lines: [f64; 5]| -> Vec<(f64, f64)> {
-        (0..=(SHORT / HELD) as usize)
+        (0..=(DESIGN.short / DESIGN.held) as usize)
             .map(|k| {
-                let t = k as f64 * HELD;
+                let t = k as f64 * DESIGN.held;
                 let sum: f64 =
                     lines.iter().enumerate().map(|(i, f)| libm::sin(TAU * f * t + i as f64 * PI * 0.4)).sum();
                 (t, size * (t / 0.5).min(1.0) * sum / (0.5 * lines.len() as f64).sqrt())
@@ -128,14 +122,14 @@ pub fn hanging(data: &DataSet, model: &Model) -> Tables {
     let joint = sines(SHARES[0] * weight, [0.23, 0.61, 1.13, 1.87, 2.9]);
     let link = if shoulder { sines(SHARES[1] * weight, [0.31, 0.53, 0.97, 1.49, 2.1]) } else { Vec::new() };
     let start = Some([PI, PI, 0.0, 0.0]);
-    Tables { desired: None, torques: Some([joint, link]), start, length: SHORT, share: None }
+    Tables { desired: None, torques: Some([joint, link]), start, length: DESIGN.short, share: None }
 }
 
 fn hangs(data: &DataSet) -> bool {
     let angles = || data.runs.iter().filter_map(|run| run.plant.as_ref()?.column("q1")).flatten();
     let known = || angles().filter(|angle| angle.is_finite());
     let count = known().count();
-    count > 0 && known().map(|angle| angle.abs()).sum::<f64>() > HANGING * count as f64
+    count > 0 && known().map(|angle| angle.abs()).sum::<f64>() > DESIGN.hanging * count as f64
 }
 
 /// Sum of squared changes of a column, in units that cancel.

@@ -20,14 +20,12 @@ use crate::error::Error;
 use crate::rigs::acrobot::amend::written;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name};
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Probe;
 use crate::statistics::linear::{solve, submatrix};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
-
-/// Where poses must be read off frames that are rendered again, a run of this length stands for all, s.
-const CHAINED: f64 = 8.0;
 
 /// `losses[a][b]`: what is lost if the truth is member a and b is taken for it.
 pub type Losses = Vec<Vec<f64>>;
@@ -133,9 +131,9 @@ impl<'a> Bench<'a> {
         let chained = !logs.encoders
             && self.question.members.iter().any(|m| self.list[m.candidate].side == Side::Camera);
         let length = prepared.scenario.stop.to_f64();
-        if chained && length > CHAINED {
-            prepared.scenario.set_stop(&format!("{CHAINED}")).map_err(refused)?;
-            prepared.repeats *= length / CHAINED;
+        if chained && length > DESIGN.chained {
+            prepared.scenario.set_stop(&DESIGN.chained.to_string()).map_err(refused)?;
+            prepared.repeats *= length / DESIGN.chained;
         }
         let trial = simulate(&prepared, &values, self.question.data, self.question.units)?;
         Ok((point, trial, prepared.repeats))

@@ -5,13 +5,11 @@ use super::scenario::{Logs, Prepared, record, refused};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Manifest, Run, Table};
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
-
-/// Rows of the encoders per second where none were logged before.
-const ENCODER_RATE: f64 = 30.0;
 
 /// One simulated run.
 pub struct Trial {
@@ -92,7 +90,7 @@ pub fn rate(like: &DataSet) -> f64 {
         |log: &Table| log.time.last().copied().unwrap_or(0.0) - log.time.first().copied().unwrap_or(0.0);
     match log {
         Some(log) if span(log) > 0.0 => (log.len() - 1) as f64 / span(log),
-        _ => ENCODER_RATE,
+        _ => DESIGN.encoder_rate,
     }
 }
 

@@ -4,16 +4,8 @@
 
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::look;
-
-/// Linearisations that are averaged, and the standard errors by which they lie off the fit.
-const LOOKS: usize = 6;
-const OFF: f64 = 0.5;
-/// A linearisation that wants a value so many standard errors away has lost the motion.
-const LOST: f64 = 6.0;
-/// Frames go with the values, so that these are averaged again where they moved by more than this share of a standard error.
-const PASSES: usize = 3;
-const MOVED: f64 = 0.5;
 
 /// Puts the values of the plant where linearisations about the fit want them on average, and notes by how much these differ.
 pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
@@ -29,19 +21,20 @@ pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -
         .map(|(place, index)| Value { index: *index, place, error: covariance[(place, place)].sqrt() })
         .collect();
     let fitted = part.study.last.point.clone();
-    for _ in 0..if values.is_empty() { 0 } else { PASSES } {
+    for _ in 0..if values.is_empty() { 0 } else { PIPELINE.passes } {
         let point = part.study.last.point.clone();
         let Some(wanted) = wanted(cut, list, &part.study, &free, &values)? else { break };
         let mut next = point.clone();
         part.rough.clear();
         for (column, value) in values.iter().enumerate() {
-            let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / LOOKS as f64;
+            let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.looks as f64;
             let square: f64 = wanted.iter().map(|all| (all[column] - mean).powi(2)).sum();
             next[value.index] = value.within(list, mean);
-            part.rough.push((value.index, (square / (LOOKS - 1) as f64).sqrt()));
+            part.rough.push((value.index, (square / (PIPELINE.looks - 1) as f64).sqrt()));
         }
         part.study.last = look(cut, list, &next, &part.study.active)?;
-        let moved = |value: &Value| (next[value.index] - point[value.index]).abs() > MOVED * value.error;
+        let moved =
+            |value: &Value| (next[value.index] - point[value.index]).abs() > PIPELINE.moved * value.error;
         if !values.iter().any(moved) {
             break;
         }
@@ -87,15 +80,15 @@ fn wanted(
     values: &[Value],
 ) -> Result<Option<Vec<Vec<f64>>>, Error> {
     let mut all = Vec::new();
-    for round in 0..LOOKS {
+    for round in 0..PIPELINE.looks {
         let mut point = study.last.point.clone();
         for value in values {
-            let sign = if (round + value.place) % 2 == 0 { OFF } else { -OFF };
+            let sign = if (round + value.place) % 2 == 0 { PIPELINE.off } else { -PIPELINE.off };
             let by = sign * (1 + round / 2) as f64 * value.error;
             point[value.index] = value.within(list, point[value.index] + by);
         }
         let Some(shift) = look(cut, list, &point, &study.active)?.wanted(free) else { return Ok(None) };
-        if values.iter().any(|value| shift[value.place].abs() > LOST * value.error) {
+        if values.iter().any(|value| shift[value.place].abs() > PIPELINE.lost * value.error) {
             return Ok(None);
         }
         all.push(values.iter().map(|value| point[value.index] + shift[value.place]).collect());

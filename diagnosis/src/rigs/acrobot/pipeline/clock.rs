@@ -4,15 +4,12 @@ use super::*;
 use crate::rigs::acrobot::candidates::Attribute::{Exposure, ImageDelay, Retards};
 use crate::rigs::acrobot::candidates::place;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::steadiness;
 
 /// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
 pub(super) const MISSES: f64 = 3.0;
-/// Standard errors of the clock that a delay or an exposure must be larger than.
-const DOUBTED: f64 = 1.96;
-/// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
-const BLURRED: f64 = 2.0;
 
 /// The plant log's clock, s late, that explains what the picture alone would have called a delay: logs of plant and torque know
 /// their clock to some ten microseconds only, a picture its delay to some microseconds.
@@ -25,7 +22,7 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
         parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
     let (shift, blurred, alone) = known(plant, list, clock)?;
     let misses = (by + shift).abs() / error.hypot(blurred);
-    if blurred > BLURRED * alone || misses > MISSES {
+    if blurred > PIPELINE.blurred * alone || misses > MISSES {
         return None;
     }
     let weights = (error.powi(-2), blurred.powi(-2));
@@ -65,17 +62,16 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
     Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
 }
 
-/// Half a millisecond, and a tenth: a lag and a delay of the same size differ by about that.
-const SAME: f64 = 5e-4;
-const CLOSE: f64 = 0.1;
-
 /// Whether pictures are late by as much as the plant's log: then that was right, and an actuator lags.
 pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
     let (Some(clock), Some(delay)) = (own_clock(list), place(list, ImageDelay)) else { return false };
     let late = compared.point[clock];
     let seen = compared.parts.iter().filter(|part| !part.torque);
     let seen = seen.filter_map(|part| seen_late(part, list, delay)).map(|(by, _)| by);
-    late > 0.0 && seen.into_iter().any(|by| (by - late).abs() < SAME.min(0.5 * late) + CLOSE * late)
+    late > 0.0
+        && seen
+            .into_iter()
+            .any(|by| (by - late).abs() < PIPELINE.same.min(0.5 * late) + PIPELINE.close * late)
 }
 
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
@@ -90,7 +86,7 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     }
     let unsure = own_clock(list).and_then(|clock| {
         let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
-        known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= BLURRED * alone)
+        known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= PIPELINE.blurred * alone)
     });
     let Some((shift, error, _)) = unsure else { return Vec::new() };
     // an offset that shows, but not clearly enough to be taken, may be there
@@ -99,9 +95,6 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     let of = |attribute, each: f64| place(list, attribute).map(|index| (index, each * error));
     [of(ImageDelay, 1.0), of(Exposure, twice)].into_iter().flatten().collect()
 }
-
-/// So often the logs are set back and all is compared again.
-const ROUNDS: usize = 3;
 
 /// By how much the plant's logs were set back, s.
 pub(super) struct Clocks {
@@ -126,7 +119,7 @@ impl Clocks {
     /// Runs and the time by which their logs are late still, before anything else can be said.
     pub(super) fn late(&mut self, list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
         self.rounds += 1;
-        if self.rounds > ROUNDS {
+        if self.rounds > PIPELINE.rounds {
             return None;
         }
         if let Some(late) = apart(list, compared) {
@@ -159,7 +152,9 @@ impl Clocks {
         if let Some((shown, by)) = early(list, parts, point) {
             // one that was found, that is: nothing is the same as a clock that is off by less than SAME
             let found = |index: &usize| point[*index] != list[*index].off;
-            let same = |index: &usize| found(index) && (point[*index] - by).abs() < SAME + CLOSE * by;
+            let same = |index: &usize| {
+                found(index) && (point[*index] - by).abs() < PIPELINE.same + PIPELINE.close * by
+            };
             let actuator = (0..list.len()).find(|index| list[*index].is(Retards) && same(index));
             // an exposure may well be shorter than it is said to be, but no result comes before its picture
             let before =
@@ -171,8 +166,9 @@ impl Clocks {
             }
         }
         // what is no larger than the clock may be off
-        let within =
-            |(index, error): &(usize, f64)| (point[*index] - list[*index].off).abs() < DOUBTED * error;
+        let within = |(index, error): &(usize, f64)| {
+            (point[*index] - list[*index].off).abs() < PIPELINE.doubted * error
+        };
         gone.extend(doubts(model, list, parts).iter().filter(|doubt| within(doubt)).map(|doubt| doubt.0));
         for index in &gone {
             point[*index] = list[*index].off;

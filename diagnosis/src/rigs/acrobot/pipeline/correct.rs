@@ -3,15 +3,10 @@
 use super::*;
 use crate::rigs::acrobot::candidates::Entry;
 use crate::rigs::acrobot::correction::{Correction, Offer, Term, offer, wiring};
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
-
-/// What a correction alone may leave of what effects leave, to take their place with as many numbers.
-const FAR_LESS: f64 = 0.7;
-
-/// How many of the effects that were named last are tried without, one at a time.
-const SINGLES: usize = 3;
 
 /// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of inertia scale 1.
 const ROUNDING: f64 = 1e-6;
@@ -77,7 +72,7 @@ pub(super) fn correct(
 fn withdrawable(named: &[usize]) -> Vec<Vec<usize>> {
     let all = (!named.is_empty()).then(|| named.to_vec());
     let singles =
-        named.iter().rev().take(if named.len() > 1 { SINGLES } else { 0 }).map(|index| vec![*index]);
+        named.iter().rev().take(if named.len() > 1 { PIPELINE.singles } else { 0 }).map(|index| vec![*index]);
     all.into_iter().chain(singles).collect()
 }
 
@@ -98,7 +93,7 @@ fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
     let listed = correction.terms.iter().all(friction);
     let (now, before) = (terms(without), withdrawn.len() + terms(beside));
     let fewer = now < before && without.left <= beside.left.max(correction.gap.floor);
-    let better = now == before && without.left <= FAR_LESS * beside.left;
+    let better = now == before && without.left <= PIPELINE.far_less * beside.left;
     !listed && !LIST.iter().any(twin) && (fewer || better)
 }
 

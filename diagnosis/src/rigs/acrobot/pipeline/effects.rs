@@ -3,6 +3,7 @@
 use super::interval;
 use super::*;
 use crate::diagnosis::{Effect, Member};
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::ALPHA;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
@@ -74,9 +75,6 @@ pub(super) fn doubt(doubts: &[(usize, f64)], index: usize) -> f64 {
     doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
 }
 
-/// Loss by which another member of the class must be better to be named first.
-const FIRST: f64 = 0.2;
-
 fn better_guess<'a>(
     own: usize,
     alternatives: &'a [Alternative],
@@ -88,7 +86,7 @@ fn better_guess<'a>(
     }
     // who was left out is no member any more
     let loss = alternatives.iter().find(|other| other.candidate == own).map_or(f64::INFINITY, |own| own.loss);
-    alternatives.first().filter(|best| best.candidate != own && best.loss + FIRST < loss)
+    alternatives.first().filter(|best| best.candidate != own && best.loss + PIPELINE.first < loss)
 }
 
 /// The class, the best guess first, the others by their probability.

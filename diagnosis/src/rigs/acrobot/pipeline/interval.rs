@@ -2,19 +2,10 @@
 
 use super::*;
 use crate::rigs::acrobot::candidates::{Cuts, Motion};
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::discrepancy;
 use crate::statistics::linear::{inverse, submatrix};
 use nalgebra::DMatrix;
-
-/// A saturation whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
-const NEVER_REACHED: f64 = 100.0;
-/// Share of its certainty that a name keeps where names only imitate something else (none of 23 names beside `unknown` that imitated was
-/// right, one of 23 in all), as measured on blind sets whose answers were opened afterwards.
-const IMITATED: f64 = 0.05;
-/// Share of its certainty that any name keeps beside something that has none: that may have a part of which nobody can say that it isn't
-/// this effect (rows exposed one after the other are late in the mean, backlash swings like a rotor). Seen on 21 blind sets: of the names that explained
-/// nearly all that was to be explained 4 of 7 were right, of the others 2 of 10.
-const BESIDE: f64 = 0.6;
 
 /// The 95 % interval of a candidate at `at`, where its coordinate has this standard error; `None` where that is not known.
 pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 2] {
@@ -26,11 +17,11 @@ pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 
     let (low, high) = match (known, candidate.motion) {
         (Some(error), _) => (at - 1.96 * error, at + 1.96 * error),
         // nothing is known but that it is there
-        (None, Motion::Saturation { .. }) => (0.0, at * NEVER_REACHED),
+        (None, Motion::Saturation { .. }) => (0.0, at * PIPELINE.never_reached),
         (None, _) => candidate.range,
     };
     let ends = match candidate.motion {
-        Motion::Saturation { .. } => [low.max(at / NEVER_REACHED), high.max(at)],
+        Motion::Saturation { .. } => [low.max(at / PIPELINE.never_reached), high.max(at)],
         _ => [low, high],
     };
     let ends = ends.map(|end| candidate.value(end));
@@ -64,7 +55,7 @@ pub(super) struct Worth {
 
 impl Worth {
     /// Of what a tangent tells nothing of.
-    pub(super) const LEAST: Self = Self { share: IMITATED, moves: 0.0, wider: 1.0 };
+    pub(super) const LEAST: Self = Self { share: PIPELINE.imitated, moves: 0.0, wider: 1.0 };
 }
 
 /// What each of the continuous active effects is worth beside a rest: what it alone explains against what nothing does. One that leans on
@@ -77,7 +68,7 @@ pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], confounde
     let dispersion = (hard.total.square / hard.total.freedom.max(1.0)).max(1.0);
     let sizes: Vec<f64> = free.iter().map(|index| study.last.point[*index] - list[*index].off).collect();
     let Some(bread) = inverse(&gram).filter(|_| places.len() == free.len()) else {
-        return vec![Worth { share: IMITATED, moves: 0.0, wider: dispersion.sqrt() }; free.len()];
+        return vec![Worth { share: PIPELINE.imitated, moves: 0.0, wider: dispersion.sqrt() }; free.len()];
     };
     (0..free.len())
         .map(|k| {
@@ -87,7 +78,7 @@ pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], confounde
             // without another one, this one takes its part over
             let moves = |j: usize| (bread[(k, j)] / bread[(j, j)] * sizes[j]).abs();
             let moves = (0..free.len()).filter(|j| *j != k).map(moves).fold(0.0, f64::max);
-            let share = if confounded { share.min(IMITATED) } else { share };
+            let share = if confounded { share.min(PIPELINE.imitated) } else { share };
             Worth { share, moves, wider: dispersion.sqrt() }
         })
         .collect()
@@ -95,11 +86,8 @@ pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], confounde
 
 /// What a name keeps that alone explains so many squares, beside so many that nothing does.
 fn beside(alone: f64, left: f64) -> f64 {
-    BESIDE * alone / (alone + left).max(f64::MIN_POSITIVE)
+    PIPELINE.beside * alone / (alone + left).max(f64::MIN_POSITIVE)
 }
-
-/// Share of what the data say of a value beyond which one run says it all.
-const ALONE: f64 = 0.99;
 
 /// Share of its certainty that a name keeps of which a single run tells, so that no run left out could contradict it: as after n
 /// agreeing cases in all (rule of succession, (n + 1)/(n + 2)), n the blocks in which it shows, or the commands that a saturation has cut. A
@@ -113,7 +101,7 @@ pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index
     let all: f64 = told().sum();
     let mut runs = vec![0.0; folds.count];
     told().zip(&folds.of).for_each(|(own, fold)| runs[*fold] += own);
-    if all <= 0.0 || runs.iter().all(|own| *own < ALONE * all) {
+    if all <= 0.0 || runs.iter().all(|own| *own < PIPELINE.interval_alone * all) {
         return 1.0;
     }
     let blocks = all * all / told().map(|own| own * own).sum::<f64>();

@@ -13,6 +13,7 @@ use crate::overlay::{self, Channel};
 use crate::rigs::acrobot::correction::{self, Correction};
 use crate::rigs::acrobot::dataset::Span;
 use crate::rigs::acrobot::gap::{Compared as Of, Shifted, Sums, above};
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::residual::chain::Chain;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
@@ -22,16 +23,8 @@ use crate::rigs::acrobot::residual::weak::Weak;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::watch::Known;
 
-/// The nominal model's torques are read off windows that it stays in. Where more than so many times the noise shows there, and so many
-/// times what it lacks at the logged states themselves, it has run away, and what its tangent asks for is no torque.
-const FAR_ABOVE: f64 = 10.0;
-const RAN_AWAY: f64 = 1.5;
-/// Most parts that runs are left out in: each costs a search, and with three a diagnosis took 1.6 to 1.9 times as long as without.
-const PARTS: usize = 2;
 /// What ends early where time is up.
 const REPEATED: &str = "the repeated searches without the runs that are left out";
-/// Of each look, so many of the screen's best are candidates again.
-const SCREENED: usize = 4;
 
 /// What repeated searches say.
 pub(super) struct LeftOut {
@@ -135,10 +128,12 @@ pub(super) fn left_out(
 fn again(list: &[Candidate], first: &First<'_>) -> Vec<usize> {
     let studies = || first.parts.iter().map(|part| &part.study).filter(|study| !study.active.is_empty());
     let screened = |index: usize| {
-        let best = studies().flat_map(|study| &study.steps).flat_map(|step| step.best.iter().take(SCREENED));
+        let best = studies()
+            .flat_map(|study| &study.steps)
+            .flat_map(|step| step.best.iter().take(PIPELINE.screened));
         best.clone().any(|hit| hit.candidate == index)
             || studies()
-                .flat_map(|study| study.screen.hits.iter().take(SCREENED))
+                .flat_map(|study| study.screen.hits.iter().take(PIPELINE.screened))
                 .any(|hit| hit.candidate == index)
     };
     let taken = |index: usize| studies().any(|study| study.active.contains(&index));
@@ -150,12 +145,13 @@ fn folds(data: &DataSet) -> Vec<Fold> {
     let count = data.runs.len();
     if count == 1 {
         let (from, to) = data.runs[0].span();
-        let at = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
-        return (0..PARTS)
+        let at = |part: usize| from + (to - from) * part as f64 / PIPELINE.parts as f64;
+        return (0..PIPELINE.parts)
             .map(|part| {
                 let (begin, end) = (at(part), at(part + 1));
                 let rest = [Span(f64::NEG_INFINITY, begin), Span(end, f64::INFINITY)];
-                let held = if part + 1 == PARTS { Span(begin, f64::INFINITY) } else { Span(begin, end) };
+                let held =
+                    if part + 1 == PIPELINE.parts { Span(begin, f64::INFINITY) } else { Span(begin, end) };
                 Fold {
                     names: vec![format!("{} from {begin:.1} to {end:.1} s", data.runs[0].name)],
                     rest: data.within(&rest),
@@ -164,7 +160,7 @@ fn folds(data: &DataSet) -> Vec<Fold> {
             })
             .collect();
     }
-    let parts = count.min(PARTS);
+    let parts = count.min(PIPELINE.parts);
     let part = |part: usize| {
         let out = |run: usize| run % parts == part;
         Fold {
@@ -250,7 +246,7 @@ impl Judge<'_> {
     /// The same sums, with what the nominal model lacks at the logged states where it has run away from the log.
     fn at_the_log(&self, sums: Sums) -> Result<Sums, Error> {
         let mean = |(square, count): (f64, f64)| square / f64::max(count, 1.0);
-        if mean(sums.before) < FAR_ABOVE * FAR_ABOVE * mean(sums.floor) {
+        if mean(sums.before) < PIPELINE.far_above * PIPELINE.far_above * mean(sums.floor) {
             return Ok(sums);
         }
         let Some(mut weak) = Weak::new(self.data, self.model, self.list.clone())?.map(Tracked::new) else {
@@ -260,7 +256,7 @@ impl Judge<'_> {
         let seen = torques(&seen.blocks, &[], &[], &vec![0; seen.blocks.len()]);
         let square: f64 = seen.iter().flat_map(|torque| torque.torque).map(|x| x * x).sum();
         let shown = square / (2.0 * seen.len() as f64).max(1.0);
-        let ran_away = shown > 0.0 && mean(sums.before) > RAN_AWAY * RAN_AWAY * shown;
+        let ran_away = shown > 0.0 && mean(sums.before) > PIPELINE.ran_away * PIPELINE.ran_away * shown;
         Ok(if ran_away { Sums { before: (shown * sums.before.1, sums.before.1), ..sums } } else { sums })
     }
 

@@ -13,6 +13,7 @@ mod even;
 mod interval;
 mod left_out;
 mod plant;
+mod policy;
 mod saturations;
 mod scale;
 mod sensor;
@@ -24,6 +25,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, ZEROS, 
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::plausibility;
 use crate::rigs::acrobot::residual::image::Noise;
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
@@ -43,13 +45,6 @@ use saturations::saturations;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
-const ANY: f64 = 0.06;
-
-/// Standard deviations of the stamps' scatter by which a log may be late: where a computer stamps its rows, never early but late,
-/// those of a uniform scatter are late by 1.7 in the mean, of half a normal one by 1.3.
-const LATE_BY_HAND: f64 = 2.0;
 
 /// Whether all that was chosen can be.
 fn check(options: &Options) -> Result<(), Error> {
@@ -122,7 +117,7 @@ pub fn diagnose(
         delay.for_each(|delay| delay.side = Side::Stamps);
     }
     let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
-    data.late_by_hand = LATE_BY_HAND * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
+    data.late_by_hand = PIPELINE.late_by_hand * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
     if !seen || data.pictures_apart {
         // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
         // within what stamps scatter by
@@ -210,7 +205,7 @@ fn remembered(options: &Options, list: &[Candidate], parts: &mut [Part]) -> Vec<
 /// Lets logs be late by as much as any other, where their clocks are known to be off.
 fn trust_no_clock(list: &mut [Candidate]) {
     let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
-    clocks.for_each(|clock| clock.range = (-ANY, ANY));
+    clocks.for_each(|clock| clock.range = (-PIPELINE.any, PIPELINE.any));
 }
 
 /// All cuts of a data set. A log that is late by no more than its stamps scatter is taken to be that, and no actuator to lag, unless

@@ -4,22 +4,12 @@ use super::*;
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::check::unknown;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::logged;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
 use crate::rigs::acrobot::selection::Hit;
-
-/// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
-const MOSTLY_SLACK: f64 = 0.5;
-/// Share of these that a switch of the model may leave where it is what was missing.
-const SWITCHED: f64 = 0.5;
-/// So many of what torques resemble are tried where they show nothing certain.
-const HINTS: usize = 3;
-/// Windows, of which none may follow the log before a value is fitted: short falls.
-const FEW: usize = 8;
-/// How well it is known where the model needed slack torques to follow the log, rad.
-const COARSE_MOTION: f64 = 1e-3;
 
 pub(super) fn plant_part(
     data: &DataSet,
@@ -43,7 +33,7 @@ pub(super) fn plant_part(
     rows.begin(point)?;
     let mut start = Vec::new();
     let mut coarse = None;
-    if rows.share_with_slack() > MOSTLY_SLACK
+    if rows.share_with_slack() > PIPELINE.mostly_slack
         && !switch_leads(&mut rows, list, point)?
         && let Some(mut weak) = Weak::new(data, model, list.clone())?.map(Tracked::new)
     {
@@ -87,7 +77,7 @@ pub(super) fn plant_part(
     point.clone_from(&part.study.last.point);
     told_apart(&mut rows, data, model, list, &mut part, watch);
     let sigma = match part.study.discrepancy_dominated {
-        true => COARSE_MOTION,
+        true => PIPELINE.coarse_motion,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),
     };
     parts.push(part);
@@ -141,18 +131,18 @@ fn hinted(
     watch: &mut Watch<'_>,
 ) -> Result<Option<Part>, Error> {
     let real = |hit: &&Hit| !list[hit.candidate].side.is_of_log() && !list[hit.candidate].is_discrete();
-    for hit in hits.iter().filter(real).take(HINTS) {
+    for hit in hits.iter().filter(real).take(PIPELINE.hints) {
         let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
         there[hit.candidate] =
             (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
-        let few = rows.windows().0 <= FEW;
-        let follows = few || rows.follows(&there, MOSTLY_SLACK).unwrap_or(false);
+        let few = rows.windows().0 <= PIPELINE.plant_few;
+        let follows = few || rows.follows(&there, PIPELINE.mostly_slack).unwrap_or(false);
         // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
         if !follows || rows.linearise(&there, &[]).is_err() {
             continue;
         }
         let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
-        if !fine.active.is_empty() && rows.follows(&fine.last.point, MOSTLY_SLACK).unwrap_or(false) {
+        if !fine.active.is_empty() && rows.follows(&fine.last.point, PIPELINE.mostly_slack).unwrap_or(false) {
             rows.linearise(&fine.last.point, &[])?;
             return classed(rows, list, fine, true, watch).map(Some);
         }
@@ -205,7 +195,7 @@ fn leading(
     let mut there = point.clone();
     for most in (found.len().min(1)..=found.len()).rev() {
         found[most..].iter().for_each(|index| there[*index] = list[*index].off);
-        if rows.follows(&there, MOSTLY_SLACK).unwrap_or(false) {
+        if rows.follows(&there, PIPELINE.mostly_slack).unwrap_or(false) {
             (*point, _) = (there, found.truncate(most));
             return true;
         }
@@ -218,7 +208,7 @@ fn leading(
 /// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
 /// model.
 fn switch_leads(rows: &mut Tracked<PlantCut>, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
-    let (mut leads, most) = (false, SWITCHED * rows.share_with_slack());
+    let (mut leads, most) = (false, PIPELINE.switched * rows.share_with_slack());
     for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
         let mut other = point.to_vec();
         other[index] += candidate.steps[0];

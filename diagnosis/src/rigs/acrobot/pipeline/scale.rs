@@ -5,10 +5,8 @@
 use super::*;
 use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::candidates::{Attribute, Motion, place};
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::story::brief;
-
-/// Readings of one and the same model: nothing in the data prefers either.
-const READINGS: f64 = 2.0;
 
 /// Tells the other reading, and puts all that it changes into the class of the gain. The story's line, where there is one.
 pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect]) -> Option<String> {
@@ -32,7 +30,7 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
         return None;
     }
     let whole = effects[place].probability;
-    let share = whole / READINGS / others.len() as f64;
+    let share = whole / PIPELINE.readings / others.len() as f64;
     let there = |effect: &Effect| {
         let value = effect.value / gain;
         let [low, high] = effect.ci95.map(|end| end / gain);
@@ -44,17 +42,17 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     for k in &named {
         let (value, nominal) = there(&effects[*k]);
         if nominal {
-            effects[*k].probability /= READINGS;
+            effects[*k].probability /= PIPELINE.readings;
         } else {
             told.push(format!("{} = {}", effects[*k].name, brief(value)));
         }
         effects[*k]
             .members
             .iter_mut()
-            .for_each(|member| member.probability /= if nominal { READINGS } else { 1.0 });
+            .for_each(|member| member.probability /= if nominal { PIPELINE.readings } else { 1.0 });
     }
     let members = &mut effects[place].members;
-    members.iter_mut().for_each(|member| member.probability /= READINGS);
+    members.iter_mut().for_each(|member| member.probability /= PIPELINE.readings);
     for own in &others {
         if members.iter().all(|member| member.name != own.name) {
             members.push(Member { name: own.name.to_owned(), probability: share });

@@ -4,15 +4,9 @@
 use super::*;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::gap::chained;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::residual::image::ImageCut;
 use crate::rigs::acrobot::selection::{Evaluation, lacking, study_until};
-
-/// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
-const ALONE: usize = 2;
-/// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
-const FEW: usize = 2;
-/// So many halves of a standard error the noise may be off by, by which the scatter tells it.
-const NEAR: i32 = 5;
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
 /// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
@@ -47,7 +41,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
         let mut untouched = Some(self.cut.clone());
         let mut first = None;
         let plain = study_until(self.cut, list, point, &[], watch, &mut |active, watch| {
-            if active.len() > ALONE
+            if active.len() > PIPELINE.sensor_alone
                 && let Some(mut cut) = untouched.take()
             {
                 first = Sensor { cut: &mut cut, image, list, point, sensor }.first(watch)?;
@@ -69,7 +63,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
         blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
         let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
         // one blur that explains picture and scatter alike is the whole story
-        let imitated = plain.study.active.len() >= ALONE && clear(&guess);
+        let imitated = plain.study.active.len() >= PIPELINE.sensor_alone && clear(&guess);
         let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
         let Some(noisy) = self.likely(guess, usize::MAX, watch)? else { return Ok(plain) };
         let simpler = noisy.study.active.len() < plain.study.active.len();
@@ -86,7 +80,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
     fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[])?;
         let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
-        let first = self.likely(early, FEW, watch)?;
+        let first = self.likely(early, PIPELINE.sensor_few, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
     }
 
@@ -98,7 +92,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
             return Ok(Some(noisy));
         }
         let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
-        for steps in -NEAR..=NEAR {
+        for steps in -PIPELINE.near..=PIPELINE.near {
             there[self.sensor] = (guess.value + 0.5 * f64::from(steps) * guess.error).max(0.0);
             self.cut.reset();
             let off = off_on_average(&Evaluation::at(self.cut, &there, &[])?);

@@ -2,13 +2,8 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, angle_in_degrees, directions, in_degrees};
+use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
-
-/// Share of a motion that may be left where pictures and encoders agree, and from which on they surely don't.
-const AGREES: f64 = 0.25;
-const DIFFERS: f64 = 0.6;
-/// Frames that are compared at least.
-const FRAMES: usize = 30;
 
 /// Degrees instead of radians.
 pub(super) fn degrees(facts: &Facts<'_>) -> Option<Finding> {
@@ -61,11 +56,11 @@ const WAYS: [Way; 8] = [
 pub(super) fn against_pictures(facts: &Facts<'_>) -> Option<Finding> {
     facts.runs.iter().find_map(|run| {
         let pairs = pairs(run)?;
-        if left(&pairs, |q1, q2| (q1, q2))? < DIFFERS {
+        if left(&pairs, |q1, q2| (q1, q2))? < PLAUSIBLE.differs {
             return None;
         }
         let (add, words, _) =
-            WAYS.iter().find(|way| left(&pairs, way.2).is_some_and(|left| left < AGREES))?;
+            WAYS.iter().find(|way| left(&pairs, way.2).is_some_and(|left| left < PLAUSIBLE.agrees))?;
         Some(Finding {
             file: format!("{}/plant.csv", run.name),
             line: 0,
@@ -91,7 +86,7 @@ fn pairs(run: &Run) -> Option<Vec<Pair>> {
         Some([angle(logged[0]), angle(logged[1])]).filter(|pair| pair.iter().all(|angle| angle.is_finite()))
     };
     let both = directions(camera).into_iter().filter_map(|(time, seen)| Some((seen, at(time)?)));
-    Some(both.collect::<Vec<_>>()).filter(|pairs| pairs.len() >= FRAMES)
+    Some(both.collect::<Vec<_>>()).filter(|pairs| pairs.len() >= PLAUSIBLE.frames)
 }
 
 /// Share of the motion in the picture that is left beside the angles, counted so; `None` where little moves.

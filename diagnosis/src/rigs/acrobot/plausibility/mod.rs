@@ -7,6 +7,7 @@
 mod angles;
 pub mod motion;
 mod pixels;
+mod policy;
 pub mod time;
 
 use crate::rigs::acrobot::dataset::Run;

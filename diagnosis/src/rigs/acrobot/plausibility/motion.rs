@@ -7,17 +7,11 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::weak::Weak;
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-/// To what share of itself another way of counting must bring the torque that the model lacks, to be beyond doubt; and how far the
-/// second best must be behind.
-const BETTER: f64 = 0.35;
-const CLEARLY: f64 = 0.8;
-/// And by how much what is lacking must stand above what noise gives before anything is asked.
-const NOISE: f64 = 3.0;
 
 /// Another way to count: what `[log]` must say, in words, what it makes of (q1, q2), and the torque's factor.
 struct Way {
@@ -67,7 +61,7 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
     let mut logs = data.clone();
     logs.runs.iter_mut().for_each(stand_in);
     let Some((as_logged, noise)) = lacking(&logs, model, list)? else { return Ok(None) };
-    if as_logged < NOISE * noise {
+    if as_logged < PLAUSIBLE.noise * noise {
         return Ok(None);
     }
     let mut all = Vec::new();
@@ -81,7 +75,7 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [(least, way), second, ..] = all.as_slice() else { return Ok(None) };
-    let beyond = *least < BETTER * as_logged && *least < CLEARLY * second.0;
+    let beyond = *least < PLAUSIBLE.better * as_logged && *least < PLAUSIBLE.clearly * second.0;
     Ok(beyond.then(|| Finding {
         file: "plant.csv and controller.csv".into(),
         line: 0,

@@ -2,11 +2,8 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
-
-/// Circle 1 rolls at one height. So near to where it should be it is there, px: lenses and mounts move it by less, and any other
-/// origin by more.
-const NEAR: f64 = 60.0;
 
 /// Pixels from a corner, or with v down.
 pub(super) fn origin(facts: &Facts<'_>) -> Option<Finding> {
@@ -14,11 +11,11 @@ pub(super) fn origin(facts: &Facts<'_>) -> Option<Finding> {
     let half = 0.5 * facts.size.1;
     facts.runs.iter().find_map(|run| {
         let height = height(run)?;
-        if (height - ground).abs() < NEAR {
+        if (height - ground).abs() < PLAUSIBLE.near {
             return None;
         }
         let ways = [("top left", half - height), ("bottom left", height - half), ("centre, v down", -height)];
-        let (way, _) = ways.into_iter().find(|(_, height)| (height - ground).abs() < NEAR)?;
+        let (way, _) = ways.into_iter().find(|(_, height)| (height - ground).abs() < PLAUSIBLE.near)?;
         Some(Finding {
             file: format!("{}/camera.csv", run.name),
             line: run.camera.as_ref().map_or(0, |log| log.line[0]),

@@ -2,21 +2,11 @@
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
+use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
 
-/// Frames so many times as far apart as the nominal camera takes them are stamped in another unit: none is that slow.
-const OTHER_UNIT: f64 = 300.0;
 /// Seconds since 1970 of anything that is logged today.
 const EPOCH: std::ops::Range<f64> = 1e9..1e10;
-/// Logs pause where none has a row for so long, s, and for so many times what is usual.
-const PAUSE: f64 = 1.0;
-const TIMES: f64 = 15.0;
-/// A torque is missing where it has no row for so long, s, and for so many times what is usual, while others go on by so many rows.
-const HOLE: f64 = 0.3;
-const HOLE_TIMES: f64 = 10.0;
-const GO_ON: usize = 5;
-/// A torque is logged by a clock, not where it changes, if so many of its rows come within half of the usual time between them.
-const REGULAR: f64 = 0.9;
 
 /// Times in milliseconds, or less.
 pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
@@ -34,8 +24,8 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         add: format!("time = {unit:?}"),
     };
     if let Some(gap) = gap(&run.camera) {
-        let (unit, _) = units.into_iter().find(|(_, by)| gap * by < OTHER_UNIT * facts.interval)?;
-        return (gap > OTHER_UNIT * facts.interval).then(|| {
+        let (unit, _) = units.into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.interval)?;
+        return (gap > PLAUSIBLE.other_unit * facts.interval).then(|| {
             let sentence = format!(
                 "frames are {gap} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
                 facts.interval
@@ -80,7 +70,7 @@ pub fn pauses_of(run: &Run) -> Vec<(f64, f64)> {
         logs().filter(|log| log.len() >= POLICY.rows).filter_map(typical_gap).fold(f64::NAN, f64::min);
     let mut times: Vec<f64> = logs().flat_map(|log| log.time.iter().copied()).collect();
     times.sort_by(f64::total_cmp);
-    let long = PAUSE.max(TIMES * usual);
+    let long = PLAUSIBLE.pause.max(PLAUSIBLE.times * usual);
     let goes_on = |from: f64, to: f64| {
         logs().all(|log| {
             log.time.first().is_some_and(|time| *time <= from)
@@ -115,7 +105,7 @@ pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
     };
     let gaps = || torque.time.windows(2).map(|pair| pair[1] - pair[0]);
     let regular = gaps().filter(|gap| (gap / usual - 1.0).abs() < 0.5).count();
-    if (regular as f64) < REGULAR * (torque.len() - 1) as f64 {
+    if (regular as f64) < PLAUSIBLE.regular * (torque.len() - 1) as f64 {
         return Vec::new();
     }
     let others = || [&run.plant, &run.camera].into_iter().flatten();
@@ -125,8 +115,8 @@ pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
     };
     let broken: Vec<(f64, f64)> = torque.broken().collect();
     let hole = |(_, pair): &(usize, &[f64])| {
-        let long = pair[1] - pair[0] > HOLE.max(HOLE_TIMES * usual);
-        long && !broken.contains(&(pair[0], pair[1])) && inside(pair[0], pair[1]) >= GO_ON
+        let long = pair[1] - pair[0] > PLAUSIBLE.hole.max(PLAUSIBLE.hole_times * usual);
+        long && !broken.contains(&(pair[0], pair[1])) && inside(pair[0], pair[1]) >= PLAUSIBLE.go_on
     };
     torque.time.windows(2).enumerate().filter(hole).map(|(row, pair)| (row, pair[0], pair[1])).collect()
 }

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, names, variable};
 use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -16,9 +17,6 @@ use std::sync::{Arc, Mutex};
 pub fn references(bench: &Bench, attribute: Attribute) -> Vec<u32> {
     names(attribute).filter_map(|name| bench.reference(variable(name)).ok()).collect()
 }
-
-/// Longest step between readings, s.
-const STEP: f64 = 0.004;
 
 /// Torques that arrive at the joint, per run.
 #[derive(Debug)]
@@ -122,7 +120,7 @@ impl Actuator {
             for pair in commands.windows(2) {
                 let ((from, tau), (to, _)) = (pair[0], pair[1]);
                 instance.set_real(&[self.tau], &[tau]).map_err(failed)?;
-                let count = ((to - from) / STEP).ceil().max(1.0);
+                let count = ((to - from) / RESIDUAL.step).ceil().max(1.0);
                 for k in 0..count as usize {
                     let size = (to - from) / count;
                     if size <= 0.0 {

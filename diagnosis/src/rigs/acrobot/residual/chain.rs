@@ -14,6 +14,7 @@ use crate::rigs::acrobot::channels::ANGLES_APART;
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -21,12 +22,6 @@ use std::sync::Arc;
 fn candidates_step(candidates: &[Candidate]) -> f64 {
     candidates.first().and_then(|candidate| candidate.steps.first()).copied().unwrap_or(1.0)
 }
-
-/// Three standard deviations of an angle read off a picture, rad.
-const NEAR: f64 = 3e-3;
-
-/// Lattice of such an angle, rad: a twentieth of a pixel over the length of a link.
-const PLACE: f64 = 3e-4;
 
 /// Picture and torque.
 #[derive(Clone)]
@@ -98,7 +93,7 @@ impl Chain {
             (frame.shot.end[0], frame.shot.end[1]) = (angles[0], angles[1]);
             let Some(motion) = motions.get(frame.run) else { continue };
             let Some(end) = motion.at(frame.time - delay) else { continue };
-            if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < NEAR) {
+            if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < RESIDUAL.near) {
                 frame.shot.end = end;
                 frame.shot.before = motion.at(frame.time - delay - interval).unwrap_or(frame.shot.before);
             }
@@ -112,7 +107,7 @@ impl Chain {
         let place = |(signal, time): (&usize, &f64)| {
             let next = frames.partition_point(|frame| frame.time < *time).min(frames.len() - 1);
             let angle = frames[next].shot.end[signal % 2];
-            (angle.rem_euclid(std::f64::consts::TAU) / PLACE) as usize
+            (angle.rem_euclid(std::f64::consts::TAU) / RESIDUAL.place) as usize
         };
         cell.signal.iter().zip(&cell.time).map(place).collect()
     }

@@ -4,9 +4,7 @@
 
 use super::trajectory::{Motion, State};
 use crate::rigs::acrobot::dataset::{Run, TORN};
-
-/// Fewest rows of a stretch.
-const FEWEST: usize = 6;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 
 /// The motion of a run as its encoders have it, and how well it is known (rad): what rows scatter by about the cubic through
 /// their neighbours, which holds noise and what a spline misses. `None` without angles close enough to each other, or where they
@@ -25,7 +23,7 @@ pub fn motion(run: &Run) -> Option<(Motion, f64)> {
             _ => stretches.push(vec![(time, angles)]),
         }
     }
-    stretches.retain(|stretch| stretch.len() >= FEWEST);
+    stretches.retain(|stretch| stretch.len() >= RESIDUAL.fewest);
     let mut misses: Vec<f64> = stretches.iter().flat_map(|stretch| misses(stretch)).collect();
     misses.sort_by(f64::total_cmp);
     // of a normal distribution

@@ -18,6 +18,7 @@ pub mod logged;
 mod nuisances;
 pub mod picture;
 pub mod plant;
+mod policy;
 mod settings;
 mod smooth;
 pub mod torque;

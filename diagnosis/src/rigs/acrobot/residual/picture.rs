@@ -10,6 +10,7 @@ use crate::rigs::acrobot::candidates::{Attribute, name, variable};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -31,9 +32,6 @@ pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
 const JUMP: f64 = 1e-3;
 /// Frames that one instance makes in a row.
 const CHUNK: usize = 48;
-
-/// Pictures of a frame that are averaged where the sensor is noisy.
-const AVERAGED: i32 = 4;
 
 /// A frame to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +92,7 @@ impl Studio {
         let valid = bench.reference("valid")?;
         let half_width = 0.5 * model.number(parameters::WIDTH).unwrap_or(512.0);
         let noisy = model.number(name(Attribute::SensorNoise)).unwrap_or(0.0) > 0.0;
-        let seeds = (0..if noisy { AVERAGED } else { 1 })
+        let seeds = (0..if noisy { RESIDUAL.averaged } else { 1 })
             .map(|k| bench.setting("seed", f64::from(7919 * (k + 1))))
             .collect::<Result<_, _>>()?;
         let noiseless = bench.setting("sigma", 0.0)?;

@@ -4,21 +4,10 @@ use super::plant::jitter::unevenness;
 use super::trajectory::{State, average};
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use std::collections::BTreeMap;
 
-/// Length of a stretch, s; at least so many rows; the next one begins half of it later.
-const LENGTH: f64 = 0.3;
-/// Most time between states at which the unit is asked, s.
-const GRID: f64 = 0.008;
-const AROUND_ROWS: usize = 7;
-/// So many times a stretch's usual length may these rows take: at 20 rows a second they do once.
-const SEEN: f64 = 1.1;
-/// Rows further apart than this many times the usual, and this share of a stretch, tear it.
-const TORN: f64 = 1.5;
-const TORN_SHARE: f64 = 0.06;
-/// Standard deviation of an angle where none is stated, rad.
-const FIRST_GUESS: f64 = 1e-3;
 /// φ = (1 - s²)^POWER: its slopes vanish at the ends up to the third.
 const POWER: i32 = 4;
 
@@ -74,7 +63,7 @@ impl Stretch {
 /// All stretches of a data set, and the nodes on which they lie.
 pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
     let sigma = ["plant.q1", "plant.q2"]
-        .map(|name| data.known_noise(name).filter(|sigma| *sigma > 0.0).unwrap_or(FIRST_GUESS));
+        .map(|name| data.known_noise(name).filter(|sigma| *sigma > 0.0).unwrap_or(RESIDUAL.first_guess));
     let (mut all, mut nodes) = (Vec::new(), Vec::new());
     for (index, run) in data.runs.iter().enumerate() {
         let (Some(plant), Some(controller)) = (&run.plant, &run.controller) else { continue };
@@ -123,7 +112,7 @@ impl Log {
 
     /// Whether rows are so near to one another that a cubic through some of them is a state, and not another motion.
     fn tells_states(&self) -> bool {
-        (AROUND_ROWS - 1) as f64 * self.typical() < SEEN * LENGTH
+        (RESIDUAL.around_rows - 1) as f64 * self.typical() < RESIDUAL.seen * RESIDUAL.length
     }
 }
 
@@ -145,8 +134,8 @@ struct Grid<'a> {
 impl<'a> Grid<'a> {
     fn new(run: usize, log: &'a Log, controller: &'a Table, all: &'a mut Vec<Node>) -> Self {
         let typical = log.typical();
-        let length = LENGTH.max(POLICY.rows as f64 * typical);
-        let count = 2 * (0.5 * length / GRID).ceil() as usize;
+        let length = RESIDUAL.length.max(POLICY.rows as f64 * typical);
+        let count = 2 * (0.5 * length / RESIDUAL.grid).ceil() as usize;
         let step = length / count as f64;
         Self { run, log, controller, length, typical, count, step, known: BTreeMap::new(), all }
     }
@@ -201,7 +190,7 @@ fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
 
 /// Whether rows are lacking that the integral over a stretch would miss.
 fn torn(time: &[f64], rows: &std::ops::Range<usize>, grid: &Grid<'_>) -> bool {
-    let most = (TORN * grid.typical).max(TORN_SHARE * grid.length);
+    let most = (RESIDUAL.torn * grid.typical).max(RESIDUAL.torn_share * grid.length);
     // with the neighbours: a gap at an end would weigh the last row too much
     let all = rows.start.saturating_sub(1)..(rows.end + 1).min(time.len());
     time[all].windows(2).any(|pair| pair[1] - pair[0] > most)
@@ -261,7 +250,7 @@ fn local(log: &Log, axis: usize, time: f64) -> Option<(f64, f64)> {
         log.time.partition_point(|t| *t < time - POLICY.around),
         log.time.partition_point(|t| *t <= time + POLICY.around),
     );
-    while to - from < AROUND_ROWS && (from > 0 || to < log.time.len()) {
+    while to - from < RESIDUAL.around_rows && (from > 0 || to < log.time.len()) {
         // the nearer side first
         let left = if from > 0 { time - log.time[from - 1] } else { f64::INFINITY };
         let right = if to < log.time.len() { log.time[to] - time } else { f64::INFINITY };

@@ -23,6 +23,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::linear::Cell;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use orchestrator::Value;
@@ -30,15 +31,6 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Torques this many typical sizes out count less (Huber).
-const OUTLYING: f64 = 4.0;
-/// Stretches that overlap belong to one block, s.
-const BLOCK: f64 = 1.0;
-/// Logs shorter than this in all, s, are cut into so many blocks, down to a stretch each: a statistic over n blocks is at
-/// most √n, and none below 4.5 counts.
-const SHORT: f64 = 30.0;
-const BLOCKS: f64 = 40.0;
-const SHORT_BLOCK: f64 = 0.15;
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = 64;
 /// How many of the latest answers are kept: a linearisation with all candidates and the fits around it.
@@ -253,7 +245,11 @@ impl Cut for Weak {
         }
         let mut blocks: Vec<Block> = Vec::new();
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
-        let length = if covered < SHORT { (covered / BLOCKS).clamp(SHORT_BLOCK, BLOCK) } else { BLOCK };
+        let length = if covered < RESIDUAL.short {
+            (covered / RESIDUAL.blocks).clamp(RESIDUAL.short_block, RESIDUAL.block)
+        } else {
+            RESIDUAL.block
+        };
         for (place, stretch) in self.stretches.iter().enumerate() {
             let torque = stretch.inertia * (stretch.measured - base[place]);
             let mut matrix = DMatrix::zeros(2, probes.len());
@@ -307,7 +303,7 @@ fn count_less(blocks: &mut [Block]) {
         sizes.sort_by(f64::total_cmp);
         let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
-            cell.sigma[signal] *= (cell.residual[signal].abs() / (OUTLYING * typical)).max(1.0);
+            cell.sigma[signal] *= (cell.residual[signal].abs() / (RESIDUAL.outlying * typical)).max(1.0);
         }
     }
 }

@@ -6,12 +6,7 @@ use super::screen::{Screen, screen};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Tracked;
-
-/// The share of what an effect promises that another may miss to be fitted.
-const FORLORN: f64 = 0.3;
-/// An effect that explains less than this (eight standard deviations) moves the data along straight lines: fits lost what was
-/// missed there to within 0.3 wherever it was looked at.
-const SMALL: f64 = 64.0;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 
 /// The model without an effect, with the columns of all who might stand in its place.
 pub(super) struct Bare {
@@ -64,11 +59,11 @@ impl Bare {
         let gain = |index: usize| hit(index).map_or(0.0, |hit| hit.gain);
         // against what the effect's own columns promise from here: a large effect gives more than that
         let (promised, missed) = (gain(effect), gain(effect) - gain(index));
-        if missed > HOPELESS * temper && missed > FORLORN * promised {
+        if missed > HOPELESS * temper && missed > SELECTION.forlorn * promised {
             return Opinion::Forlorn;
         }
         let candidate = &candidates[index];
-        if explained > SMALL * temper || candidate.nonlinear || candidate.is_discrete() {
+        if explained > SELECTION.small * temper || candidate.nonlinear || candidate.is_discrete() {
             return Opinion::Fit;
         }
         match hit(index).map(|hit| (self.at.point[index] + hit.displacement, explained - hit.gain)) {

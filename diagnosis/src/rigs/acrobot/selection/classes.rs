@@ -11,6 +11,7 @@ use super::starts::starts;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::residual::{Nuisances, Probe, Tracked};
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{solve, submatrix};
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
@@ -18,28 +19,12 @@ use nalgebra::{DMatrix, DVector};
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
 pub(super) const HOPELESS: f64 = 12.0;
-/// Columns of which less than this share is apart are alike enough for a fit to decide.
-const ALIKE: f64 = 0.03;
-/// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
-const ALIKE_BENT: f64 = 0.15;
-/// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
-/// lattice's errors. Fits are no better judges of two that differ by less.
-const COLUMN: f64 = 0.0025;
-/// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
-const BLUR: f64 = 0.2;
-/// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
-const STRAIGHT: f64 = 50.0;
-/// A fit that loses more than this is far enough not to be settled any further: that took 0.03 away at most on ten sets.
-const FAR: f64 = 20.0;
 /// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
 /// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).
 pub const CLASS: f64 = 6.0;
 
 /// What ends early where time is up.
 const CLASSES: &str = "the comparison of names that look alike";
-
-/// Deviance of a frame that a camera would have lost and the data have: nobody loses less than one in a hundred, 2 ln 100.
-const UNSEEN: f64 = 9.0;
 
 /// A candidate in the place of another.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,7 +124,7 @@ impl Seat<'_> {
         let (predicted, strength) =
             predicted_loss(self.last, &self.others, self.effect, index, self.candidates)?;
         let bent = [self.effect, index].iter().any(|index| blurs(&self.candidates[*index]));
-        let alike = if bent { ALIKE_BENT } else { ALIKE };
+        let alike = if bent { SELECTION.alike_bent } else { SELECTION.classes_alike };
         let apart = predicted / self.temper > HOPELESS && predicted > alike * strength;
         let hopeless = linear.is_none_or(|linear| linear.loss / self.temper > 2.0 * HOPELESS);
         (!apart || !hopeless).then_some(strength)
@@ -150,8 +135,8 @@ impl Seat<'_> {
         let bent = self.candidates[self.effect].nonlinear || self.candidates[index].nonlinear;
         let tolerance = tolerance(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
         let allowed = |loss: f64| {
-            let blur = if bent { BLUR * BLUR * loss.max(0.0) } else { 0.0 };
-            loss / (1.0 + tolerance + COLUMN * COLUMN * strength + blur)
+            let blur = if bent { SELECTION.blur * SELECTION.blur * loss.max(0.0) } else { 0.0 };
+            loss / (1.0 + tolerance + SELECTION.column * SELECTION.column * strength + blur)
         };
         let loss = allowed(replaced.loss);
         // a column over another step than the one it asks for says nothing of what is nonlinear in its size
@@ -169,7 +154,7 @@ impl Seat<'_> {
 
     /// What frames weigh that the camera lost at the last linearisation, and the data have.
     fn lost(&self, cut: &Tracked) -> f64 {
-        UNSEEN * cut.unseen.saturating_sub(self.unseen) as f64
+        SELECTION.unseen * cut.unseen.saturating_sub(self.unseen) as f64
     }
 
     /// Fits another through the units: candidate, coordinate and loss.
@@ -179,7 +164,7 @@ impl Seat<'_> {
         let mut set = self.others.clone();
         set.push(index);
         let mut best: Option<Evaluation> = None;
-        let enough = self.own + self.temper * FAR;
+        let enough = self.own + self.temper * SELECTION.classes_far;
         for x in starts(candidate, self.last, self.effect, index, self.candidates) {
             let mut point = self.last.point.clone();
             point[self.effect] = self.candidates[self.effect].off;
@@ -374,7 +359,7 @@ fn linear_loss(
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
             let x = candidates[index].off + other_asks / bb;
             let steps = candidates[index].steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
-            let straight = (other_asks / bb).abs() <= STRAIGHT * steps;
+            let straight = (other_asks / bb).abs() <= SELECTION.classes_straight * steps;
             (bb > 0.0 && straight && x >= candidates[index].range.0 && x <= candidates[index].range.1)
                 .then_some(Replaced { loss, x, own, other })
         })

@@ -5,13 +5,10 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Probe, Signal, Tracked};
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of inertia scale 1.
-const SIZES: usize = 15;
-const SMALLEST: f64 = 2e-4;
 
 /// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
 const SAME: f64 = 1e-3;
@@ -327,12 +324,12 @@ fn likely_size(blocks: &[Block]) -> f64 {
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
-    let smallest = SMALLEST * inertia_scale(blocks);
+    let smallest = SELECTION.smallest * inertia_scale(blocks);
     let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
     let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
     // every fourth power of two first, then the neighbours of the best
-    for power in (0..SIZES).step_by(2) {
+    for power in (0..SELECTION.sizes).step_by(2) {
         let size = smallest * f64::from(1_u32 << power);
         let here = deviance(size);
         if here < best.0 {

@@ -4,12 +4,9 @@
 use super::evaluation::{Evaluation, Folds};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::torque::torques;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::Sized;
 
-/// Evidence for a lacking torque by poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
-/// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
-const PICTURED_EVIDENCE: f64 = 200.0;
-const PICTURED_EACH: f64 = 0.5;
 /// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
 pub const STAMPS: f64 = 3.0;
 
@@ -27,7 +24,7 @@ pub fn discrepancy(evaluation: &Evaluation) -> f64 {
 pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured: bool) -> bool {
     let enough = if pictured {
         let parts = torques(&evaluation.blocks, &[], &[], &folds.of).len() as f64;
-        PICTURED_EVIDENCE.max(PICTURED_EACH * parts)
+        SELECTION.pictured_evidence.max(SELECTION.pictured_each * parts)
     } else {
         POLICY.evidence
     };

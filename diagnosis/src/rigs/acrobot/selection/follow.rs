@@ -8,11 +8,10 @@ use super::trials::{Trials, with};
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 
 /// A saturation is followed by steps of these shares, so many of each at most, for as long as one of them leaves so much of what lacked.
 const PACES: [f64; 4] = [1.03, 1.01, 1.003, 1.001];
-const FURTHEST: i32 = 12;
-const LEFT: f64 = 0.5;
 
 impl Trials<'_> {
     /// A fit that fled, leaving more than without the candidate, begun anew from where it began or from where it ended.
@@ -55,7 +54,7 @@ impl Trials<'_> {
             let enough = best.deviance() - POLICY.evidence;
             let Some(again) = self.begun_anew(cut, candidate, &there, enough) else { break };
             best = again;
-            if discrepancy(&best) > LEFT * lacks {
+            if discrepancy(&best) > SELECTION.left * lacks {
                 break;
             }
         }
@@ -77,7 +76,7 @@ impl Trials<'_> {
         let here = look(1.0);
         let mut best = here.clone();
         for pace in [pace, 1.0 / pace] {
-            for step in 1..=FURTHEST {
+            for step in 1..=SELECTION.furthest {
                 let there = look(pace.powi(step));
                 if there.0 >= best.0 {
                     break;

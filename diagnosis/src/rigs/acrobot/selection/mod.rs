@@ -7,6 +7,7 @@ mod evaluation;
 mod evidence;
 mod follow;
 
+mod policy;
 mod refit;
 mod screen;
 mod search;

@@ -5,40 +5,8 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Probe, Tracked};
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
-
-/// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
-/// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
-const STRAIGHT: f64 = 1.5;
-const STRETCH: f64 = 3.0;
-/// Most linearisations of a fit.
-const ROUNDS: usize = 8;
-/// A step that promises less fall of the sum of squares than this ends the fit.
-const SETTLED: f64 = 0.02;
-/// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
-/// one that promises no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
-/// nothing there.
-const REFUSED: f64 = 1.0;
-/// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
-/// of each step there, and a saturation without encoders was found by such steps only.
-const SHORTER: f64 = 1.0;
-const SHORTER_SEEN: f64 = 0.3;
-
-/// Squares over what noise gives from which a window is one in which the machine ran away: a fit can do without
-/// a few such ones.
-const RUNAWAY: f64 = 30.0;
-
-/// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
-/// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
-/// anew at each linearisation a log took seven times as long and came out no better.
-const DOUBT: f64 = 5.0;
-const FEW_DOUBTED: f64 = 0.15;
-
-/// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
-const FINE: f64 = 1.5e-4;
-
-/// So many times what the next step promises, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
-const REACH: f64 = 5.0;
 
 /// Fits `active` from a point; discrete ones stay where they are.
 ///
@@ -101,12 +69,12 @@ fn fitted(
     }
     // where each step settles them anew, a refused one must leave no trace
     let mut settled = cut.nuisances.clone();
-    let shorter = if cut.policy().lattice { SHORTER_SEEN } else { SHORTER };
+    let shorter = if cut.policy().lattice { SELECTION.shorter_seen } else { SELECTION.shorter };
     let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
-    for _ in 0..ROUNDS {
+    for _ in 0..SELECTION.rounds {
         let Some((next, predicted)) = propose(&best, candidates, &free, damping, stride) else { break };
-        let least = if damping < shorter { SETTLED } else { REFUSED };
-        if predicted < least || best.deviance() - REACH * predicted > enough {
+        let least = if damping < shorter { SELECTION.settled } else { SELECTION.refused };
+        if predicted < least || best.deviance() - SELECTION.reach * predicted > enough {
             break;
         }
         // columns are wanted only of a step that is taken
@@ -115,13 +83,14 @@ fn fitted(
         let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
         match trial {
             Some(trial) if trial.deviance() < best.deviance() => {
-                let straight = best.deviance() - trial.deviance() > STRAIGHT * stride * predicted;
-                stride = if straight && damping == 0.0 { STRETCH * stride } else { 1.0 };
+                let straight =
+                    best.deviance() - trial.deviance() > SELECTION.refit_straight * stride * predicted;
+                stride = if straight && damping == 0.0 { SELECTION.stretch * stride } else { 1.0 };
                 best = trial;
                 damping *= 0.1;
                 settled = cut.nuisances.clone();
             }
-            _ if predicted < REFUSED && stride == 1.0 => break,
+            _ if predicted < SELECTION.refused && stride == 1.0 => break,
             _ => {
                 // what the refused step did to nuisances is no beginning for the next one
                 if chords {
@@ -156,8 +125,9 @@ pub(super) fn own_fit(
     effect: usize,
 ) -> Result<(f64, f64), Error> {
     let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-    let predicted =
-        last.predicted_decrease(&free).filter(|predicted| !cut.policy().lattice && *predicted < REFUSED);
+    let predicted = last
+        .predicted_decrease(&free)
+        .filter(|predicted| !cut.policy().lattice && *predicted < SELECTION.refused);
     if let Some(predicted) = predicted {
         cut.restore_linearised();
         return Ok((last.point[effect], last.deviance() - predicted));
@@ -242,7 +212,7 @@ fn propose(
 
 /// The machine ran away in this window, and no tangent says anything of it.
 pub(super) fn ran_away(block: &Reduced) -> bool {
-    block.square > RUNAWAY * block.freedom.max(1.0)
+    block.square > SELECTION.runaway * block.freedom.max(1.0)
 }
 
 /// Some windows ran away, but few.
@@ -254,13 +224,15 @@ fn some_ran_away(best: &Evaluation) -> bool {
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
 fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
     let mut sigmas = cut.signals().iter().zip(&best.sigmas);
-    let fine = sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < FINE);
+    let fine =
+        sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < SELECTION.fine);
     if !fine || cut.nuisances.in_vain {
         return false;
     }
-    let doubted = |block: &&Reduced| block.square > block.freedom + DOUBT * (2.0 * block.freedom).sqrt();
+    let doubted =
+        |block: &&Reduced| block.square > block.freedom + SELECTION.doubt * (2.0 * block.freedom).sqrt();
     let count = best.reduced.iter().filter(doubted).count();
-    count > 0 && count as f64 <= FEW_DOUBTED * best.reduced.len() as f64
+    count > 0 && count as f64 <= SELECTION.few_doubted * best.reduced.len() as f64
 }
 
 /// Sums over the blocks; where the arm sticks, without the few that ran away: a start state may be lost there that is found again with

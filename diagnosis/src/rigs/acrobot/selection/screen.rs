@@ -2,14 +2,10 @@
 
 use super::evaluation::Evaluation;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
-
-/// Standard deviations by which a step of a candidate must move all rows together to say anything of it.
-const EXCITED: f64 = 0.02;
-/// The same where torques are compared: nothing was integrated, so that far less than noise is still no rounding.
-const EXCITED_TORQUE: f64 = 1e-4;
 
 /// What a column of one candidate promises.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +54,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
     let mut errors = vec![f64::INFINITY; columns];
     let integrated =
         evaluation.blocks.iter().flat_map(|block| &block.cells).all(|cell| cell.floor.is_empty());
-    let excited = if integrated { EXCITED } else { EXCITED_TORQUE };
+    let excited = if integrated { SELECTION.excited } else { SELECTION.excited_torque };
     for (column, probe) in evaluation.probes.iter().enumerate() {
         if active.contains(&probe.candidate) {
             continue;

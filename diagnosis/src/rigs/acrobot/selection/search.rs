@@ -12,25 +12,11 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::floor;
 use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
 
 /// What ends early where time is up.
 pub(super) const SEARCH: &str = "the search for effects";
-
-/// More effects than this are not a diagnosis any more.
-const MOST: usize = 6;
-
-/// So many may be accepted and turn out superfluous at once.
-const VAIN: usize = 4;
-
-/// A fit that leaves so much more than without the new effect (deviance) has led the windows elsewhere, and taken what was found
-/// before away with it.
-const ASTRAY: f64 = 100.0;
-
-/// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
-/// again.
-const UNSETTLED: f64 = 1.0;
-const AGAIN: usize = 3;
 
 /// Selects on one cut, beginning from `start`, where the `known` are on already.
 ///
@@ -62,7 +48,7 @@ pub fn study_until(
     enough: Enough<'_>,
 ) -> Result<Study, Error> {
     let mut search = Search::begin(cut, candidates, start, known)?;
-    search.one_by_one(MOST, watch, &mut *enough)?;
+    search.one_by_one(SELECTION.search_most, watch, &mut *enough)?;
     if !watch.is_over(SEARCH) && search.together(watch)? {
         let most = search.active.len() + 1;
         search.one_by_one(most, watch, enough)?;
@@ -129,7 +115,7 @@ impl<'a> Search<'a> {
 
     /// Rounds until nothing more is found, or so many are on.
     fn one_by_one(&mut self, most: usize, watch: &mut Watch<'_>, enough: Enough<'_>) -> Result<(), Error> {
-        while self.active.len() < most && self.vain <= VAIN {
+        while self.active.len() < most && self.vain <= SELECTION.vain {
             if watch.is_over(SEARCH) || enough(&self.active, watch)? || !self.round(watch)? {
                 break;
             }
@@ -145,7 +131,7 @@ impl<'a> Search<'a> {
         }
         let mut found = false;
         // far from the truth columns bend, and more seems to be needed than is
-        for _ in 0..AGAIN {
+        for _ in 0..SELECTION.again {
             let proposal = together(&self.last, self.candidates, &self.active, self.cut.signals());
             let Some(Proposal { mut active, mut point }) = proposal else { break };
             let new = active.iter().filter(|index| !self.active.contains(index)).count();
@@ -242,8 +228,9 @@ impl<'a> Search<'a> {
         step.dropped.extend(self.again()?);
         step.rest.1 = rest(&self.last);
         let compared = !self.cut.policy().lattice || self.cut.policy().free_pose;
-        let astray =
-            compared && !self.cut.policy().discrepancy_dominated && self.last.deviance() > before.2 + ASTRAY;
+        let astray = compared
+            && !self.cut.policy().discrepancy_dominated
+            && self.last.deviance() > before.2 + SELECTION.astray;
         // what went with one that didn't stay itself comes back
         let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
         if !astray && !for_nothing {
@@ -291,10 +278,11 @@ impl<'a> Search<'a> {
     /// was dropped.
     fn again(&mut self) -> Result<Vec<usize>, Error> {
         let mut dropped = Vec::new();
-        for _ in 0..AGAIN {
+        for _ in 0..SELECTION.again {
             let continuous = |index: &usize| !self.candidates[*index].is_discrete();
             let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
-            let settled = self.last.predicted_decrease(&free).is_none_or(|predicted| predicted < UNSETTLED);
+            let settled =
+                self.last.predicted_decrease(&free).is_none_or(|predicted| predicted < SELECTION.unsettled);
             if settled || !self.cut.policy().free_pose {
                 break;
             }

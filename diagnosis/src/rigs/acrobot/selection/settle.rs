@@ -9,18 +9,8 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
-
-/// An active effect below this many standard errors is dropped again.
-const KEEP: f64 = 2.6;
-/// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
-/// standard error.
-const SETTLE: usize = 3;
-const MOVED: f64 = 0.2;
-/// Deviance that an effect as a whole must take away to be more than rounding.
-const IDLE: f64 = 1e-3;
-/// By how much another must be better, at the fitted model, to take an effect's place (deviance).
-const BETTER: f64 = 2.0;
 
 /// What a second opinion comes to.
 pub(super) enum Opinion {
@@ -48,7 +38,7 @@ pub(super) fn second_opinion(
     let kept = cut.nuisances.clone();
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let late = stamped_late(&candidates[candidate], last.point[candidate], cut.policy().clock_doubt);
-    let better = if late { POLICY.clock_behind } else { BETTER };
+    let better = if late { POLICY.clock_behind } else { SELECTION.better };
     let first = others.first().filter(|best| !before.contains(&best.candidate));
     let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + better) else {
         return Ok(Opinion::Stays(others));
@@ -78,7 +68,7 @@ pub(super) fn settle(
     point: &mut Vec<f64>,
 ) -> Result<Vec<usize>, Error> {
     let mut all = Vec::new();
-    for _ in 0..SETTLE {
+    for _ in 0..SELECTION.settle {
         // the nuisances first, since a fit leaves them where the last linearisation found them
         Evaluation::at(cut, point, &[])?;
         let before = point.clone();
@@ -102,7 +92,7 @@ fn idle(
     for index in free.iter().copied().rev().filter(|index| !fit.shows(*index)) {
         let mut without = fit.point.clone();
         without[index] = candidates[index].off;
-        if Evaluation::chord(cut, &without, &[])?.deviance() < fit.deviance() + IDLE {
+        if Evaluation::chord(cut, &without, &[])?.deviance() < fit.deviance() + SELECTION.idle {
             return Ok(Some(index));
         }
     }
@@ -134,13 +124,14 @@ fn prune(
         let systematic = fit.systematic(&free, cut.signals());
         let error = |place: usize| (covariance[(place, place)] + systematic[place]).sqrt();
         for (place, index) in free.iter().enumerate() {
-            tiny[*index] = MOVED * error(place);
+            tiny[*index] = SELECTION.moved * error(place);
         }
         let size = |place: usize, index: usize| {
             let (candidate, x) = (&candidates[index], fit.point[index]);
             if candidate.is_at_its_end(x) { 0.0 } else { (x - candidate.off).abs() / error(place) }
         };
-        let keep = |index: usize| if candidates[index].side == Side::Camera { POLICY.clear } else { KEEP };
+        let keep =
+            |index: usize| if candidates[index].side == Side::Camera { POLICY.clear } else { SELECTION.keep };
         let weakest = (free.iter().enumerate())
             .map(|(place, index)| (size(place, *index) / keep(*index), *index))
             .min_by(|a, b| a.0.total_cmp(&b.0));

@@ -6,20 +6,8 @@ use super::trials::Trial;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Cuts, Motion};
 use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use std::cmp::Ordering;
-
-/// Fall of the deviance that a switch must bring.
-const SWITCHED: f64 = 200.0;
-/// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
-const FOLLOWS: f64 = 0.2;
-/// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
-const APART: f64 = 1.25;
-const LEVELS: f64 = 30.0;
-/// How far beside the best level it is looked once more.
-const BESIDE: f64 = 1.1;
-/// After so many levels at which windows need slack torques so many times more than at the best, looser ones are no better.
-const BEYOND: usize = 2;
-const FAR: f64 = 8.0;
 
 /// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
 /// windows that needed slack torques to follow the log say nothing linear of it. Tried only where more than noise is left, and once for all
@@ -63,9 +51,9 @@ pub(super) fn switched(
             continue;
         };
         // half a law of motion less and every window follows, or it isn't that
-        let follows = trial.discrepancy_sd <= FOLLOWS * last.discrepancy_sd;
+        let follows = trial.discrepancy_sd <= SELECTION.follows * last.discrepancy_sd;
         let fall = last.deviance() - trial.deviance();
-        if follows && fall > SWITCHED.max(best.as_ref().map_or(0.0, |best| best.1)) {
+        if follows && fall > SELECTION.switched.max(best.as_ref().map_or(0.0, |best| best.1)) {
             best = Some((index, fall, trial));
         }
     }
@@ -86,20 +74,24 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
         return steps.filter_map(look).min_by(by_slack);
     }
     let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    let apart = APART.max((high / low).powf(LEVELS.recip()));
+    let apart = SELECTION.apart.max((high / low).powf(SELECTION.levels.recip()));
     let count = libm::ceil(libm::log(high / low) / libm::log(apart)) as i32;
     let (mut best, mut beyond): (Option<Evaluation>, _) = (None, 0);
     // the tightest first: under one that is too loose machines run away, which takes long
     for trial in (0..=count).filter_map(|k| look(high / apart.powi(k))) {
-        let far = best.as_ref().is_some_and(|best| trial.discrepancy_sd > FAR * best.discrepancy_sd);
+        let far = best
+            .as_ref()
+            .is_some_and(|best| trial.discrepancy_sd > SELECTION.switched_far * best.discrepancy_sd);
         beyond = if far { beyond + 1 } else { 0 };
         best = best.into_iter().chain([trial]).min_by(by_slack);
-        if beyond == BEYOND {
+        if beyond == SELECTION.beyond {
             break;
         }
     }
     let x = best.as_ref()?.point[index];
-    best.into_iter().chain([BESIDE * x, x / BESIDE].into_iter().filter_map(look)).min_by(by_slack)
+    best.into_iter()
+        .chain([SELECTION.beside * x, x / SELECTION.beside].into_iter().filter_map(look))
+        .min_by(by_slack)
 }
 
 /// The deviance alone says little: under a saturation that is far too tight all windows have slack torques, and so meet the rows.

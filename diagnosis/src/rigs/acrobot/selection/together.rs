@@ -7,17 +7,13 @@ use super::evaluation::Evaluation;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{inverse, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
 /// Fall of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
 const EACH: f64 = POLICY.clear * POLICY.clear;
 
-/// Share of the squares by which two fits differ that are equally good, since the pixel lattice lies otherwise under each image. Seen: 0.011
-/// and 0.014 between a lens of seven terms and one with two that aren't there.
-const LATTICE: f64 = 0.02;
-/// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
-const MOST: usize = 16;
 /// Share of a column's square by which two that do the same are told apart.
 const SINGULAR: f64 = 1e-10;
 
@@ -30,7 +26,7 @@ pub(super) struct Proposal {
 
 /// Whether a fall of the squares is worth so many more effects, beside so many that are left; of fewer, whether a rise is.
 pub(super) fn pays(fall: f64, more: f64, left: f64) -> bool {
-    fall > more * EACH + more.signum() * LATTICE * left
+    fall > more * EACH + more.signum() * SELECTION.lattice * left
 }
 
 /// What all linear effects of the picture say together, if those that are needed are others than the active ones.
@@ -95,7 +91,7 @@ impl Told {
     /// The subset that explains most for its number, and its sizes. `held` ones are in each.
     fn best(&self, held: &[bool]) -> Option<(Vec<usize>, Vec<f64>)> {
         let open: Vec<usize> = (0..held.len()).filter(|place| !held[*place]).collect();
-        if open.len() > MOST {
+        if open.len() > SELECTION.together_most {
             return None;
         }
         let mut best: Option<(f64, Vec<usize>, Vec<f64>)> = None;

@@ -9,31 +9,9 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::submatrix;
 use crate::watch::Watch;
-
-/// How many of the screen's best are refitted, and how good they must be against the best.
-const SHORTLIST: usize = 6;
-const WORTH: f64 = 0.5;
-/// The same where a column says little.
-const BENT_WORTH: f64 = 0.15;
-/// Where a column says little, a fit also begins this many times further out.
-const FURTHER: f64 = 2.5;
-/// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
-/// windows by more than their columns say.
-const DOUBTED: f64 = 0.3;
-const ALIKE: f64 = 0.8;
-/// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
-/// that no candidate gives (with much data anything becomes significant there).
-const LEAST_SHARE: f64 = 0.03;
-/// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
-/// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
-/// differ by what the pixel lattice does when the picture moves under it.
-const LARGE: f64 = 0.1;
-
-/// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
-const SPARSE: f64 = 16.0;
-const SPARSE_TRIALS: usize = 4;
 
 /// A trial: candidate, fall of the deviance, and where it was fitted.
 pub(super) type Trial = (usize, f64, Evaluation);
@@ -79,7 +57,7 @@ impl Trials<'_> {
             watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
             self.fit(cut, hit, &mut trials);
         }
-        let large = LARGE * self.last.total.square;
+        let large = SELECTION.large * self.last.total.square;
         let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
         if linear {
             trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
@@ -94,7 +72,8 @@ impl Trials<'_> {
             let held_out = self.held_out(&trial, candidate, by_columns);
             let before = self.last.under(&trial);
             let share = 1.0 - trial.total.square / before.total.square;
-            let enough = share >= LEAST_SHARE || self.last.total.square < 1.5 * self.last.total.freedom;
+            let enough =
+                share >= SELECTION.least_share || self.last.total.square < 1.5 * self.last.total.freedom;
             if held_out.1 < held_out.0 && enough {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
@@ -118,11 +97,11 @@ impl Trials<'_> {
         let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
         let hits = self.pure();
-        let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SPARSE);
-        for hit in open.filter(plants).take(SPARSE_TRIALS) {
+        let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SELECTION.sparse);
+        for hit in open.filter(plants).take(SELECTION.sparse_trials) {
             self.fit(cut, hit, &mut trials);
         }
-        trials.retain(|(_, fall, _)| *fall > SPARSE);
+        trials.retain(|(_, fall, _)| *fall > SELECTION.sparse);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
             cut.reset();
@@ -193,11 +172,11 @@ impl Trials<'_> {
             // clocks that have nothing to do with each other were set by the motion, and what that leaves is theirs
             let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Stamps;
             let by = match known_to_be_off {
-                true => -POLICY.clock_behind.max(DOUBTED * most),
+                true => -POLICY.clock_behind.max(SELECTION.doubted * most),
                 false if late => -POLICY.clock_behind,
                 false => POLICY.clock_behind,
             };
-            if effects.iter().any(|effect| self.cosine(*fault, *effect) > ALIKE) {
+            if effects.iter().any(|effect| self.cosine(*fault, *effect) > SELECTION.trials_alike) {
                 *fall -= by;
             }
         }
@@ -250,10 +229,14 @@ pub(super) fn shortlist(
     hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     let best = hits.first().map_or(0.0, worth);
     let least = |hit: &Hit| {
-        if candidates[hit.candidate].nonlinear && !discrepancy_dominated { BENT_WORTH } else { WORTH }
+        if candidates[hit.candidate].nonlinear && !discrepancy_dominated {
+            SELECTION.bent_worth
+        } else {
+            SELECTION.worth
+        }
     };
     hits.retain(|hit| worth(hit) >= least(hit) * best);
-    hits.truncate(SHORTLIST);
+    hits.truncate(SELECTION.shortlist);
     hits
 }
 
@@ -284,7 +267,7 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
     };
     let mut all = vec![wanted.clamp(candidate.range.0, candidate.range.1)];
     if candidate.nonlinear {
-        all.push((x + FURTHER * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
+        all.push((x + SELECTION.further * (wanted - x)).clamp(candidate.range.0, candidate.range.1));
     }
     all
 }

@@ -2,34 +2,20 @@
 
 use super::surface::{Surface, Terms};
 use super::*;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
 use nalgebra::{Matrix3, Vector3};
 
-/// Angle over which the picture's change with pose is taken: two pixels at the joint.
-const TURN: f64 = 0.012;
 /// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
 /// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
 /// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
 const DITHER: [f64; 2] = [0.02, 0.01];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
-/// Rounds of such poses, and for a small step of the exposure, whose blur is little beside the lattice's error.
-const ROUNDS: u64 = 2;
-const MORE_ROUNDS: u64 = 8;
-/// Most frames at which a column is taken.
-const SAMPLED: usize = 720;
 /// How far the picture is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
 /// that a secant has there would not average out.
 const PHASES: [(f64, f64); 4] = [(0.125, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.375, -0.375)];
-/// Way of a circle of 10 px during the exposure, px, beyond which a blur is more than that. A shorter smear is nearly straight
-/// and keeps the blob's middle: where the circle speeds up by 500 px/s², a third of a 30 Hz interval leaves 0.002 px of it.
-const BLURRING: f64 = 3.0;
-/// The share of frames whose circles go that far or less.
-const USUAL: f64 = 0.99;
-/// Least step of E_t over which the blur of a short exposure is taken, and its rounds.
-const BLUR_STEP: f64 = 0.08;
-const BLUR_ROUNDS: u64 = 4;
 
 impl ImageCut {
     /// Change of the picture with each angle.
@@ -48,9 +34,11 @@ impl ImageCut {
                 };
                 shots.iter().map(|shot| shot.moved(turn)).collect()
             };
-            let (up, down) =
-                (self.studio.take(settings, &moved(TURN))?, self.studio.take(settings, &moved(-TURN))?);
-            let raw = slopes(&up, &down, 2.0 * TURN);
+            let (up, down) = (
+                self.studio.take(settings, &moved(IMAGES.turn))?,
+                self.studio.take(settings, &moved(-IMAGES.turn))?,
+            );
+            let raw = slopes(&up, &down, 2.0 * IMAGES.turn);
             let samples: Vec<(State, Seen)> =
                 shots.iter().zip(&raw).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
             let surface = Surface::fit(&samples, Terms::Poses);
@@ -78,7 +66,7 @@ impl ImageCut {
     /// Frames at which columns are taken: enough for a surface, which then holds for all.
     fn sampled(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.frames.len();
-        (0..count).step_by(count.div_ceil(SAMPLED).max(1))
+        (0..count).step_by(count.div_ceil(IMAGES.sampled).max(1))
     }
 
     /// Shots a little beside the sampled frames' poses.
@@ -103,7 +91,7 @@ impl ImageCut {
         }
         let blurs = Some(probe.candidate) == self.exposure;
         let longest = point[probe.candidate].max(point[probe.candidate] + probe.by);
-        let short = blurs && longest * self.way() < BLURRING;
+        let short = blurs && longest * self.way() < IMAGES.blurring;
         if short {
             let column = self.short_blur(point, probe)?;
             self.kept.insert(key, column.clone());
@@ -114,7 +102,7 @@ impl ImageCut {
         let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
-        let rounds = if blurs { MORE_ROUNDS } else { ROUNDS };
+        let rounds = if blurs { IMAGES.more_rounds } else { IMAGES.rounds };
         for (round, side, phase) in sides(rounds) {
             let shots = self.beside(round, side);
             let here = self.here(&still, phase, &shots)?;
@@ -148,7 +136,7 @@ impl ImageCut {
     fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
         let from = point[probe.candidate];
         // a small step shows nothing, and beyond a large one the polynomial knows nothing
-        let far = if probe.by.abs() > BLUR_STEP { probe.by } else { BLUR_STEP };
+        let far = if probe.by.abs() > IMAGES.blur_step { probe.by } else { IMAGES.blur_step };
         let moved = self.settings(point, Some(Probe { by: far, ..probe }))?;
         let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
             let (one, two) = (square * one * one, square * two * two);
@@ -157,7 +145,7 @@ impl ImageCut {
         let still = self.settings(point, None)?;
         let mut normal: Matrix3<f64> = Matrix3::zeros();
         let mut right = Vector3::zeros();
-        for (round, side, phase) in sides(BLUR_ROUNDS) {
+        for (round, side, phase) in sides(IMAGES.blur_rounds) {
             let (shots, seed) = (self.beside(round, side), 2 * round as i32 + i32::from(side > 0.0));
             let here = self.studio.noisy(&self.shifted(&still, phase)?, &shots, seed)?;
             let there = self.studio.noisy(&self.shifted(&moved, phase)?, &shots, seed)?;
@@ -189,7 +177,7 @@ impl ImageCut {
         let mut squares: Vec<f64> =
             (0..self.frames.len()).filter_map(|place| self.ways(place)).flatten().collect();
         squares.sort_by(f64::total_cmp);
-        let place = (squares.len() as f64 * USUAL) as usize;
+        let place = (squares.len() as f64 * IMAGES.usual) as usize;
         squares.get(place.min(squares.len().saturating_sub(1))).map_or(0.0, |square| square.sqrt())
     }
 
@@ -207,7 +195,7 @@ impl ImageCut {
         shots: &[Shot],
     ) -> Result<Vec<Option<Seen>>, Error> {
         // frames that have moved leave theirs behind
-        if self.still.0 != still || self.still.1.len() >= 4 * MORE_ROUNDS as usize {
+        if self.still.0 != still || self.still.1.len() >= 4 * IMAGES.more_rounds as usize {
             self.still = (still.to_vec(), Vec::new());
         }
         let shifted = self.shifted(still, phase)?;

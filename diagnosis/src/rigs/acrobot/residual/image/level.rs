@@ -1,10 +1,8 @@
 //! The level of all areas: no sign of anything, as far as right renderers differ in it.
 
 use super::*;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use nalgebra::RowDVector;
-
-/// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes 0.06.
-const LEVEL: f64 = 0.12;
 
 /// Takes off the areas what they differ by alike, as far as right renderers may: that is no sign of anything.
 pub(super) fn level(blocks: &mut [Block]) {
@@ -25,10 +23,10 @@ pub(super) fn level(blocks: &mut [Block]) {
         return;
     }
     let mean = rest / count;
-    let within = mean.abs() < LEVEL;
+    let within = mean.abs() < IMAGES.level;
     for cell in &mut cells {
         for row in areas(cell) {
-            cell.residual[row] -= mean.clamp(-LEVEL, LEVEL);
+            cell.residual[row] -= mean.clamp(-IMAGES.level, IMAGES.level);
             // beyond, the level is fixed, and columns say all of it
             if within {
                 let centred = cell.columns.row(row) - &columns / count;

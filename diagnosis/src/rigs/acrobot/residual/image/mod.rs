@@ -17,6 +17,7 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -27,6 +28,7 @@ mod fields;
 mod frames;
 mod level;
 mod noise;
+mod policy;
 mod poses;
 mod state;
 mod surface;
@@ -38,8 +40,6 @@ pub use poses::pose_shift;
 use poses::{back, free_poses};
 pub use state::ImageState;
 
-/// Length of a block, s.
-const BLOCK: f64 = 0.5;
 /// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
 pub const READ_ANGLE: f64 = 2.5e-4;
 /// So many places a pixel and direction: the difference changes from one to the next.
@@ -320,7 +320,7 @@ impl ImageCut {
                 signal: rows,
             };
             match blocks.last_mut() {
-                Some(block) if block.run == frame.run && frame.time - block.from < BLOCK => {
+                Some(block) if block.run == frame.run && frame.time - block.from < IMAGES.image_block => {
                     block.to = frame.time;
                     block.cells.push(cell);
                 }

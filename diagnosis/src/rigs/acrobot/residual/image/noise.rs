@@ -9,33 +9,13 @@ use super::{ImageCut, Nuisances};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
 
 /// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
 const CHANNELS: [(usize, f64); 3] = [(0, 0.003), (1, 0.003), (6, 0.05)];
-/// Realisations of the noise for each frame.
-const MADE: i32 = 4;
-/// Standard deviation of a pose read off a picture and smoothed by the plant, rad.
-const READ: f64 = 1.5e-4;
-/// How far the picture may lie from where the model has it, px: an effect of this size would hardly be seen.
-const BESIDE: f64 = 0.01;
-/// Neighbours that are needed to speak of scatter.
-const ENOUGH: usize = 60;
-/// Rows of one block, whose scatter is independent of the next one's.
-const BLOCK: usize = 25;
-/// To what share a predicted variance is known: right renderers cut the rim's pixels differently, and one more pixel
-/// near the threshold is a tenth of all that flicker.
-const KNOWN: f64 = 0.1;
-/// Standard deviations by which a channel may contradict the others.
-const ALIKE: f64 = 3.5;
-/// Smallest noise that is tried where the nominal sensor has none, grey levels.
-const LEAST: f64 = 0.5;
-/// Largest ratio to the nominal one, or to the least, that is tried.
-const MOST: f64 = 64.0;
-/// Steps of the bisection: 64 in 2^12.
-const STEPS: usize = 12;
 
 /// What the scatter says of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +60,7 @@ impl ImageCut {
             there[index] = sigma;
             let settings = self.settings(&there, None)?;
             let mut sets = Vec::new();
-            for seed in 0..MADE {
+            for seed in 0..IMAGES.made {
                 let made = self.studio.noisy(&settings, &self.unsure(seed), seed)?;
                 let rest = |place: usize| {
                     let (here, made) = (clean[place]?, made[place]?);
@@ -91,7 +71,7 @@ impl ImageCut {
             Ok(self.scatter(&sets))
         };
         let nominal = candidate.off;
-        let from = nominal.max(LEAST);
+        let from = nominal.max(IMAGES.least);
         let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
         let mut here = here;
         self.unsure_lattice(point, &clean, &mut here)?;
@@ -105,7 +85,7 @@ impl ImageCut {
         // a sensor without noise can't have less: poses are known better than they need be; and what scatters by less than the
         // least noise is none
         let within = |least: Option<Scatter>| least.is_some_and(|least| compare(&seen, &least).mean < 0.0);
-        let none = nominal == 0.0 && (apart.mean < 0.0 || (clear && within(predicted(LEAST)?)));
+        let none = nominal == 0.0 && (apart.mean < 0.0 || (clear && within(predicted(IMAGES.least)?)));
         if none || !clear {
             return Ok(Some(Noise {
                 nominal,
@@ -115,8 +95,9 @@ impl ImageCut {
                 clear: false,
             }));
         }
-        let (mut low, mut high) = if apart.mean > 0.0 { (from, from * MOST) } else { (from / MOST, from) };
-        for _ in 0..STEPS {
+        let (mut low, mut high) =
+            if apart.mean > 0.0 { (from, from * IMAGES.most) } else { (from / IMAGES.most, from) };
+        for _ in 0..IMAGES.steps {
             let middle = (low * high).sqrt();
             let Some(there) = predicted(middle)? else { return Ok(None) };
             if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
@@ -133,7 +114,7 @@ impl ImageCut {
         let there = compare(&seen, &there);
         let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
         let error = value * there.error / slope.max(0.1);
-        Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < ALIKE }))
+        Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < IMAGES.alike }))
     }
 
     /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
@@ -141,7 +122,8 @@ impl ImageCut {
     fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
         let mut logs: [Vec<f64>; 3] = Default::default();
         for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
-            let settings = self.shifted(&self.settings(point, None)?, (u * BESIDE, v * BESIDE))?;
+            let settings = self
+                .shifted(&self.settings(point, None)?, (u * IMAGES.noise_beside, v * IMAGES.noise_beside))?;
             let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
             let rest = |place: usize| {
                 let (here, made) = (clean[place]?, made[place]?);
@@ -163,7 +145,7 @@ impl ImageCut {
 
     /// The shots at poses as far beside as those may be that were measured.
     fn unsure(&self, seed: i32) -> Vec<Shot> {
-        let sigma = if let super::Pose::Logged(_, sigma) = &self.pose { *sigma } else { READ };
+        let sigma = if let super::Pose::Logged(_, sigma) = &self.pose { *sigma } else { IMAGES.read };
         let mut random = Random::new(seed.unsigned_abs().into());
         let moved = |shot: &Shot| {
             let by: [f64; 2] = std::array::from_fn(|_| sigma * random.normal());
@@ -191,11 +173,13 @@ impl ImageCut {
                     }
                 }
             }
-            if squares.len() < ENOUGH {
+            if squares.len() < IMAGES.enough {
                 return None;
             }
-            let blocks: Vec<f64> =
-                squares.chunks(BLOCK).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect();
+            let blocks: Vec<f64> = squares
+                .chunks(IMAGES.noise_block)
+                .map(|block| block.iter().sum::<f64>() / block.len() as f64)
+                .collect();
             let n = blocks.len() as f64;
             let mean = blocks.iter().sum::<f64>() / n;
             let spread =
@@ -221,7 +205,9 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let each: Vec<(f64, f64)> = seen
         .iter()
         .zip(predicted)
-        .map(|((a, da), (b, db))| (libm::log(a / b), (da * da + db * db + KNOWN * KNOWN).sqrt()))
+        .map(|((a, da), (b, db))| {
+            (libm::log(a / b), (da * da + db * db + IMAGES.known * IMAGES.known).sqrt())
+        })
         .collect();
     let weights: f64 = each.iter().map(|(_, error)| error.powi(-2)).sum();
     let mean = each.iter().map(|(ratio, error)| ratio / (error * error)).sum::<f64>() / weights;

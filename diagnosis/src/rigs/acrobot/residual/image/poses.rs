@@ -1,18 +1,9 @@
 //! Poses read off pictures.
 
 use super::*;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::trajectory::State;
 use nalgebra::{DVector, Matrix2, Vector2};
-
-/// Frames to either side over which a change of poses is averaged where a plant smooths them afterwards: a lens or mount that
-/// moves shifts poses smoothly.
-const BESIDE: usize = 7;
-/// Rounds in which a circle 1 that wasn't measured is put where the angle says, each a sixth as far off as the one before, and the
-/// angle by which it is rolled to see how far it goes, rad.
-const ROLLS: usize = 8;
-const ROLLED: f64 = 0.1;
-/// A change of poses below this moves no pixel that matters, rad.
-const STILL: f64 = 1e-4;
 
 pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
@@ -38,7 +29,7 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> R
             _ if s[..2].iter().all(|at| at.is_finite()) => [from([s[0], s[1]]), upper],
             Some([at, per]) => {
                 let again = |q1: f64, _| from([at[0] + q1 * per[0], at[1] + q1 * per[1]]);
-                [(0..ROLLS).fold(0.0, again), upper]
+                [(0..IMAGES.rolls).fold(0.0, again), upper]
             }
             None => [f64::NAN, upper],
         }
@@ -65,9 +56,12 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> R
 /// Where circle 1 is at the upright, px, and how far it rolls, px/rad, as the unit has it.
 fn rolling(studio: &Studio) -> Result<Option<[[f64; 2]; 2]>, Error> {
     let shot = |q1: f64| Shot { before: [q1, 0.0, 0.0, 0.0], end: [q1, 0.0, 0.0, 0.0], odd: false };
-    let made = studio.take(&[], &[shot(0.0), shot(ROLLED)])?;
+    let made = studio.take(&[], &[shot(0.0), shot(IMAGES.rolled)])?;
     let [Some(here), Some(there)] = made[..] else { return Ok(None) };
-    Ok(Some([[here[0], here[1]], [(there[0] - here[0]) / ROLLED, (there[1] - here[1]) / ROLLED]]))
+    Ok(Some([
+        [here[0], here[1]],
+        [(there[0] - here[0]) / IMAGES.rolled, (there[1] - here[1]) / IMAGES.rolled],
+    ]))
 }
 
 impl ImageCut {
@@ -94,7 +88,7 @@ impl ImageCut {
         let blocks = self.compare(point, &[])?;
         let smooth = self.smoothed(&blocks);
         let size = smooth.iter().flatten().map(|shift| shift * shift).sum::<f64>();
-        if size < STILL * STILL * smooth.len() as f64 {
+        if size < IMAGES.still * IMAGES.still * smooth.len() as f64 {
             return Ok(());
         }
         for (frame, shift) in self.frames.iter_mut().zip(&smooth) {
@@ -117,7 +111,7 @@ impl ImageCut {
                 here.and_then(|(_, cell)| pose_shift(cell)).map(|(shift, _)| [shift[0], shift[1]])
             })
             .collect();
-        let beside = if let Pose::Chained = self.pose { BESIDE } else { 0 };
+        let beside = if let Pose::Chained = self.pose { IMAGES.poses_beside } else { 0 };
         let smooth = |place: usize| {
             let run = self.frames[place].run;
             let near = place.saturating_sub(beside)..(place + beside + 1).min(shifts.len());

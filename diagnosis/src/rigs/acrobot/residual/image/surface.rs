@@ -4,21 +4,14 @@
 //! lattice's error, some per cent. Two effects that look alike would be told apart by that noise alone. A polynomial
 //! through all frames leaves it out.
 
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS, Seen};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 
-/// Powers of the angles; cubic lens terms over half a picture need four.
-const DEGREE: usize = 4;
-/// A fit needs so many samples for each term.
-const EACH: usize = 4;
 /// Ridge against terms that the poses don't tell apart, relative to a unit column: harmless at the poses themselves.
 const RIDGE: f64 = 1e-7;
-
-/// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales a picture
-/// turns no link; but steps that are large against the lattice leave a little of its error.
-const CHANCE: f64 = 4.0;
 
 /// On what a column depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +42,7 @@ impl Surface {
         });
         let mut surface = Self { terms, middle, scale, weights: None };
         let count = surface.row(&middle).len();
-        if samples.len() < EACH * count {
+        if samples.len() < IMAGES.each * count {
             return surface;
         }
         let mut design = DMatrix::zeros(samples.len(), count);
@@ -82,7 +75,7 @@ impl Surface {
 
     fn row(&self, state: &State) -> Vec<f64> {
         let x: State = std::array::from_fn(|i| (state[i] - self.middle[i]) / self.scale[i]);
-        let degree = if self.terms == Terms::Poses { DEGREE } else { 2 };
+        let degree = if self.terms == Terms::Poses { IMAGES.degree } else { 2 };
         let products = |a: f64, b: f64, degree: usize| -> Vec<f64> {
             (0..=degree)
                 .flat_map(|all| (0..=all).map(move |second| (all - second, second)))
@@ -102,5 +95,5 @@ impl Surface {
 fn by_chance(surface: &DVector<f64>, values: &DVector<f64>, terms: usize) -> bool {
     let freedom = (values.len() - terms).max(1) as f64;
     let scatter = (values - surface).norm_squared() / freedom;
-    surface.norm_squared() < CHANCE * scatter * terms as f64
+    surface.norm_squared() < IMAGES.chance * scatter * terms as f64
 }

@@ -2,12 +2,8 @@
 
 use super::fitting::Fit;
 use super::*;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
-/// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
-/// everything is linearised about the motion that was measured and not about one that the lacking model invents.
-const SLACK: f64 = 4.0;
-/// Parts in which windows are asked whether they need slack torques.
-const SHARES: usize = 8;
 impl PlantCut {
     /// Whether the share of windows in which the plant needs slack torques stays within `most` at a point, all windows begun
     /// anew. Answers the question alone, without slack torques: that is what a linearisation there costs most.
@@ -21,8 +17,8 @@ impl PlantCut {
         let total = self.windows.len();
         let (mut slackened, mut seen) = (0, 0);
         // a part at a time, spread over all runs: often half of them say enough
-        for part in 0..SHARES {
-            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(SHARES).collect();
+        for part in 0..WINDOWS.shares {
+            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(WINDOWS.shares).collect();
             seen += some.len();
             let each: Vec<bool> =
                 some.par_iter().map(|window| self.strays(window, &settings)).collect::<Result<_, _>>()?;
@@ -40,7 +36,7 @@ impl PlantCut {
 
     /// Far more than noise is left.
     pub(super) fn astray(&self, layout: &Layout, fit: &Fit) -> bool {
-        self.loose(layout, fit) > SLACK * SLACK
+        self.loose(layout, fit) > WINDOWS.slack * WINDOWS.slack
     }
 
     /// Whether a window that was begun anew needs slack torques to follow the log.

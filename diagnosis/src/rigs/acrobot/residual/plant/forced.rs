@@ -2,16 +2,15 @@
 
 use super::*;
 use crate::rigs::acrobot::residual::forced::{Forced, Pair};
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
-/// Length of a piece, s: friction changes its sign within one or two of them.
-const PIECE: f64 = 6e-3;
 /// Root mean square to which a torque is scaled for its column, N·m at an arm of inertia scale 1: as a slack torque's.
 const SIZE: f64 = PUSH;
 
 /// Edges of the pieces of a window, s.
 fn edges(window: &Window) -> Vec<f64> {
     let (from, to) = (window.drive.start(), window.drive.end());
-    let count = ((to - from) / PIECE).ceil().max(1.0) as usize;
+    let count = ((to - from) / WINDOWS.piece).ceil().max(1.0) as usize;
     (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect()
 }
 

@@ -7,15 +7,7 @@
 use super::fitting::{Fit, WindowFit, square};
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
-
-/// A mean square of the whitened rest that no noise gives.
-const FAR: f64 = 4.0;
-/// The window before says more than this one where it has no more than this share of its squares.
-const BETTER: f64 = 0.3;
-/// Standard deviations by which noise alone gives more squares than in the usual window, beyond which a fit is doubted.
-const DOUBT: f64 = 3.0;
-/// A valley is left for one that is deeper by this share.
-const DEEPER: f64 = 0.95;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
 fn squares(look: &WindowFit) -> f64 {
     look.block.cells.iter().map(square).sum()
@@ -26,7 +18,7 @@ fn rows(look: &WindowFit) -> f64 {
 }
 
 fn lost(look: &WindowFit) -> bool {
-    squares(look) > FAR * rows(look)
+    squares(look) > WINDOWS.far * rows(look)
 }
 
 /// Mean square of the usual window.
@@ -38,7 +30,7 @@ fn usual(found: &[Result<WindowFit, Error>]) -> f64 {
 }
 
 fn doubted(look: &WindowFit, usual: f64) -> bool {
-    squares(look) > usual * (rows(look) + DOUBT * (2.0 * rows(look)).sqrt())
+    squares(look) > usual * (rows(look) + WINDOWS.doubt * (2.0 * rows(look)).sqrt())
 }
 
 impl PlantCut {
@@ -73,7 +65,8 @@ impl PlantCut {
                 helped += usize::from(deepest.is_some());
                 deepest
             } else {
-                let better = |(_, known): (&Window, &WindowFit)| squares(known) <= BETTER * squares(look);
+                let better =
+                    |(_, known): (&Window, &WindowFit)| squares(known) <= WINDOWS.better * squares(look);
                 if lost(look) && before.is_some_and(better) { handed() } else { None }
             };
             let Some(begun) = begun else { continue };
@@ -106,7 +99,7 @@ impl PlantCut {
         };
         let fits: Vec<Fit> = starts.par_iter().filter_map(settled).collect();
         let best = fits.into_iter().min_by(|a, b| square(&a.cell).total_cmp(&square(&b.cell)))?;
-        (square(&best.cell) < DEEPER * squares(look)).then_some(best.start)
+        (square(&best.cell) < WINDOWS.deeper * squares(look)).then_some(best.start)
     }
 
     /// The state of one window where the next begins, if it goes so far.

@@ -4,26 +4,14 @@
 use super::fitting::Fit;
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::linear::Reduced;
 
-/// Sizes that are tried: from 20 µs in factors of two to 5 ms.
-const SMALLEST: f64 = 2e-5;
-const SIZES: i32 = 9;
 /// Then in these factors to either side: a sixth too little leaves the rows a tenth more scatter than noise has.
 const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
 /// Size at which the columns are taken, at least.
 const UNIT: f64 = 1e-4;
-/// Share of the windows in which something else than stamps may have happened: a saturation of the torque that cut two windows of sixty
-/// passed for stamps that scatter, which then hid it.
-const EVENTS: f64 = 0.1;
-
-/// Share of the time between rows by which stamps that stand evenly scatter at most: rows that each hold the value before are late by
-/// 0.29 of it, root mean square. More is what a model lacks that is far from the log (a delay of 10 ms passed for 6 ms at rows
-/// every 5 ms).
-const EVENLY: f64 = 0.3;
-/// Share of it that stamps must scatter by still with effects on.
-const STILL: f64 = 0.5;
 
 impl PlantCut {
     /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that. Answers where they are then.
@@ -59,8 +47,8 @@ impl PlantCut {
             }
             best.1
         };
-        for power in 0..SIZES {
-            self.jitter = more_likely(SMALLEST * f64::from(1 << power));
+        for power in 0..WINDOWS.sizes {
+            self.jitter = more_likely(WINDOWS.smallest * f64::from(1 << power));
         }
         for finer in FINER {
             let coarse = self.jitter;
@@ -68,7 +56,7 @@ impl PlantCut {
                 self.jitter = more_likely(size);
             }
         }
-        if uneven <= UNIT && self.jitter > EVENLY * self.spacing() {
+        if uneven <= UNIT && self.jitter > WINDOWS.evenly * self.spacing() {
             self.jitter = 0.0;
         }
         if self.jitter > 0.0 || uneven > UNIT {
@@ -152,7 +140,7 @@ impl Tracked<PlantCut> {
             return Ok(true);
         }
         self.begin(point)?;
-        if self.jitter < STILL * before {
+        if self.jitter < WINDOWS.still * before {
             return Ok(false);
         }
         self.jitter = before;
@@ -168,7 +156,7 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     let pairs = steady.reduced.iter().zip(&scattering.reduced);
     let mut gains: Vec<f64> = pairs.map(|(before, after)| deviance(before) - deviance(after)).collect();
     gains.sort_by(f64::total_cmp);
-    let usual = gains.len() - (EVENTS * gains.len() as f64) as usize;
+    let usual = gains.len() - (WINDOWS.events * gains.len() as f64) as usize;
     gains[..usual].iter().sum()
 }
 

@@ -1,13 +1,10 @@
 //! Which simulated row goes into which bin of a window.
 
 use super::*;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
 /// Place of `tau_applied` among the columns.
 const TORQUE: usize = MOTION;
-/// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
-const AT_ONCE: f64 = 2e-4;
-/// A jump up to this share of the torque's noise doesn't matter.
-const SMALL: f64 = 0.3;
 
 impl PlantCut {
     /// Whether the command jumps when a row is stamped, by more than the torque's noise hides. As it was logged: a clock that
@@ -16,7 +13,8 @@ impl PlantCut {
         let Some(log) = &self.runs[run].controller else { return false };
         let time = time + self.through.as_ref().map_or(0.0, |through| through.delay);
         let held = |at: f64| log.held("tau", at, 0.0);
-        (held(time + AT_ONCE) - held(time - AT_ONCE)).abs() > SMALL * self.signals[TORQUE].sigma
+        (held(time + WINDOWS.at_once) - held(time - WINDOWS.at_once)).abs()
+            > WINDOWS.small * self.signals[TORQUE].sigma
     }
 }
 
@@ -30,7 +28,7 @@ impl Layout {
     pub(super) fn of(cut: &PlantCut, window: &Window) -> Self {
         let mut bins = Vec::new();
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return Self { bins } };
-        let size = window.rows.len().div_ceil(cut.span.0 * BINS);
+        let size = window.rows.len().div_ceil(cut.span.0 * WINDOWS.bins);
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {

@@ -13,6 +13,7 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::linear::{Cell, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -26,6 +27,7 @@ pub mod jitter;
 mod layout;
 mod log;
 mod long;
+mod policy;
 mod through;
 mod window;
 
@@ -38,18 +40,6 @@ use through::Through;
 pub use window::WindowState;
 use window::{Kept, Span, Window, cut_run, lost, most, thin};
 
-/// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-/// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
-const WINDOW: f64 = 0.5;
-const SHORT_WINDOW: f64 = 0.25;
-/// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
-const QUICK: f64 = 12.0;
-const PLENTY: f64 = 36.0;
-const LONGEST: f64 = 0.6;
-/// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
-const BINS: usize = 25;
-/// Parts of a window that each get a torque the model may lack.
-const PARTS: usize = 2;
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
 const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
@@ -104,7 +94,7 @@ impl PlantCut {
         let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
         let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
         let growth = model.growth();
-        let pace = growth.map_or(1.0, |growth| (QUICK / growth).min(1.0));
+        let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
         let paces = (pace, span.share(growth));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
@@ -135,7 +125,7 @@ impl PlantCut {
             .iter()
             .position(|candidate| candidate.side == Side::Clock)
             .filter(|_| runs.iter().any(steered));
-        let part = windows.first().map_or(WINDOW, |window| window.edges[1] - window.edges[0]);
+        let part = windows.first().map_or(WINDOWS.window, |window| window.edges[1] - window.edges[0]);
         let explained = jitter::torque_scatter(&runs, part);
         let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
@@ -334,7 +324,7 @@ impl PlantCut {
                 let log = &self.runs[window.run];
                 let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
                 // back to where the window before ended
-                let from = (first - LONGEST.min(PREROLL)).max(window.drive.start());
+                let from = (first - WINDOWS.longest.min(PREROLL)).max(window.drive.start());
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
                 let times: Vec<f64> = (0..=count)
                     .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)

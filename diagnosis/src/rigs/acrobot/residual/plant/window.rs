@@ -2,19 +2,8 @@
 
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::linear::solve;
-
-/// So many rows tell a curvature from noise; the fewest that are looked at.
-const CURVED: usize = 8;
-const FEWEST: usize = 3;
-/// Where an arm tumbles, so many rows on either side, and no less than this, s: at 50 rad/s a parabola through 0.06 s is off by
-/// 10 rad/s, and a fit that begins there ends anywhere.
-const NEAR_ROWS: f64 = 6.0;
-const NEAR: f64 = 0.01;
-/// Rows this many times as far apart as those that are kept of a dense log all count: a log may be dense in parts.
-const APART: f64 = 1.5;
-/// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
-const GENTLE: f64 = 0.03;
 
 /// What a linearisation found of a window's nuisances.
 #[derive(Debug, Clone)]
@@ -38,17 +27,18 @@ impl Span {
     /// Share of such a window that is looked at: where a pinned arm falls faster than the paper's (by its `growth`, 1/s), what noise leaves
     /// grows by as much before its end, and fits would end somewhere along a bend.
     pub(super) fn share(self, growth: Option<f64>) -> f64 {
-        if self == Self::USUAL { 1.0 } else { growth.map_or(1.0, |growth| (1.1 * GROWTH / growth).min(1.0)) }
+        if self == Self::USUAL {
+            1.0
+        } else {
+            growth.map_or(1.0, |growth| (1.1 * WINDOWS.growth / growth).min(1.0))
+        }
     }
 
     /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
     pub(super) fn gentle(self) -> f64 {
-        (1..self.0).map(|_| GENTLE).product()
+        (1..self.0).map(|_| WINDOWS.gentle).product()
     }
 }
-
-/// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
-const MOST: usize = 640;
 
 /// Most windows of this length that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and
 /// what it tells grows with the square of the rates.
@@ -57,17 +47,14 @@ pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
     };
-    let short = windows.first().and_then(length).is_some_and(|length| length < SHORT_WINDOW * span.0 as f64);
-    if short { MOST / 4 / span.0 } else { MOST / span.0 }
+    let short =
+        windows.first().and_then(length).is_some_and(|length| length < WINDOWS.short_window * span.0 as f64);
+    if short { WINDOWS.most / 4 / span.0 } else { WINDOWS.most / span.0 }
 }
-
-/// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
-const LOST: f64 = 20.0;
-const GROWTH: f64 = 7.0;
 
 /// From this rate on (rad/s) nothing is simulated any more.
 pub(super) fn lost(data: &DataSet, model: &Model) -> f64 {
-    LOST * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(GROWTH), f64::max)
+    WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(WINDOWS.growth), f64::max)
 }
 
 /// Evenly chosen windows, at most so many.
@@ -202,16 +189,18 @@ pub(super) fn cut_run(
         usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let plenty = PLENTY * typical < SHORT_WINDOW;
+    let plenty = WINDOWS.plenty * typical < WINDOWS.short_window;
     let tumbling = plenty && tumbles(&plant.time, &usable, q2);
-    let usual = if tumbling { SHORT_WINDOW.min(pace * WINDOW) } else { pace * WINDOW };
+    let usual =
+        if tumbling { WINDOWS.short_window.min(pace * WINDOWS.window) } else { pace * WINDOWS.window };
     // of one angle, where they are logged in turn
     let each =
         typical * usable.len() as f64 / usable.iter().filter(|row| q2[**row].is_finite()).count() as f64;
     let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { pace * PREROLL } else { 0.0 };
-    let length = span.0 as f64 * usual.max(POLICY.rows as f64 * typical).min(LONGEST.max(6.0 * typical));
+    let length =
+        span.0 as f64 * usual.max(POLICY.rows as f64 * typical).min(WINDOWS.longest.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
@@ -236,8 +225,9 @@ pub(super) fn cut_run(
             let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
             let start = (begin - before).max(earliest);
             let end = times[times.len() - 1];
-            let edges: Vec<f64> =
-                (0..=PARTS).map(|k| start + (end - start) * k as f64 / PARTS as f64).collect();
+            let edges: Vec<f64> = (0..=WINDOWS.parts)
+                .map(|k| start + (end - start) * k as f64 / WINDOWS.parts as f64)
+                .collect();
             into.push(Window {
                 run: index,
                 drive: Drive::new(run, start, &times, &edges),
@@ -245,7 +235,7 @@ pub(super) fn cut_run(
                 start: guess(&plant.time, q1, q2, start, curve),
                 curve,
                 edges,
-                slack: vec![0.0; 2 * PARTS],
+                slack: vec![0.0; 2 * WINDOWS.parts],
                 kept: None,
                 free: None,
                 again: false,
@@ -262,7 +252,7 @@ fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
     let rows: Vec<usize> = usable.iter().copied().filter(|row| q2[*row].is_finite()).collect();
     let mut speeds: Vec<f64> = rows.windows(2).map(speed).collect();
     speeds.sort_by(f64::total_cmp);
-    speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOW > std::f64::consts::TAU)
+    speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOWS.window > std::f64::consts::TAU)
 }
 
 /// Every so many of the rows that hold an angle, `each` s apart, so that `DENSE` lies between: two encoders may be logged in turn.
@@ -274,7 +264,8 @@ fn thinned(each: f64, time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Ite
     rows.filter(|row| {
         let held = [0, 1].map(|angle| angles[angle][*row].is_finite());
         (0..2).filter(|angle| held[*angle]).for_each(|angle| since[angle].0 += 1.0);
-        let far = |(count, last): (f64, f64)| count > every || time[*row] - last > APART * every * each;
+        let far =
+            |(count, last): (f64, f64)| count > every || time[*row] - last > WINDOWS.apart * every * each;
         let new = (0..2).any(|angle| held[angle] && far(since[angle]));
         (0..2).filter(|angle| new && held[*angle]).for_each(|angle| since[angle] = (1.0, time[*row]));
         new
@@ -295,7 +286,7 @@ impl Curve {
     pub(super) const USUAL: Self = Self { around: POLICY.around, power: 2 };
 
     fn near(typical: f64) -> Self {
-        Self { around: (NEAR_ROWS * typical).clamp(NEAR, POLICY.around), power: 3 }
+        Self { around: (WINDOWS.near_rows * typical).clamp(WINDOWS.near, POLICY.around), power: 3 }
     }
 }
 
@@ -306,7 +297,7 @@ fn nearby(time: &[f64], values: &[f64], at: f64, around: f64) -> Vec<usize> {
     let known = |row: usize| usize::from(values[row].is_finite());
     let mut count: usize = (from..to).map(known).sum();
     // the nearer side first: rows beyond a gap say little
-    while count < FEWEST && to - from < time.len() {
+    while count < WINDOWS.fewest && to - from < time.len() {
         let before = if from > 0 { at - time[from - 1] } else { f64::INFINITY };
         let after = if to < time.len() { time[to] - at } else { f64::INFINITY };
         if before < after {
@@ -326,7 +317,7 @@ pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64, curve: Curve)
     let curve = |values: &[f64]| {
         let rows = nearby(time, values, at, around);
         let Some(first) = rows.first() else { return (0.0, 0.0) };
-        let powers = 1 + if rows.len() < CURVED { 1 } else { power };
+        let powers = 1 + if rows.len() < WINDOWS.curved { 1 } else { power };
         // in units of the rows' reach, so that the normal equations are well conditioned
         let design = DMatrix::from_fn(rows.len(), powers, |row, power| {
             ((time[rows[row]] - at) / around).powi(power as i32)

@@ -1,0 +1,49 @@
+//! Numbers that doubts of what was found decide by, each with its reason.
+
+/// How much is enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Check {
+    /// Lacking torque over what noise alone gives.
+    pub torque_ratio: f64,
+    /// Scatter and correlation of a rest too quick for the torques, in angles and rates: a logged torque may be that before or after
+    /// a command, which scatters without a rest.
+    pub scatter: f64,
+    pub correlated: f64,
+    /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest, where a block has
+    /// so many rows. At a measured motion the means of more rows show more of the motion's own error, which rows share.
+    pub means: f64,
+    pub rows: f64,
+    /// So many effects on one cut may imitate another one together.
+    pub imitators: usize,
+    /// They take each other away if their sum's square is below this share of the sum of their squares. Seen: 0.02 where a lens of
+    /// fifth order was imitated, 0.35 to 1.5 for effects that are there.
+    pub cancelled: f64,
+    /// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
+    /// clearly there, and resemble it by more than that (a correlation). Seen: 0.014 and 0.67 to 0.96 where k1 imitated k2 in noisy
+    /// pictures.
+    pub mended: f64,
+    pub resembles: f64,
+    /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
+    /// backlash were imitated by five and four effects.
+    pub slight: f64,
+    /// An effect for which this share of all candidates could stand says only that something is there.
+    pub anything: f64,
+    /// What share of the squares that noise doesn't leave values of their own must take away: a drag, too, looks like a friction that is larger in quicker runs.
+    pub most: f64,
+}
+
+/// Those in force.
+pub const CHECK: Check = Check {
+    torque_ratio: 1.4,
+    scatter: 1.15,
+    correlated: 0.25,
+    means: 2.5,
+    rows: 6.0,
+    imitators: 3,
+    cancelled: 0.1,
+    mended: 0.04,
+    resembles: 0.4,
+    slight: 0.005,
+    anything: 0.3,
+    most: 0.5,
+};

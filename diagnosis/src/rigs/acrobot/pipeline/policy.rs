@@ -1,0 +1,107 @@
+//! Numbers that the workflow decides by, each with its reason.
+
+/// How much is enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pipeline {
+    /// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
+    pub any: f64,
+    /// Standard deviations of the stamps' scatter by which a log may be late: where a computer stamps its rows, never early but late,
+    /// those of a uniform scatter are late by 1.7 in the mean, of half a normal one by 1.3.
+    pub late_by_hand: f64,
+    /// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
+    pub mostly_slack: f64,
+    /// Share of these that a switch of the model may leave where it is what was missing.
+    pub switched: f64,
+    /// So many of what torques resemble are tried where they show nothing certain.
+    pub hints: usize,
+    /// Windows, of which none may follow the log before a value is fitted: short falls.
+    pub plant_few: usize,
+    /// How well it is known where the model needed slack torques to follow the log, rad.
+    pub coarse_motion: f64,
+    /// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
+    pub sensor_alone: usize,
+    /// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
+    pub sensor_few: usize,
+    /// So many halves of a standard error the noise may be off by, by which the scatter tells it.
+    pub near: i32,
+    /// Linearisations that are averaged, and the standard errors by which they lie off the fit.
+    pub looks: usize,
+    pub off: f64,
+    /// A linearisation that wants a value so many standard errors away has lost the motion.
+    pub lost: f64,
+    /// Frames go with the values, so that these are averaged again where they moved by more than this share of a standard error.
+    pub passes: usize,
+    pub moved: f64,
+    /// Standard errors of the clock that a delay or an exposure must be larger than.
+    pub doubted: f64,
+    /// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
+    pub blurred: f64,
+    /// Half a millisecond, and a tenth: a lag and a delay of the same size differ by about that.
+    pub same: f64,
+    pub close: f64,
+    /// So often the logs are set back and all is compared again.
+    pub rounds: usize,
+    /// Loss by which another member of the class must be better to be named first.
+    pub first: f64,
+    /// A saturation whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
+    pub never_reached: f64,
+    /// Share of its certainty that a name keeps where names only imitate something else (none of 23 names beside `unknown` that imitated was
+    /// right, one of 23 in all), as measured on blind sets whose answers were opened afterwards.
+    pub imitated: f64,
+    /// Share of its certainty that any name keeps beside something that has none: that may have a part of which nobody can say that it isn't
+    /// this effect (rows exposed one after the other are late in the mean, backlash swings like a rotor). Seen on 21 blind sets: of the names that explained
+    /// nearly all that was to be explained 4 of 7 were right, of the others 2 of 10.
+    pub beside: f64,
+    /// Share of what the data say of a value beyond which one run says it all.
+    pub interval_alone: f64,
+    /// Readings of one and the same model: nothing in the data prefers either.
+    pub readings: f64,
+    /// What a correction alone may leave of what effects leave, to take their place with as many numbers.
+    pub far_less: f64,
+    /// How many of the effects that were named last are tried without, one at a time.
+    pub singles: usize,
+    /// The nominal model's torques are read off windows that it stays in. Where more than so many times the noise shows there, and so many
+    /// times what it lacks at the logged states themselves, it has run away, and what its tangent asks for is no torque.
+    pub far_above: f64,
+    pub ran_away: f64,
+    /// Most parts that runs are left out in: each costs a search, and with three a diagnosis took 1.6 to 1.9 times as long as without.
+    pub parts: usize,
+    /// Of each look, so many of the screen's best are candidates again.
+    pub screened: usize,
+}
+
+/// Those in force.
+pub const PIPELINE: Pipeline = Pipeline {
+    any: 0.06,
+    late_by_hand: 2.0,
+    mostly_slack: 0.5,
+    switched: 0.5,
+    hints: 3,
+    plant_few: 8,
+    coarse_motion: 1e-3,
+    sensor_alone: 2,
+    sensor_few: 2,
+    near: 5,
+    looks: 6,
+    off: 0.5,
+    lost: 6.0,
+    passes: 3,
+    moved: 0.5,
+    doubted: 1.96,
+    blurred: 2.0,
+    same: 5e-4,
+    close: 0.1,
+    rounds: 3,
+    first: 0.2,
+    never_reached: 100.0,
+    imitated: 0.05,
+    beside: 0.6,
+    interval_alone: 0.99,
+    readings: 2.0,
+    far_less: 0.7,
+    singles: 3,
+    far_above: 10.0,
+    ran_away: 1.5,
+    parts: 2,
+    screened: 4,
+};

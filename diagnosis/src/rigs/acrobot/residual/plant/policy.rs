@@ -1,0 +1,99 @@
+//! Numbers by which logs of a plant are cut into windows and these are fitted, each with its reason.
+
+/// How much is enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Windows {
+    /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
+    /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
+    pub window: f64,
+    pub short_window: f64,
+    /// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
+    pub quick: f64,
+    pub plenty: f64,
+    pub longest: f64,
+    /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
+    pub bins: usize,
+    /// Parts of a window that each get a torque the model may lack.
+    pub parts: usize,
+    /// So many rows tell a curvature from noise; the fewest that are looked at.
+    pub curved: usize,
+    pub fewest: usize,
+    /// Where an arm tumbles, so many rows on either side, and no less than this, s: at 50 rad/s a parabola through 0.06 s is off by
+    /// 10 rad/s, and a fit that begins there ends anywhere.
+    pub near_rows: f64,
+    pub near: f64,
+    /// Rows this many times as far apart as those that are kept of a dense log all count: a log may be dense in parts.
+    pub apart: f64,
+    /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
+    pub gentle: f64,
+    /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
+    pub most: usize,
+    /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
+    pub lost: f64,
+    pub growth: f64,
+    /// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
+    /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
+    pub slack: f64,
+    /// Parts in which windows are asked whether they need slack torques.
+    pub shares: usize,
+    /// A mean square of the whitened rest that no noise gives.
+    pub far: f64,
+    /// The window before says more than this one where it has no more than this share of its squares.
+    pub better: f64,
+    /// Standard deviations by which noise alone gives more squares than in the usual window, beyond which a fit is doubted.
+    pub doubt: f64,
+    /// A valley is left for one that is deeper by this share.
+    pub deeper: f64,
+    /// Sizes that are tried: from 20 µs in factors of two to 5 ms.
+    pub smallest: f64,
+    pub sizes: i32,
+    /// Share of the windows in which something else than stamps may have happened: a saturation of the torque that cut two windows of sixty
+    /// passed for stamps that scatter, which then hid it.
+    pub events: f64,
+    /// Share of the time between rows by which stamps that stand evenly scatter at most: rows that each hold the value before are late by
+    /// 0.29 of it, root mean square. More is what a model lacks that is far from the log (a delay of 10 ms passed for 6 ms at rows
+    /// every 5 ms).
+    pub evenly: f64,
+    /// Share of it that stamps must scatter by still with effects on.
+    pub still: f64,
+    /// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
+    pub at_once: f64,
+    /// A jump up to this share of the torque's noise doesn't matter.
+    pub small: f64,
+    /// Length of a piece, s: friction changes its sign within one or two of them.
+    pub piece: f64,
+}
+
+/// Those in force.
+pub const WINDOWS: Windows = Windows {
+    window: 0.5,
+    short_window: 0.25,
+    quick: 12.0,
+    plenty: 36.0,
+    longest: 0.6,
+    bins: 25,
+    parts: 2,
+    curved: 8,
+    fewest: 3,
+    near_rows: 6.0,
+    near: 0.01,
+    apart: 1.5,
+    gentle: 0.03,
+    most: 640,
+    lost: 20.0,
+    growth: 7.0,
+    slack: 4.0,
+    shares: 8,
+    far: 4.0,
+    better: 0.3,
+    doubt: 3.0,
+    deeper: 0.95,
+    smallest: 2e-5,
+    sizes: 9,
+    events: 0.1,
+    evenly: 0.3,
+    still: 0.5,
+    at_once: 2e-4,
+    small: 0.3,
+    piece: 6e-3,
+};

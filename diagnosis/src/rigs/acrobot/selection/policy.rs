@@ -1,0 +1,188 @@
+//! Numbers that the search decides by, each with its reason.
+
+/// How much is enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Selection {
+    /// Standard deviations by which a step of a candidate must move all rows together to say anything of it.
+    pub excited: f64,
+    /// The same where torques are compared: nothing was integrated, so that far less than noise is still no rounding.
+    pub excited_torque: f64,
+    /// How many of the screen's best are refitted, and how good they must be against the best.
+    pub shortlist: usize,
+    pub worth: f64,
+    /// The same where a column says little.
+    pub bent_worth: f64,
+    /// Where a column says little, a fit also begins this many times further out.
+    pub further: f64,
+    /// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
+    /// windows by more than their columns say.
+    pub doubted: f64,
+    pub trials_alike: f64,
+    /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
+    /// that no candidate gives (with much data anything becomes significant there).
+    pub least_share: f64,
+    /// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
+    /// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
+    /// differ by what the pixel lattice does when the picture moves under it.
+    pub large: f64,
+    /// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
+    pub sparse: f64,
+    pub sparse_trials: usize,
+    /// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
+    /// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
+    pub refit_straight: f64,
+    pub stretch: f64,
+    /// Most linearisations of a fit.
+    pub rounds: usize,
+    /// A step that promises less fall of the sum of squares than this ends the fit.
+    pub settled: f64,
+    /// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
+    /// one that promises no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
+    /// nothing there.
+    pub refused: f64,
+    /// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
+    /// of each step there, and a saturation without encoders was found by such steps only.
+    pub shorter: f64,
+    pub shorter_seen: f64,
+    /// Squares over what noise gives from which a window is one in which the machine ran away: a fit can do without
+    /// a few such ones.
+    pub runaway: f64,
+    /// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
+    /// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
+    /// anew at each linearisation a log took seven times as long and came out no better.
+    pub doubt: f64,
+    pub few_doubted: f64,
+    /// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
+    pub fine: f64,
+    /// So many times what the next step promises, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
+    pub reach: f64,
+    pub furthest: i32,
+    pub left: f64,
+    /// Fall of the deviance that a switch must bring.
+    pub switched: f64,
+    /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
+    pub follows: f64,
+    /// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
+    pub apart: f64,
+    pub levels: f64,
+    /// How far beside the best level it is looked once more.
+    pub beside: f64,
+    /// After so many levels at which windows need slack torques so many times more than at the best, looser ones are no better.
+    pub beyond: usize,
+    pub switched_far: f64,
+    /// More effects than this are not a diagnosis any more.
+    pub search_most: usize,
+    /// So many may be accepted and turn out superfluous at once.
+    pub vain: usize,
+    /// A fit that leaves so much more than without the new effect (deviance) has led the windows elsewhere, and taken what was found
+    /// before away with it.
+    pub astray: f64,
+    /// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
+    /// again.
+    pub unsettled: f64,
+    pub again: usize,
+    /// An active effect below this many standard errors is dropped again.
+    pub keep: f64,
+    /// Most rounds of fitting values and nuisances in turns; it ends when no value moves by more than this share of its
+    /// standard error.
+    pub settle: usize,
+    pub moved: f64,
+    /// Deviance that an effect as a whole must take away to be more than rounding.
+    pub idle: f64,
+    /// By how much another must be better, at the fitted model, to take an effect's place (deviance).
+    pub better: f64,
+    /// Share of the squares by which two fits differ that are equally good, since the pixel lattice lies otherwise under each image. Seen: 0.011
+    /// and 0.014 between a lens of seven terms and one with two that aren't there.
+    pub lattice: f64,
+    /// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
+    pub together_most: usize,
+    /// The share of what an effect promises that another may miss to be fitted.
+    pub forlorn: f64,
+    /// An effect that explains less than this (eight standard deviations) moves the data along straight lines: fits lost what was
+    /// missed there to within 0.3 wherever it was looked at.
+    pub small: f64,
+    /// Columns of which less than this share is apart are alike enough for a fit to decide.
+    pub classes_alike: f64,
+    /// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
+    pub alike_bent: f64,
+    /// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
+    /// lattice's errors. Fits are no better judges of two that differ by less.
+    pub column: f64,
+    /// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
+    pub blur: f64,
+    /// So many times the step of a column is as far as its straight line is believed: a tilt by 18 degrees for a k1 of 0.05.
+    pub classes_straight: f64,
+    /// A fit that loses more than this is far enough not to be settled any further: that took 0.03 away at most on ten sets.
+    pub classes_far: f64,
+    /// Deviance of a frame that a camera would have lost and the data have: nobody loses less than one in a hundred, 2 ln 100.
+    pub unseen: f64,
+    /// Evidence for a lacking torque by poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
+    /// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
+    pub pictured_evidence: f64,
+    pub pictured_each: f64,
+    /// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of inertia scale 1.
+    pub sizes: usize,
+    pub smallest: f64,
+}
+
+/// Those in force.
+pub const SELECTION: Selection = Selection {
+    excited: 0.02,
+    excited_torque: 1e-4,
+    shortlist: 6,
+    worth: 0.5,
+    bent_worth: 0.15,
+    further: 2.5,
+    doubted: 0.3,
+    trials_alike: 0.8,
+    least_share: 0.03,
+    large: 0.1,
+    sparse: 16.0,
+    sparse_trials: 4,
+    refit_straight: 1.5,
+    stretch: 3.0,
+    rounds: 8,
+    settled: 0.02,
+    refused: 1.0,
+    shorter: 1.0,
+    shorter_seen: 0.3,
+    runaway: 30.0,
+    doubt: 5.0,
+    few_doubted: 0.15,
+    fine: 1.5e-4,
+    reach: 5.0,
+    furthest: 12,
+    left: 0.5,
+    switched: 200.0,
+    follows: 0.2,
+    apart: 1.25,
+    levels: 30.0,
+    beside: 1.1,
+    beyond: 2,
+    switched_far: 8.0,
+    search_most: 6,
+    vain: 4,
+    astray: 100.0,
+    unsettled: 1.0,
+    again: 3,
+    keep: 2.6,
+    settle: 3,
+    moved: 0.2,
+    idle: 1e-3,
+    better: 2.0,
+    lattice: 0.02,
+    together_most: 16,
+    forlorn: 0.3,
+    small: 64.0,
+    classes_alike: 0.03,
+    alike_bent: 0.15,
+    column: 0.0025,
+    blur: 0.2,
+    classes_straight: 50.0,
+    classes_far: 20.0,
+    unseen: 9.0,
+    pictured_evidence: 200.0,
+    pictured_each: 0.5,
+    sizes: 15,
+    smallest: 2e-4,
+};

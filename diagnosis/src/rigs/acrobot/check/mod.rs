@@ -4,7 +4,6 @@
 mod confounded;
 mod drift;
 mod gap;
-mod interchangeable;
 mod policy;
 mod residual;
 mod runs;
@@ -13,9 +12,8 @@ mod shape;
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::selection::{Alternative, Study};
+use crate::rigs::acrobot::selection::Study;
 pub use drift::drifting;
-pub use residual::unknown;
 pub use shape::torque_shape;
 
 /// What a cut shows.
@@ -24,8 +22,6 @@ pub struct Found<'a> {
     pub study: &'a Study,
     /// What was measured.
     pub signals: &'a [Signal],
-    /// What could stand in the place of each effect.
-    pub classes: &'a [(usize, Vec<Alternative>)],
     /// All candidates.
     pub list: &'a [Candidate],
     /// A commanded torque was logged beside the angles.
@@ -61,7 +57,7 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Of the model with its effects.
-const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, interchangeable::doubt];
+const OF_THE_MODEL: [Doubt; 2] = [residual::doubt, confounded::doubt];
 /// Of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 3] = [drift::doubt, runs::doubt, gap::doubt];
 
@@ -96,6 +92,6 @@ pub fn judged(found: &Found<'_>) -> Judged {
     judged.ask(&OF_THE_MODEL, found);
     judged.model_stands = judged.unknown.is_none();
     judged.ask(&OF_THE_LOGS, found);
-    judged.confounded = confounded::explained(found).is_some() || interchangeable::explained(found).is_some();
+    judged.confounded = confounded::explained(found).is_some();
     judged
 }

@@ -5,10 +5,6 @@
 pub struct Check {
     /// Lacking torque over what noise alone gives.
     pub torque_ratio: f64,
-    /// Scatter and correlation of a rest too quick for the torques, in angles and rates: a logged torque may be that before or after
-    /// a command, which scatters without a rest.
-    pub scatter: f64,
-    pub correlated: f64,
     /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest, where a block has
     /// so many rows. At a measured motion the means of more rows show more of the motion's own error, which rows share.
     pub means: f64,
@@ -26,17 +22,11 @@ pub struct Check {
     /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
     /// backlash were imitated by five and four effects.
     pub slight: f64,
-    /// An effect for which this share of all candidates could stand says only that something is there.
-    pub anything: f64,
-    /// What share of the squares that noise doesn't leave values of their own must take away: a drag, too, looks like a friction that is larger in quicker runs.
-    pub most: f64,
 }
 
 /// Those in force.
 pub const CHECK: Check = Check {
     torque_ratio: 1.4,
-    scatter: 1.15,
-    correlated: 0.25,
     means: 2.5,
     rows: 6.0,
     imitators: 3,
@@ -44,6 +34,4 @@ pub const CHECK: Check = Check {
     mended: 0.04,
     resembles: 0.4,
     slight: 0.005,
-    anything: 0.3,
-    most: 0.5,
 };

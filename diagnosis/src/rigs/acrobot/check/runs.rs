@@ -4,7 +4,6 @@
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
@@ -23,8 +22,7 @@ fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[Str
     let all =
         (0..list.len()).filter(plants).filter_map(|index| Some((index, steadiness(at, index, active)?)));
     let (index, runs) = all.max_by(|a, b| a.1.apart.total_cmp(&b.1.apart))?;
-    let left = at.total.square - at.total.freedom;
-    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart || runs.apart * runs.over < CHECK.most * left {
+    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart {
         return None;
     }
     let own = &list[index];

@@ -5,7 +5,7 @@ use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::torque::{Torque, rms, torques};
 use crate::rigs::acrobot::residual::{Block, Probe, Signal};
 use crate::rigs::acrobot::selection::{Evaluation, Folds};
-use crate::statistics::linear::{bare, moved, solve, submatrix, subvector};
+use crate::statistics::linear::{moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
 /// Sizes of what may be lacking beside the terms, N·m at an arm of inertia scale 1: the likeliest is taken.
@@ -38,7 +38,6 @@ struct Rest<'a> {
 /// Fits terms to blocks whose columns are those of the entries.
 pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted {
     let probes: Vec<Probe> = (0..entries.len()).map(|candidate| Probe { candidate, by: 1.0 }).collect();
-    let blocks: Vec<Block> = blocks.into_iter().filter(followed).collect();
     let folds = Folds::new(&blocks);
     let evaluation = Evaluation::of(blocks, &vec![0.0; entries.len()], &probes, signals);
     let mut rest = Rest { evaluation, folds, entries, first: 0.0 };
@@ -47,7 +46,7 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
     rest.first = before;
     let mut active: Vec<usize> = Vec::new();
     let mut now = before;
-    while active.len() < CORRECTION.most {
+    loop {
         let supported = rest.ranked(&active).into_iter().find_map(|more| {
             let with = rest.size(&more).0;
             (rest.worth(now, with, floor) && rest.certain(&more)).then_some((more, with))
@@ -58,10 +57,6 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
         now = rest.size(&active).0;
     }
     rest.drop_needless(&mut active, &mut now, floor);
-    while !active.is_empty() && !rest.everywhere(&[], &active) {
-        active.pop();
-        now = rest.size(&active).0;
-    }
     let values = rest.values(&active);
     let errors = rest.errors(&active);
     let terms =
@@ -74,21 +69,6 @@ pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted 
         folds: rest.folds.clone(),
         left: rest.over_time(&torques),
     }
-}
-
-/// The plant comes close to the log at least where slack torques hold it.
-fn followed(block: &Block) -> bool {
-    block.cells.iter().all(|cell| {
-        if !cell.floor.is_empty() {
-            return true; // a cell of torques: nothing was driven
-        }
-        let rest = bare(cell, &cell.residual, cell.free()).rest;
-        let angles: Vec<f64> = (0..cell.residual.len())
-            .filter(|row| cell.signal[*row] < 2)
-            .map(|row| (rest[row] * cell.sigma[row]).powi(2))
-            .collect();
-        (angles.iter().sum::<f64>() / angles.len().max(1) as f64).sqrt() < CORRECTION.lost
-    })
 }
 
 impl Rest<'_> {
@@ -145,21 +125,6 @@ impl Rest<'_> {
         let gain = now * now - with * with;
         let least = (CORRECTION.exact * self.first).powi(2);
         gain >= f64::max(CORRECTION.worth * (now * now - floor * floor), least) && with < now
-    }
-
-    /// No fold that is left out gets worse.
-    fn everywhere(&self, before: &[usize], after: &[usize]) -> bool {
-        let (before, after) = (self.by_fold(before), self.by_fold(after));
-        before.iter().zip(&after).all(|(before, after)| *after <= before * (1.0 + CORRECTION.worse))
-    }
-
-    /// Sums of squares of what is left of each fold, N²·m².
-    fn by_fold(&self, active: &[usize]) -> Vec<f64> {
-        let mut sums = vec![0.0; self.folds.count];
-        for torque in self.left(active) {
-            sums[self.folds.of[torque.block]] += torque.torque.iter().map(|x| x * x).sum::<f64>();
-        }
-        sums
     }
 
     fn excited(&self, entry: usize) -> bool {

@@ -16,7 +16,6 @@ pub mod wiring;
 
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
-use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
@@ -199,7 +198,7 @@ pub fn offer(
     let fitted = fit::fit(blocks, cut.signals(), &entries);
     let (before, after, floor) = fitted.gap;
     let closed = 1.0 - (after * after - floor * floor) / (before * before - floor * floor);
-    if fitted.terms.is_empty() || before <= floor || closed < CORRECTION.offered {
+    if fitted.terms.is_empty() || before <= floor {
         return Ok(Offer { correction: None, left: before });
     }
     let mut parameters = covered;

@@ -3,25 +3,15 @@
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offered {
-    /// Least share of the gap that a correction must close on runs left out to be offered.
-    pub offered: f64,
     /// Standard deviations, by the scatter between blocks, that a coefficient must be away from 0. Fewer than for a name:
     /// terms resemble one another, and it is the runs left out that decide.
     pub certain: f64,
-    /// Share by which a run left out may get worse: rounding, and noise of a run that shows nothing of it.
-    pub worse: f64,
     /// Share of what is left above the floor, on runs left out, that a term must take away.
     pub worth: f64,
     /// Share of the first rest that a term must amount to: torques between rows are about as exact beside large ones, which are held over steps.
     /// A drag of 0.18 N·m came with a spring of 0.0015 N·m.
     pub exact: f64,
-    /// More terms than this say that the dictionary has no law for the rest.
-    pub most: usize,
-    /// Where the plant, held by slack torques, is further than this from the log (rad), nothing can be said of what it
-    /// lacks.
-    pub lost: f64,
 }
 
 /// Those in force.
-pub const CORRECTION: Offered =
-    Offered { offered: 0.1, certain: 3.0, worse: 0.01, worth: 0.02, exact: 0.01, most: 5, lost: 0.02 };
+pub const CORRECTION: Offered = Offered { certain: 3.0, worth: 0.02, exact: 0.01 };

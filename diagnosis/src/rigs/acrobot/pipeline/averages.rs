@@ -20,25 +20,19 @@ pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -
         .filter(|(_, index)| plants(**index))
         .map(|(place, index)| Value { index: *index, place, error: covariance[(place, place)].sqrt() })
         .collect();
-    let fitted = part.study.last.point.clone();
-    for _ in 0..if values.is_empty() { 0 } else { PIPELINE.passes } {
-        let point = part.study.last.point.clone();
-        let Some(wanted) = wanted(cut, list, &part.study, &free, &values)? else { break };
-        let mut next = point.clone();
-        part.rough.clear();
-        for (column, value) in values.iter().enumerate() {
-            let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.looks as f64;
-            let square: f64 = wanted.iter().map(|all| (all[column] - mean).powi(2)).sum();
-            next[value.index] = value.within(list, mean);
-            part.rough.push((value.index, (square / (PIPELINE.looks - 1) as f64).sqrt()));
-        }
-        part.study.last = look(cut, list, &next, &part.study.active)?;
-        let moved =
-            |value: &Value| (next[value.index] - point[value.index]).abs() > PIPELINE.moved * value.error;
-        if !values.iter().any(moved) {
-            break;
-        }
+    if values.is_empty() {
+        return Ok(());
     }
+    let fitted = part.study.last.point.clone();
+    let Some(wanted) = wanted(cut, list, &part.study, &free, &values)? else { return Ok(()) };
+    let mut next = fitted.clone();
+    for (column, value) in values.iter().enumerate() {
+        let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.looks as f64;
+        let square: f64 = wanted.iter().map(|all| (all[column] - mean).powi(2)).sum();
+        next[value.index] = value.within(list, mean);
+        part.rough.push((value.index, (square / (PIPELINE.looks - 1) as f64).sqrt()));
+    }
+    part.study.last = look(cut, list, &next, &part.study.active)?;
     values.iter().for_each(|value| follow(list, part, value.index, fitted[value.index]));
     Ok(())
 }
@@ -71,7 +65,7 @@ impl Value {
     }
 }
 
-/// What linearisations about the fit want the values to be; `None` where one has lost the motion.
+/// What linearisations about the fit want the values to be; `None` where one tells nothing of them.
 fn wanted(
     cut: &mut Tracked,
     list: &[Candidate],
@@ -88,9 +82,6 @@ fn wanted(
             point[value.index] = value.within(list, point[value.index] + by);
         }
         let Some(shift) = look(cut, list, &point, &study.active)?.wanted(free) else { return Ok(None) };
-        if values.iter().any(|value| shift[value.place].abs() > PIPELINE.lost * value.error) {
-            return Ok(None);
-        }
         all.push(values.iter().map(|value| point[value.index] + shift[value.place]).collect());
     }
     Ok(Some(all))

@@ -62,18 +62,6 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
     Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
 }
 
-/// Whether pictures are late by as much as the plant's log: then that was right, and an actuator lags.
-pub(super) fn both_late(list: &[Candidate], compared: &Compared) -> bool {
-    let (Some(clock), Some(delay)) = (own_clock(list), place(list, ImageDelay)) else { return false };
-    let late = compared.point[clock];
-    let seen = compared.parts.iter().filter(|part| !part.torque);
-    let seen = seen.filter_map(|part| seen_late(part, list, delay)).map(|(by, _)| by);
-    late > 0.0
-        && seen
-            .into_iter()
-            .any(|by| (by - late).abs() < PIPELINE.same.min(0.5 * late) + PIPELINE.close * late)
-}
-
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
@@ -149,21 +137,16 @@ impl Clocks {
         if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
             gone.push(stamps);
         }
-        if let Some((shown, by)) = early(list, parts, point) {
+        if let Some((shown, by)) = early(list, point) {
             // one that was found, that is: nothing is the same as a clock that is off by less than SAME
             let found = |index: &usize| point[*index] != list[*index].off;
             let same = |index: &usize| {
                 found(index) && (point[*index] - by).abs() < PIPELINE.same + PIPELINE.close * by
             };
             let actuator = (0..list.len()).find(|index| list[*index].is(Retards) && same(index));
-            // an exposure may well be shorter than it is said to be, but no result comes before its picture
-            let before =
-                list[shown].is(ImageDelay) && (actuator.is_some() || !exposed_for_less(list, parts, shown));
-            if actuator.is_some() || before {
-                late = if late == 0.0 { by } else { late };
-                gone.push(shown);
-                gone.extend(actuator);
-            }
+            late = if late == 0.0 { by } else { late };
+            gone.push(shown);
+            gone.extend(actuator);
         }
         // what is no larger than the clock may be off
         let within = |(index, error): &(usize, f64)| {
@@ -244,31 +227,8 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
     })
 }
 
-/// Whether a shorter exposure may stand in the place of a delay below zero. It does so then: no camera has such a delay.
-fn exposed_for_less(list: &[Candidate], parts: &mut [Part], delay: usize) -> bool {
-    let shorter = |other: &Alternative| {
-        let candidate = &list[other.candidate];
-        candidate.is(Exposure) && other.loss < CLASS && other.x < candidate.off
-    };
-    let classes = parts.iter_mut().flat_map(|part| &mut part.classes);
-    let mut found = false;
-    for (_, class) in classes.filter(|(effect, class)| *effect == delay && class.iter().any(shorter)) {
-        class.retain(|other| other.candidate != delay);
-        found = true;
-    }
-    found
-}
-
-/// The effect by which pictures come early, and by how much, s: a delay below zero, or an exposure that could be one.
-fn early(list: &[Candidate], parts: &[Part], point: &[f64]) -> Option<(usize, f64)> {
+/// The delay by which pictures come early, and by how much, s: below zero there is none.
+fn early(list: &[Candidate], point: &[f64]) -> Option<(usize, f64)> {
     let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
-    if point[delay] < 0.0 {
-        return Some((delay, -point[delay]));
-    }
-    let shown = |(effect, class): &(usize, Vec<Alternative>)| {
-        let other =
-            class.iter().find(|other| other.candidate == delay && other.loss < CLASS && other.x < 0.0)?;
-        list[*effect].is(Exposure).then_some((*effect, -other.x))
-    };
-    parts.iter().flat_map(|part| &part.classes).find_map(shown)
+    (point[delay] < 0.0).then(|| (delay, -point[delay]))
 }

@@ -116,7 +116,6 @@ impl Conclusion {
         let judged = judged(&Found {
             study: &part.study,
             signals: &part.signals,
-            classes: &part.classes,
             list,
             torque: part.torque,
             free: &free,

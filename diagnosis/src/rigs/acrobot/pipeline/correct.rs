@@ -8,9 +8,6 @@ use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::weak::Weak;
 
-/// Torques that stamps of nine digits explain by their rounding are far below this, N·m at an arm of inertia scale 1.
-const ROUNDING: f64 = 1e-6;
-
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
 pub(super) fn correct(
     data: &DataSet,
@@ -26,39 +23,21 @@ pub(super) fn correct(
     let point = &part.study.last.point;
     let found = cut(data, model, list, part, point).and_then(|cut| {
         let Some(mut cut) = cut else { return Ok(None) };
-        let scattering = cut.policy().explained > model.inertia_scale() * ROUNDING;
         // each begins from the data again
         let mut at = |point: &[f64]| {
             cut.reset();
             offer(cut.as_mut(), point, &runs, units, &name)
         };
-        // how stamps scatter is known best beside all effects; else this waits until somebody asks
-        let mut beside = if scattering { Some(at(point)?) } else { None };
-        let mut law = false;
+        let beside = at(point)?;
         for withdrawn in withdrawable(&named) {
-            // without one of several effects there was no law on 150 sets where there was none beside all nor without any
-            if withdrawn.len() < named.len() && !law {
-                break;
-            }
             let mut bare = point.clone();
             withdrawn.iter().for_each(|index| bare[*index] = list[*index].off);
             let names: Vec<String> = withdrawn.iter().map(|index| list[*index].name.to_owned()).collect();
             let without = at(&bare)?;
-            // whatever there is beside the effects, it has no fewer numbers than none and leaves no less than nothing
-            let surely = replaces(&Offer::default(), &without, &names);
-            if !surely && beside.is_none() {
-                beside = Some(at(point)?);
-            }
-            if surely || beside.as_ref().is_some_and(|beside| replaces(beside, &without, &names)) {
+            if replaces(&beside, &without, &names) {
                 return Ok(without.correction.map(|found| Correction { supersedes: names, ..found }));
             }
-            law |= without.correction.is_some()
-                || beside.as_ref().is_some_and(|beside| beside.correction.is_some());
         }
-        let beside = match beside {
-            Some(beside) => beside,
-            None => at(point)?,
-        };
         Ok(beside.correction)
     });
     found.unwrap_or_else(|error| {

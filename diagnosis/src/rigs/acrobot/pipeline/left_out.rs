@@ -128,13 +128,8 @@ pub(super) fn left_out(
 fn again(list: &[Candidate], first: &First<'_>) -> Vec<usize> {
     let studies = || first.parts.iter().map(|part| &part.study).filter(|study| !study.active.is_empty());
     let screened = |index: usize| {
-        let best = studies()
-            .flat_map(|study| &study.steps)
-            .flat_map(|step| step.best.iter().take(PIPELINE.screened));
-        best.clone().any(|hit| hit.candidate == index)
-            || studies()
-                .flat_map(|study| study.screen.hits.iter().take(PIPELINE.screened))
-                .any(|hit| hit.candidate == index)
+        let steps = studies().flat_map(|study| &study.steps);
+        steps.flat_map(|step| step.best.iter().take(PIPELINE.screened)).any(|hit| hit.candidate == index)
     };
     let taken = |index: usize| studies().any(|study| study.active.contains(&index));
     let beside = |index: usize| first.point[index] != list[index].off || list[index].side == Side::Scatter;

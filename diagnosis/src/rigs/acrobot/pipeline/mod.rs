@@ -208,23 +208,6 @@ fn trust_no_clock(list: &mut [Candidate]) {
     clocks.for_each(|clock| clock.range = (-PIPELINE.any, PIPELINE.any));
 }
 
-/// All cuts of a data set. A log that is late by no more than its stamps scatter is taken to be that, and no actuator to lag, unless
-/// pictures are late by as much, too.
-fn compare(
-    data: &DataSet,
-    model: &Model,
-    list: &Arc<Vec<Candidate>>,
-    options: &Options,
-    watch: &mut Watch<'_>,
-) -> Result<Compared, Error> {
-    let compared = compare_once(data, model, list, options, watch)?;
-    if data.late_by_hand > 0.0 && clock::both_late(list, &compared) {
-        let punctual = DataSet { late_by_hand: 0.0, ..data.clone() };
-        return compare_once(&punctual, model, list, options, watch);
-    }
-    Ok(compared)
-}
-
 /// What all cuts say.
 struct Compared {
     parts: Vec<Part>,
@@ -232,7 +215,8 @@ struct Compared {
     notices: Vec<Notice>,
 }
 
-fn compare_once(
+/// All cuts of a data set.
+fn compare(
     data: &DataSet,
     model: &Model,
     list: &Arc<Vec<Candidate>>,

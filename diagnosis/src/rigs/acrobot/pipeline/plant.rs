@@ -1,8 +1,6 @@
 //! The plant's part: rows where the model follows the log, torques where it doesn't, and the motion for the camera.
 
 use super::*;
-use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::check::unknown;
 use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
@@ -34,7 +32,6 @@ pub(super) fn plant_part(
     let mut start = Vec::new();
     let mut coarse = None;
     if rows.share_with_slack() > PIPELINE.mostly_slack
-        && !switch_leads(&mut rows, list, point)?
         && let Some(mut weak) = Weak::new(data, model, list.clone())?.map(Tracked::new)
     {
         let part = part(&mut weak, list, point, &[], true, watch)?;
@@ -49,26 +46,12 @@ pub(super) fn plant_part(
             true => hinted(&mut rows, list, &part.study.screen.hits, point, watch)?.unwrap_or(part),
             false => part,
         },
-        Some(part_before) => {
+        Some(_) => {
             rows.linearise(point, &[])?;
             let fine = study(&mut rows, list, point, &start, watch)?;
-            if went_astray(&fine, rows.signals(), &start, list) {
-                part_before
-            } else {
-                Part { coarse: start, ..classed(&mut rows, list, fine, true, watch)? }
-            }
+            Part { coarse: start, ..classed(&mut rows, list, fine, true, watch)? }
         }
-        None => {
-            let alone = part(&mut rows, list, point, &start, true, watch)?;
-            let seen = data.runs.iter().any(|run| run.camera.is_some());
-            let told = seen && !data.clocks_apart && !data.pictures_apart;
-            if told && could_be_the_actuator(&alone, list, data.late_by_hand) {
-                rows.trust_clock();
-                part(&mut rows, list, point, &start, true, watch)?
-            } else {
-                alone
-            }
-        }
+        None => part(&mut rows, list, point, &start, true, watch)?,
     };
     let found = (part.study.last.point.clone(), part.study.active.clone());
     if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.still_scatters(&found.0)? {
@@ -135,10 +118,8 @@ fn hinted(
         let (candidate, mut there) = (&list[hit.candidate], point.to_vec());
         there[hit.candidate] =
             (point[hit.candidate] + hit.displacement).clamp(candidate.range.0, candidate.range.1);
-        let few = rows.windows().0 <= PIPELINE.plant_few;
-        let follows = few || rows.follows(&there, PIPELINE.mostly_slack).unwrap_or(false);
         // a hint that the unit can't be run with says nothing, and must not end a diagnosis that stands without it
-        if !follows || rows.linearise(&there, &[]).is_err() {
+        if rows.linearise(&there, &[]).is_err() {
             continue;
         }
         let Ok(fine) = study(rows, list, &there, &[hit.candidate], watch) else { continue };
@@ -164,26 +145,6 @@ fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
     worst
 }
 
-/// Whether a late log is as likely an actuator that lags. Then the actuator is asked first: should the log be late after
-/// all, the picture comes early by as much (`clear_clock`), while a log that was put right wrongly would make it late. One that is late by
-/// less than `by_hand` is late.
-fn could_be_the_actuator(part: &Part, list: &[Candidate], by_hand: f64) -> bool {
-    let late = |index: usize| part.study.last.point[index] - list[index].off;
-    let actuator = |other: &&Alternative| list[other.candidate].is(Attribute::Retards);
-    let clocks = part
-        .classes
-        .iter()
-        .filter(|(effect, _)| list[*effect].side == Side::Clock && late(*effect) > by_hand);
-    clocks.flat_map(|(_, class)| class).filter(actuator).any(|other| other.loss < CLASS)
-}
-
-/// Whether windows lost an effect that torques had shown, and then can't explain what is left: where stiction is missing still,
-/// slack torques take its place, and fits end anywhere.
-fn went_astray(fine: &Study, signals: &[Signal], known: &[usize], list: &[Candidate]) -> bool {
-    let lost = known.iter().any(|index| !fine.active.contains(index));
-    lost && unknown(fine, signals, list, true).is_some()
-}
-
 /// Whether the plant follows the log by itself with what torques showed, or with the first of it alone: the last may be what differences
 /// of angles are wrong by. If so, leaves no more than that on.
 fn leading(
@@ -203,20 +164,4 @@ fn leading(
     // zeros and clock of the log as they were found; the first window that strays ends it
     let _ = rows.follows(point, 0.0);
     false
-}
-
-/// Whether a switch of the model lets the plant follow the log by itself where it didn't. If so, leaves the windows at the nominal
-/// model.
-fn switch_leads(rows: &mut Tracked<PlantCut>, list: &[Candidate], point: &[f64]) -> Result<bool, Error> {
-    let (mut leads, most) = (false, PIPELINE.switched * rows.share_with_slack());
-    for (index, candidate) in list.iter().enumerate().filter(|(_, c)| c.motion == Motion::Switch) {
-        let mut other = point.to_vec();
-        other[index] += candidate.steps[0];
-        leads |= matches!(rows.follows(&other, most), Ok(true));
-    }
-    if leads {
-        rows.reset();
-        rows.linearise(point, &[])?;
-    }
-    Ok(leads)
 }

@@ -10,28 +10,17 @@ pub struct Pipeline {
     pub late_by_hand: f64,
     /// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
     pub mostly_slack: f64,
-    /// Share of these that a switch of the model may leave where it is what was missing.
-    pub switched: f64,
     /// So many of what torques resemble are tried where they show nothing certain.
     pub hints: usize,
-    /// Windows, of which none may follow the log before a value is fitted: short falls.
-    pub plant_few: usize,
     /// How well it is known where the model needed slack torques to follow the log, rad.
     pub coarse_motion: f64,
     /// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
     pub sensor_alone: usize,
     /// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
     pub sensor_few: usize,
-    /// So many halves of a standard error the noise may be off by, by which the scatter tells it.
-    pub near: i32,
     /// Linearisations that are averaged, and the standard errors by which they lie off the fit.
     pub looks: usize,
     pub off: f64,
-    /// A linearisation that wants a value so many standard errors away has lost the motion.
-    pub lost: f64,
-    /// Frames go with the values, so that these are averaged again where they moved by more than this share of a standard error.
-    pub passes: usize,
-    pub moved: f64,
     /// Standard errors of the clock that a delay or an exposure must be larger than.
     pub doubted: f64,
     /// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
@@ -75,18 +64,12 @@ pub const PIPELINE: Pipeline = Pipeline {
     any: 0.06,
     late_by_hand: 2.0,
     mostly_slack: 0.5,
-    switched: 0.5,
     hints: 3,
-    plant_few: 8,
     coarse_motion: 1e-3,
     sensor_alone: 2,
     sensor_few: 2,
-    near: 5,
     looks: 6,
     off: 0.5,
-    lost: 6.0,
-    passes: 3,
-    moved: 0.5,
     doubted: 1.96,
     blurred: 2.0,
     same: 5e-4,

@@ -6,7 +6,7 @@ use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::residual::image::ImageCut;
-use crate::rigs::acrobot::selection::{Evaluation, lacking, study_until};
+use crate::rigs::acrobot::selection::{lacking, study_until};
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
 /// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
@@ -56,18 +56,18 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
             return Ok(plain);
         }
         plain.noise = self.scatter(&plain.study.last.point)?;
+        if !clear(&plain.noise) {
+            return Ok(plain);
+        }
         // a blur scatters too, and would hide a part of the noise that it imitates
         let mut sharp = plain.study.last.point.clone();
         let blurs: Vec<usize> =
             plain.study.active.iter().copied().filter(|index| list[*index].is_discrete()).collect();
         blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
         let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
-        // one blur that explains picture and scatter alike is the whole story
-        let imitated = plain.study.active.len() >= PIPELINE.sensor_alone && clear(&guess);
-        let Some(guess) = guess.filter(|_| clear(&plain.noise) || imitated) else { return Ok(plain) };
-        let Some(noisy) = self.likely(guess, usize::MAX, watch)? else { return Ok(plain) };
-        let simpler = noisy.study.active.len() < plain.study.active.len();
-        if clear(&noisy.noise) && (simpler || clear(&plain.noise)) {
+        let Some(guess) = guess else { return Ok(plain) };
+        let Some(noisy) = self.noisy(guess.value, usize::MAX, watch)? else { return Ok(plain) };
+        if clear(&noisy.noise) {
             return Ok(noisy);
         }
         // a scatter that one story needs and the other doesn't is no proof
@@ -80,31 +80,8 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
     fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[])?;
         let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
-        let first = self.likely(early, PIPELINE.sensor_few, watch)?;
+        let first = self.noisy(early.value, PIPELINE.sensor_few, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
-    }
-
-    /// What is found with the noise put right, or with a little more or less of it where that is all that is left: the means of what a
-    /// threshold sees say more of it than the scatter does.
-    fn likely(&mut self, guess: Noise, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
-        let Some(noisy) = self.noisy(guess.value, most, watch)? else { return Ok(None) };
-        if noisy.study.active.is_empty() || !clear(&noisy.noise) {
-            return Ok(Some(noisy));
-        }
-        let (mut there, mut best) = (self.point.to_vec(), (f64::INFINITY, guess.value));
-        for steps in -PIPELINE.near..=PIPELINE.near {
-            there[self.sensor] = (guess.value + 0.5 * f64::from(steps) * guess.error).max(0.0);
-            self.cut.reset();
-            let off = off_on_average(&Evaluation::at(self.cut, &there, &[])?);
-            if off < best.0 {
-                best = (off, there[self.sensor]);
-            }
-        }
-        let alone = |other: &Part| other.study.active.is_empty() && clear(&other.noise);
-        let Some(mut other) = self.noisy(best.1, 1, watch)?.filter(alone) else { return Ok(Some(noisy)) };
-        other.noise = other.noise.map(|noise| Noise { value: best.1, ..noise });
-        other.study.last.point[self.sensor] = best.1;
-        Ok(Some(other))
     }
 
     /// What is found with so much noise, and the noise as it is seen to be then; `None` if that is `most` or more.
@@ -143,17 +120,4 @@ fn clear(noise: &Option<Noise>) -> bool {
 fn lacks(part: &Part) -> bool {
     let study = &part.study;
     chained(&part.signals) && lacking(&study.last, &study.folds, study.explained, true)
-}
-
-/// By how much signals are off on average, in squares of standard errors: pictures that are averaged scatter the more the noisier they
-/// are, so that deviances say nothing of a noise.
-fn off_on_average(evaluation: &Evaluation) -> f64 {
-    let mut sums = vec![(0.0, 0.0); evaluation.sigmas.len()];
-    for cell in evaluation.blocks.iter().flat_map(|block| &block.cells) {
-        for ((signal, rest), sigma) in cell.signal.iter().zip(&cell.residual).zip(&cell.sigma) {
-            sums[*signal].0 += rest / sigma;
-            sums[*signal].1 += 1.0;
-        }
-    }
-    sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum * sum / count).sum()
 }

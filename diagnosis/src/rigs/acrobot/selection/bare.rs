@@ -10,18 +10,7 @@ use crate::rigs::acrobot::selection::policy::SELECTION;
 
 /// The model without an effect, with the columns of all who might stand in its place.
 pub(super) struct Bare {
-    at: Evaluation,
     found: Screen,
-}
-
-/// What is known of another before it is fitted.
-pub(super) enum Opinion {
-    /// So far from the effect that a fit won't bring it near.
-    Forlorn,
-    /// What a fit would find: the other's coordinate, and what is lost by it.
-    Straight { x: f64, loss: f64 },
-    /// Only a fit can tell.
-    Fit,
 }
 
 impl Bare {
@@ -42,35 +31,15 @@ impl Bare {
         cut.restore_linearised();
         let probes = all_probes(candidates, &point, &|candidate| cut.sees(candidate), &others);
         let at = Evaluation::chord(cut, &point, &probes)?;
-        let found = screen(&at, candidates, &others);
-        Ok(Self { at, found })
+        Ok(Self { found: screen(&at, candidates, &others) })
     }
 
-    /// What another would do in the place of the effect, whose fit has the deviance `own`.
-    pub(super) fn opinion(
-        &self,
-        candidates: &[Candidate],
-        (effect, index): (usize, usize),
-        own: f64,
-        temper: f64,
-    ) -> Opinion {
-        let explained = self.at.deviance() - own;
+    /// Whether another is so far from the effect that a fit won't bring it near.
+    pub(super) fn is_forlorn(&self, effect: usize, index: usize, temper: f64) -> bool {
         let hit = |index: usize| self.found.hits.iter().find(|hit| hit.candidate == index);
         let gain = |index: usize| hit(index).map_or(0.0, |hit| hit.gain);
         // against what the effect's own columns promise from here: a large effect gives more than that
         let (promised, missed) = (gain(effect), gain(effect) - gain(index));
-        if missed > HOPELESS * temper && missed > SELECTION.forlorn * promised {
-            return Opinion::Forlorn;
-        }
-        let candidate = &candidates[index];
-        if explained > SELECTION.small * temper || candidate.nonlinear || candidate.is_discrete() {
-            return Opinion::Fit;
-        }
-        match hit(index).map(|hit| (self.at.point[index] + hit.displacement, explained - hit.gain)) {
-            Some((x, loss)) if x >= candidate.range.0 && x <= candidate.range.1 => {
-                Opinion::Straight { x, loss }
-            }
-            _ => Opinion::Forlorn,
-        }
+        missed > HOPELESS * temper && missed > SELECTION.forlorn * promised
     }
 }

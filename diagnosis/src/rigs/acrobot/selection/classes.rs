@@ -4,7 +4,7 @@
 //! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
 
 use super::Step;
-use super::bare::{Bare, Opinion};
+use super::bare::Bare;
 use super::evaluation::Evaluation;
 use super::refit::{own_fit, refit, refit_towards, settled};
 use super::starts::starts;
@@ -84,10 +84,8 @@ pub fn alternatives(
             Some(known) => known,
             none => none.insert(Bare::of(cut, candidates, last, active, effect)?),
         };
-        match bare.opinion(candidates, (effect, index), seat.own, seat.temper) {
-            Opinion::Forlorn => {}
-            Opinion::Straight { x, loss } => all.push((index, x, loss)),
-            Opinion::Fit => all.extend(seat.fitted(cut, index)?),
+        if !bare.is_forlorn(effect, index, seat.temper) {
+            all.extend(seat.fitted(cut, index)?);
         }
     }
     cut.restore(&seat.nuisances);

@@ -18,9 +18,6 @@ pub struct Selection {
     /// windows by more than their columns say.
     pub doubted: f64,
     pub trials_alike: f64,
-    /// An effect whose share of the rest's variance is below this is not worth a name when the model lacks something
-    /// that no candidate gives (with much data anything becomes significant there).
-    pub least_share: f64,
     /// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
     /// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
     /// differ by what the pixel lattice does when the picture moves under it.
@@ -44,22 +41,14 @@ pub struct Selection {
     /// of each step there, and a saturation without encoders was found by such steps only.
     pub shorter: f64,
     pub shorter_seen: f64,
-    /// Squares over what noise gives from which a window is one in which the machine ran away: a fit can do without
-    /// a few such ones.
+    /// Squares over what noise gives from which a window is one in which the machine ran away.
     pub runaway: f64,
-    /// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted, and the
-    /// share of such ones up to which settling them anew was seen to help: where there are more it is the model that is wrong, and settled
-    /// anew at each linearisation a log took seven times as long and came out no better.
+    /// Standard deviations by which noise gives more squares in a window than its freedom, beyond which its start state is doubted.
     pub doubt: f64,
-    pub few_doubted: f64,
     /// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
     pub fine: f64,
     /// So many times what the next step promises, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
     pub reach: f64,
-    pub furthest: i32,
-    pub left: f64,
-    /// Fall of the deviance that a switch must bring.
-    pub switched: f64,
     /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
     pub follows: f64,
     /// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
@@ -74,9 +63,6 @@ pub struct Selection {
     pub search_most: usize,
     /// So many may be accepted and turn out superfluous at once.
     pub vain: usize,
-    /// A fit that leaves so much more than without the new effect (deviance) has led the windows elsewhere, and taken what was found
-    /// before away with it.
-    pub astray: f64,
     /// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
     /// again.
     pub unsettled: f64,
@@ -98,9 +84,6 @@ pub struct Selection {
     pub together_most: usize,
     /// The share of what an effect promises that another may miss to be fitted.
     pub forlorn: f64,
-    /// An effect that explains less than this (eight standard deviations) moves the data along straight lines: fits lost what was
-    /// missed there to within 0.3 wherever it was looked at.
-    pub small: f64,
     /// Columns of which less than this share is apart are alike enough for a fit to decide.
     pub classes_alike: f64,
     /// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
@@ -135,7 +118,6 @@ pub const SELECTION: Selection = Selection {
     further: 2.5,
     doubted: 0.3,
     trials_alike: 0.8,
-    least_share: 0.03,
     large: 0.1,
     sparse: 16.0,
     sparse_trials: 4,
@@ -148,12 +130,8 @@ pub const SELECTION: Selection = Selection {
     shorter_seen: 0.3,
     runaway: 30.0,
     doubt: 5.0,
-    few_doubted: 0.15,
     fine: 1.5e-4,
     reach: 5.0,
-    furthest: 12,
-    left: 0.5,
-    switched: 200.0,
     follows: 0.2,
     apart: 1.25,
     levels: 30.0,
@@ -162,7 +140,6 @@ pub const SELECTION: Selection = Selection {
     switched_far: 8.0,
     search_most: 6,
     vain: 4,
-    astray: 100.0,
     unsettled: 1.0,
     again: 3,
     keep: 2.6,
@@ -173,7 +150,6 @@ pub const SELECTION: Selection = Selection {
     lattice: 0.02,
     together_most: 16,
     forlorn: 0.3,
-    small: 64.0,
     classes_alike: 0.03,
     alike_bent: 0.15,
     column: 0.0025,

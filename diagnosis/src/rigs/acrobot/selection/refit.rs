@@ -3,7 +3,6 @@
 use super::evaluation::Evaluation;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Probe, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
@@ -215,13 +214,12 @@ pub(super) fn ran_away(block: &Reduced) -> bool {
     block.square > SELECTION.runaway * block.freedom.max(1.0)
 }
 
-/// Some windows ran away, but few.
+/// Some windows ran away.
 fn some_ran_away(best: &Evaluation) -> bool {
-    let count = best.reduced.iter().filter(|block| ran_away(block)).count();
-    count > 0 && count as f64 <= POLICY.few_windows * best.reduced.len() as f64
+    best.reduced.iter().any(ran_away)
 }
 
-/// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves, but in few.
+/// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves.
 fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
     let mut sigmas = cut.signals().iter().zip(&best.sigmas);
     let fine =
@@ -230,12 +228,11 @@ fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
         return false;
     }
     let doubted =
-        |block: &&Reduced| block.square > block.freedom + SELECTION.doubt * (2.0 * block.freedom).sqrt();
-    let count = best.reduced.iter().filter(doubted).count();
-    count > 0 && count as f64 <= SELECTION.few_doubted * best.reduced.len() as f64
+        |block: &Reduced| block.square > block.freedom + SELECTION.doubt * (2.0 * block.freedom).sqrt();
+    best.reduced.iter().any(doubted)
 }
 
-/// Sums over the blocks; where the arm sticks, without the few that ran away: a start state may be lost there that is found again with
+/// Sums over the blocks; where the arm sticks, without those that ran away: a start state may be lost there that is found again with
 /// another friction, and no tangent says so.
 fn followed(best: &Evaluation, candidates: &[Candidate], free: &[usize]) -> Reduced {
     if !some_ran_away(best) || !free.iter().any(|index| candidates[*index].sticks()) {

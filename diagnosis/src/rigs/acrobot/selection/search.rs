@@ -218,7 +218,6 @@ impl<'a> Search<'a> {
 
     /// Switches it on, from `point`, settles all, and drops what became superfluous.
     fn accept(&mut self, candidate: usize, mut point: Vec<f64>, step: &mut Step) -> Result<(), Error> {
-        let before = (self.active.clone(), self.last.point.clone(), self.last.deviance());
         self.class = None;
         self.active.push(candidate);
         // windows that needed slack torques may follow the log by themselves now
@@ -227,21 +226,7 @@ impl<'a> Search<'a> {
         self.last = look(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.again()?);
         step.rest.1 = rest(&self.last);
-        let compared = !self.cut.policy().lattice || self.cut.policy().free_pose;
-        let astray = compared
-            && !self.cut.policy().discrepancy_dominated
-            && self.last.deviance() > before.2 + SELECTION.astray;
-        // what went with one that didn't stay itself comes back
-        let for_nothing = step.dropped.contains(&candidate) && step.dropped.len() > 1;
-        if !astray && !for_nothing {
-            self.refused.extend(&step.dropped);
-        } else {
-            (step.dropped, step.rest.1) = (vec![candidate], step.rest.0);
-            self.refused.push(candidate);
-            self.active = before.0;
-            self.cut.reset();
-            self.last = look(self.cut, self.candidates, &before.1, &self.active)?;
-        }
+        self.refused.extend(&step.dropped);
         Ok(())
     }
 

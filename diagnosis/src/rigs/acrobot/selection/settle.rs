@@ -4,7 +4,6 @@ use super::Step;
 use super::classes::{Alternative, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit_closely;
-use super::trials::stamped_late;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::policy::POLICY;
@@ -37,10 +36,9 @@ pub(super) fn second_opinion(
     let others = alternatives(cut, candidates, last, active, candidate, steps, watch)?;
     let kept = cut.nuisances.clone();
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
-    let late = stamped_late(&candidates[candidate], last.point[candidate], cut.policy().clock_doubt);
-    let better = if late { POLICY.clock_behind } else { SELECTION.better };
     let first = others.first().filter(|best| !before.contains(&best.candidate));
-    let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + better) else {
+    let Some(best) = first.filter(|best| best.candidate != candidate && own > best.loss + SELECTION.better)
+    else {
         return Ok(Opinion::Stays(others));
     };
     let mut point = last.point.clone();

@@ -23,8 +23,6 @@ pub struct Steadiness {
     pub fall: f64,
     /// See `fall`.
     pub apart: f64,
-    /// By how much blocks scatter more than noise makes them: falls of squares were divided by it.
-    pub over: f64,
     /// Drift of x within the runs, a second, and how many standard errors that is.
     pub drift: (f64, f64),
 }
@@ -62,7 +60,7 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
     let fall = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
     let apart = fall - score * score / length / over;
-    Some(Steadiness { runs, mean: score / length, fall, apart, over, drift })
+    Some(Steadiness { runs, mean: score / length, fall, apart, drift })
 }
 
 fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {

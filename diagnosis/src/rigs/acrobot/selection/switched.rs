@@ -53,7 +53,7 @@ pub(super) fn switched(
         // half a law of motion less and every window follows, or it isn't that
         let follows = trial.discrepancy_sd <= SELECTION.follows * last.discrepancy_sd;
         let fall = last.deviance() - trial.deviance();
-        if follows && fall > SELECTION.switched.max(best.as_ref().map_or(0.0, |best| best.1)) {
+        if follows && fall > best.as_ref().map_or(0.0, |best| best.1) {
             best = Some((index, fall, trial));
         }
     }

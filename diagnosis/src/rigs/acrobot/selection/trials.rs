@@ -70,11 +70,7 @@ impl Trials<'_> {
             let own = &self.candidates[candidate];
             let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Saturation { .. });
             let held_out = self.held_out(&trial, candidate, by_columns);
-            let before = self.last.under(&trial);
-            let share = 1.0 - trial.total.square / before.total.square;
-            let enough =
-                share >= SELECTION.least_share || self.last.total.square < 1.5 * self.last.total.freedom;
-            if held_out.1 < held_out.0 && enough {
+            if held_out.1 < held_out.0 {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
             refused.push(candidate);

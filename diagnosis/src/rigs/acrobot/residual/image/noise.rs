@@ -82,10 +82,8 @@ impl ImageCut {
             _ => from,
         };
         let clear = apart.mean.abs() > POLICY.clear * apart.error;
-        // a sensor without noise can't have less: poses are known better than they need be; and what scatters by less than the
-        // least noise is none
-        let within = |least: Option<Scatter>| least.is_some_and(|least| compare(&seen, &least).mean < 0.0);
-        let none = nominal == 0.0 && (apart.mean < 0.0 || (clear && within(predicted(IMAGES.least)?)));
+        // a sensor without noise can't have less: poses are known better than they need be
+        let none = nominal == 0.0 && apart.mean < 0.0;
         if none || !clear {
             return Ok(Some(Noise {
                 nominal,
@@ -114,7 +112,7 @@ impl ImageCut {
         let there = compare(&seen, &there);
         let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
         let error = value * there.error / slope.max(0.1);
-        Ok(Some(Noise { nominal, value, error, detectable, clear: there.worst < IMAGES.alike }))
+        Ok(Some(Noise { nominal, value, error, detectable, clear: true }))
     }
 
     /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
@@ -197,8 +195,6 @@ struct Ratio {
     mean: f64,
     /// Its standard error.
     error: f64,
-    /// Standard deviations by which the worst channel lies off the mean: noise scatters all alike, a wrong pose doesn't.
-    worst: f64,
 }
 
 fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
@@ -211,6 +207,5 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
         .collect();
     let weights: f64 = each.iter().map(|(_, error)| error.powi(-2)).sum();
     let mean = each.iter().map(|(ratio, error)| ratio / (error * error)).sum::<f64>() / weights;
-    let worst = each.iter().map(|(ratio, error)| (ratio - mean).abs() / error).fold(0.0, f64::max);
-    Ratio { mean, error: weights.sqrt().recip(), worst }
+    Ratio { mean, error: weights.sqrt().recip() }
 }

@@ -51,8 +51,6 @@ pub struct Images {
     /// To what share a predicted variance is known: right renderers cut the rim's pixels differently, and one more pixel
     /// near the threshold is a tenth of all that flicker.
     pub known: f64,
-    /// Standard deviations by which a channel may contradict the others.
-    pub alike: f64,
     /// Smallest noise that is tried where the nominal sensor has none, grey levels.
     pub least: f64,
     /// Largest ratio to the nominal one, or to the least, that is tried.
@@ -86,7 +84,6 @@ pub const IMAGES: Images = Images {
     enough: 60,
     noise_block: 25,
     known: 0.1,
-    alike: 3.5,
     least: 0.5,
     most: 64.0,
     steps: 12,

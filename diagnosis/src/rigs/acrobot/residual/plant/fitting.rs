@@ -2,10 +2,6 @@
 
 use super::*;
 
-/// How far a start state is moved where no free step helps (rad, rad/s), and the shares of it that are tried.
-const REACH: State = [1e-2, 1e-2, 0.3, 0.3];
-const HELD: [f64; 3] = [0.3, 0.03, 0.003];
-
 /// A window, simulated.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
@@ -56,26 +52,12 @@ impl PlantCut {
                     break None;
                 }
             };
-            let better = match better {
-                None if window.again => self.held(window, layout, settings, &fit),
-                better => better,
-            };
             let Some(better) = better else { break };
             let (hard, soft) = (fit.cell.hard, fit.cell.soft);
             fit = better;
             (fit.cell.hard, fit.cell.soft) = (hard, soft);
         }
         Ok(fit)
-    }
-
-    /// A step of the start state alone, held ever closer to where it is, that brings the rows closer. Where an arm sticks at the
-    /// start, one direction of its state changes nothing, and a free step runs away along it.
-    fn held(&self, window: &Window, layout: &Layout, settings: &[Setting], fit: &Fit) -> Option<Fit> {
-        HELD.iter().find_map(|by| {
-            let start = held(fit, *by)?;
-            let trial = self.fit(window, layout, settings, start, fit.slack.clone()).ok()?;
-            (square(&trial.cell) < square(&fit.cell)).then_some(trial)
-        })
     }
 
     /// As `settle`, with the columns that are there: one simulation a step.
@@ -262,18 +244,6 @@ impl PlantCut {
 
 pub(super) fn square(cell: &Cell) -> f64 {
     cell.residual.iter().zip(&cell.sigma).map(|(rest, sigma)| (rest / sigma).powi(2)).sum()
-}
-
-/// Start state after a step that is worth a standard deviation of its own in each direction: `by` of `REACH`.
-fn held(fit: &Fit, by: f64) -> Option<State> {
-    let cell = &fit.cell;
-    let weights = DVector::from_iterator(cell.sigma.len(), cell.sigma.iter().map(|sigma| sigma.powi(-2)));
-    let weighted =
-        DMatrix::from_fn(cell.hard.nrows(), 4, |row, place| weights[row] * cell.hard[(row, place)]);
-    let mut normal = cell.hard.tr_mul(&weighted);
-    (0..4).for_each(|place| normal[(place, place)] += (by * REACH[place]).powi(-2));
-    let shift = normal.cholesky()?.solve(&weighted.tr_mul(&DVector::from_column_slice(&cell.residual)));
-    Some(std::array::from_fn(|place| fit.start[place] + shift[place]))
 }
 
 /// Start state and slack torques after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard

@@ -14,24 +14,10 @@ impl PlantCut {
         self.correct_log(point);
         self.begin_anew();
         let settings = self.settings(point, None)?;
-        let total = self.windows.len();
-        let (mut slackened, mut seen) = (0, 0);
-        // a part at a time, spread over all runs: often half of them say enough
-        for part in 0..WINDOWS.shares {
-            let some: Vec<&Window> = self.windows.iter().skip(part).step_by(WINDOWS.shares).collect();
-            seen += some.len();
-            let each: Vec<bool> =
-                some.par_iter().map(|window| self.strays(window, &settings)).collect::<Result<_, _>>()?;
-            slackened += each.into_iter().filter(|slackened| *slackened).count();
-            let share = |count: usize| count as f64 / total.max(1) as f64;
-            if share(slackened) > most {
-                return Ok(false);
-            }
-            if share(slackened + total - seen) <= most {
-                break;
-            }
-        }
-        Ok(true)
+        let each = self.windows.par_iter().map(|window| self.strays(window, &settings));
+        let strays: Vec<bool> = each.collect::<Result<_, _>>()?;
+        let count = strays.iter().filter(|strays| **strays).count();
+        Ok(count as f64 <= most * strays.len() as f64)
     }
 
     /// Far more than noise is left.

@@ -3,21 +3,6 @@
 use super::*;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
-/// Place of `tau_applied` among the columns.
-const TORQUE: usize = MOTION;
-
-impl PlantCut {
-    /// Whether the command jumps when a row is stamped, by more than the torque's noise hides. As it was logged: a clock that
-    /// is put right must not gain rows, or it would look likelier than what explains the others as well.
-    fn jumps(&self, run: usize, time: f64) -> bool {
-        let Some(log) = &self.runs[run].controller else { return false };
-        let time = time + self.through.as_ref().map_or(0.0, |through| through.delay);
-        let held = |at: f64| log.held("tau", at, 0.0);
-        (held(time + WINDOWS.at_once) - held(time - WINDOWS.at_once)).abs()
-            > WINDOWS.small * self.signals[TORQUE].sigma
-    }
-}
-
 /// Which simulated row goes into which bin.
 pub(super) struct Layout {
     /// Signal, rows (index among the wanted ones).
@@ -32,10 +17,7 @@ impl Layout {
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
-                let tells = |place: &usize| {
-                    let row = window.rows[*place];
-                    values[row].is_finite() && !(signal == TORQUE && cut.jumps(window.run, log.time[row]))
-                };
+                let tells = |place: &usize| values[window.rows[*place]].is_finite();
                 let rows: Vec<usize> = chunk.iter().copied().filter(tells).collect();
                 if !rows.is_empty() {
                     bins.push((signal, rows));

@@ -34,8 +34,6 @@ pub struct Windows {
     /// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
     /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
     pub slack: f64,
-    /// Parts in which windows are asked whether they need slack torques.
-    pub shares: usize,
     /// A mean square of the whitened rest that no noise gives.
     pub far: f64,
     /// The window before says more than this one where it has no more than this share of its squares.
@@ -56,10 +54,6 @@ pub struct Windows {
     pub evenly: f64,
     /// Share of it that stamps must scatter by still with effects on.
     pub still: f64,
-    /// A torque that is logged so close (s) to a jump of the command may be that before or that after it.
-    pub at_once: f64,
-    /// A jump up to this share of the torque's noise doesn't matter.
-    pub small: f64,
     /// Length of a piece, s: friction changes its sign within one or two of them.
     pub piece: f64,
 }
@@ -83,7 +77,6 @@ pub const WINDOWS: Windows = Windows {
     lost: 20.0,
     growth: 7.0,
     slack: 4.0,
-    shares: 8,
     far: 4.0,
     better: 0.3,
     doubt: 3.0,
@@ -93,7 +86,5 @@ pub const WINDOWS: Windows = Windows {
     events: 0.1,
     evenly: 0.3,
     still: 0.5,
-    at_once: 2e-4,
-    small: 0.3,
     piece: 6e-3,
 };

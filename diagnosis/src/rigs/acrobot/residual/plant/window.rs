@@ -108,8 +108,6 @@ pub(super) struct Window {
     pub(super) kept: Option<Arc<Kept>>,
     /// The fit without slack torques of the last linearisation: by it the window got slack torques, or not.
     pub(super) free: Option<Arc<super::fitting::Fit>>,
-    /// It was lost, and is begun anew: its fit tries harder.
-    pub(super) again: bool,
 }
 
 impl Window {
@@ -125,7 +123,6 @@ impl Window {
             slack: vec![0.0; self.slack.len()],
             kept: None,
             free: None,
-            again: true,
         }
     }
 
@@ -238,7 +235,6 @@ pub(super) fn cut_run(
                 slack: vec![0.0; 2 * WINDOWS.parts],
                 kept: None,
                 free: None,
-                again: false,
             });
         }
         from = to.max(from + 1);

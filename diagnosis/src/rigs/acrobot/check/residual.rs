@@ -17,14 +17,14 @@ use crate::statistics::linear::bare;
 fn block_means(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> Vec<(f64, f64)> {
     let mut means = vec![(0.0, 0.0, 0.0, 0.0); signals.len()];
     for block in &evaluation.blocks {
-        for s in 0..signals.len() {
+        for (s, sums) in means.iter_mut().enumerate() {
             let rows: Vec<f64> = whitened(block, s, accounted);
             if rows.len() > 3 {
                 let mean = rows.iter().sum::<f64>() / rows.len() as f64;
-                means[s].0 += mean * mean * rows.len() as f64;
-                means[s].1 += rows.iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
-                means[s].2 += rows.len() as f64;
-                means[s].3 += 1.0;
+                sums.0 += mean * mean * rows.len() as f64;
+                sums.1 += rows.iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
+                sums.2 += rows.len() as f64;
+                sums.3 += 1.0;
             }
         }
     }

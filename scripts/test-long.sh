@@ -20,6 +20,10 @@ for unit in "${units[@]}"; do
         target/release/xtask fuzz --sequences 1000 --limit 600 "$unit"
 done
 
+step "Runs that are killed 50 times and resumed leave the same bytes"
+cargo build --quiet --release --package acroscope
+for scenario in visual-servo dual-loop; do .venv/bin/python scripts/kills.py --scenario "$scenario" --stop 100; done
+
 step "Same source, same bytes"
 cargo xtask same-bytes
 

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::folder::Folder;
-use crate::run_report::clear_pictures;
+use crate::run_report::{Dated, clear_pictures, dated_pictures};
 use orchestrator::{Checkpoint, Column, CsvRecorder, Position, Recorder, Row, Waiting};
 use std::fs::File;
 
@@ -12,6 +12,8 @@ pub struct Results<'a> {
     folder: &'a Folder,
     /// Of an earlier run, without those that are gone on with.
     files: Vec<&'static str>,
+    /// Likewise. Units write pictures from their initialisation on, before the folder is taken over.
+    pictures: Dated,
     resolved: &'a str,
     /// How far the rows of a checkpoint reach.
     from: Option<Position>,
@@ -23,15 +25,27 @@ pub struct Results<'a> {
 const ROWS: &str = "results.csv";
 
 impl<'a> Results<'a> {
-    /// New ones, in place of these files.
-    pub fn new(folder: &'a Folder, files: &[&'static str], resolved: &'a str) -> Self {
-        Self { folder, files: files.to_vec(), resolved, from: None, csv: None, failed: None }
+    /// New ones, in place of these files and of the pictures that are there now.
+    ///
+    /// # Errors
+    /// The folder of pictures can't be read.
+    pub fn new(folder: &'a Folder, files: &[&'static str], resolved: &'a str) -> Result<Self, Error> {
+        let pictures = dated_pictures(&folder.file("frames"))?;
+        Ok(Self { folder, files: files.to_vec(), pictures, resolved, from: None, csv: None, failed: None })
     }
 
     /// Those that a checkpoint left; these files give way but for the rows.
-    pub fn resumed(folder: &'a Folder, files: &[&'static str], resolved: &'a str, from: &Checkpoint) -> Self {
+    ///
+    /// # Errors
+    /// As [`Results::new`].
+    pub fn resumed(
+        folder: &'a Folder,
+        files: &[&'static str],
+        resolved: &'a str,
+        from: &Checkpoint,
+    ) -> Result<Self, Error> {
         let others: Vec<&str> = files.iter().copied().filter(|file| *file != ROWS).collect();
-        Self { from: Some(from.position()), ..Self::new(folder, &others, resolved) }
+        Ok(Self { from: Some(from.position()), ..Self::new(folder, &others, resolved)? })
     }
 
     /// Whether the folder is theirs.
@@ -50,7 +64,7 @@ impl<'a> Results<'a> {
         let resumed = self.from.map(|position| CsvRecorder::resume(&rows, position)).transpose()?;
         self.folder.clear(&self.files)?;
         if resumed.is_none() {
-            clear_pictures(&self.folder.file("frames"))?;
+            clear_pictures(&self.pictures)?;
         }
         self.folder.write("resolved.toml", self.resolved)?;
         Ok(resumed.map_or_else(|| CsvRecorder::create(rows), Ok)?)

@@ -102,10 +102,22 @@ fn law_results_go_where_they_were_asked_to_though_a_unit_changes_the_folder() {
 
 #[test]
 fn law_a_unit_that_hangs_is_named_when_somebody_ends_it() {
+    is_named_when_it_hangs(&scenario_of(14));
+}
+
+#[test]
+fn law_a_unit_that_hangs_in_a_thread_of_its_own_is_named_as_well() {
+    let parallel = "stop = 1, algorithm = \"parallel-jacobi\", options = { threads = 2 }";
+    let beside = "[[units]]\nname = \"b\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n";
+    is_named_when_it_hangs(&(scenario_of(14).replace("stop = 1", parallel) + beside));
+}
+
+/// Of a scenario whose unit `a` hangs in its step from 0.375 s.
+fn is_named_when_it_hangs(text: &str) {
     let units = Units::new();
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let scenario = units.path().join("scenario.toml");
-    std::fs::write(&scenario, scenario_of(14)).expect("writable");
+    std::fs::write(&scenario, text).expect("writable");
     let child = Command::new(env!("CARGO_BIN_EXE_acroscope"))
         .arg("run")
         .args([scenario.as_os_str(), "--out".as_ref(), folder.path().as_os_str()])

@@ -60,21 +60,21 @@ pub enum Stepped {
 
 /// An instance.
 pub struct Instance {
-    interface: Interface,
-    guid: String,
+    pub(crate) interface: Interface,
+    pub(crate) guid: String,
     scenario: Scenario,
     units: UnitPath,
-    simulation: Simulation,
-    mode: Mode,
+    pub(crate) simulation: Simulation,
+    pub(crate) mode: Mode,
     /// In initialisation mode: something was set since the units were initialised.
-    stale: bool,
+    pub(crate) stale: bool,
     /// Start and stop, as `fmi2SetupExperiment` gave them.
-    experiment: Option<(f64, Option<f64>)>,
+    pub(crate) experiment: Option<(f64, Option<f64>)>,
     /// Current communication point in s.
-    time: f64,
-    starts: BTreeMap<u32, Value>,
-    saved: BTreeMap<usize, State>,
-    next_handle: usize,
+    pub(crate) time: f64,
+    pub(crate) starts: BTreeMap<u32, Value>,
+    pub(crate) saved: BTreeMap<usize, State>,
+    pub(crate) next_handle: usize,
 }
 
 impl Instance {
@@ -139,23 +139,42 @@ impl Instance {
     }
 
     /// The scenario built anew, with what was set before the start.
-    fn rebuild(&mut self) -> Result<(), Error> {
+    pub(crate) fn rebuild(&mut self) -> Result<(), Error> {
         let mut scenario = self.scenario.clone();
+        let exact = |time: f64| Rational::recover(&Value::Real(time).to_string()).map(|(time, _)| time);
         if let Some((start, _)) = self.experiment.filter(|(start, _)| *start != scenario.start.to_f64()) {
-            let text = orchestrator::Value::Real(start).to_string();
             let expected = || "a time that fits 64-bit fractions".to_owned();
-            let moved = Rational::recover(&text).map(|(start, _)| start);
             let wrong = || Error::Argument { argument: "startTime", value: start, expected: expected() };
-            scenario.start = moved.ok_or_else(wrong)?;
+            scenario.start = exact(start).ok_or_else(wrong)?;
             // The stop inside plays no part but for the tick.
             scenario.stop = scenario.start;
         }
-        self.simulation = Simulation::new(&scenario, &self.units)?;
-        self.simulation.open_end(self.experiment.and_then(|(_, stop)| stop));
+        let stop = self.experiment.and_then(|(_, stop)| stop);
+        let ending = stop.and_then(exact).map(|stop| {
+            let mut ending = scenario.clone();
+            ending.stop = stop;
+            ending
+        });
+        // A stop that has no common tick with the rest is one that no step ends at.
+        let built = ending.map(|ending| Simulation::new(&ending, &self.units)).and_then(Result::ok);
+        self.simulation = match built {
+            Some(simulation) => simulation,
+            None => Simulation::new(&scenario, &self.units)?,
+        };
+        self.end(stop);
         for (reference, value) in &self.starts {
             self.simulation.set(&self.interface.variables[*reference as usize].name, value.clone())?;
         }
         Ok(())
+    }
+
+    /// Has the units end at the master's stop, if it gives one; false where none of their steps can.
+    fn end(&mut self, stop: Option<f64>) -> bool {
+        let ends = stop.is_none_or(|stop| self.simulation.end_at(stop));
+        if stop.is_none() || !ends {
+            self.simulation.open_end(stop);
+        }
+        ends
     }
 
     /// `fmi2SetupExperiment`.
@@ -171,9 +190,8 @@ impl Instance {
             return refused("stopTime", stop, "a finite number that is not before startTime is needed");
         }
         let before = self.experiment.replace((start, stop));
-        if start == self.simulation.span().0 {
-            self.simulation.open_end(stop);
-        } else if let Err(error) = self.rebuild() {
+        let fits = start == self.simulation.span().0 && self.end(stop);
+        if !fits && let Err(error) = self.rebuild() {
             self.experiment = before;
             return Err(error);
         }
@@ -333,79 +351,5 @@ impl Instance {
         }
         (self.mode, self.stale, self.time) = (Mode::Instantiated, true, 0.0);
         Ok(())
-    }
-
-    fn state(&mut self) -> Result<State, Error> {
-        if !self.interface.saves {
-            let expected = "a unit inside can't save its state (canGetAndSetFMUstate, canSerializeFMUstate)";
-            return Err(Error::NotProvided { what: "the state", expected });
-        }
-        if matches!(self.mode, Mode::Error | Mode::Ended | Mode::Terminated) {
-            return Err(Error::Illegal { mode: self.mode.name() });
-        }
-        let runs = self.mode == Mode::Step || self.mode == Mode::Initialization && !self.stale;
-        let inside = if runs { Some(self.simulation.save()?) } else { None };
-        let Self { mode, time, experiment, .. } = *self;
-        Ok(State { mode, time, experiment, starts: self.starts.clone(), inside })
-    }
-
-    fn restore(&mut self, state: State) -> Result<(), Error> {
-        let anew = self.experiment != state.experiment || self.starts != state.starts;
-        (self.experiment, self.starts) = (state.experiment, state.starts);
-        if anew || state.inside.is_none() {
-            self.rebuild()?;
-        }
-        self.stale = state.inside.is_none();
-        if let Some(inside) = &state.inside {
-            self.simulation.go_back(inside)?;
-        }
-        (self.mode, self.time) = (state.mode, state.time);
-        Ok(())
-    }
-
-    /// `fmi2GetFMUstate`: under a new handle, or in place of a known one.
-    pub fn get_state(&mut self, handle: usize) -> Result<usize, Error> {
-        if handle != 0 && !self.saved.contains_key(&handle) {
-            return Err(Error::UnknownState(handle));
-        }
-        let state = self.state()?;
-        let handle = if handle == 0 { self.new_handle() } else { handle };
-        self.saved.insert(handle, state);
-        Ok(handle)
-    }
-
-    /// Grows by so much that it looks like an aligned address to a master that prints it.
-    fn new_handle(&mut self) -> usize {
-        let handle = self.next_handle * 16;
-        self.next_handle += 1;
-        handle
-    }
-
-    fn known(&self, handle: usize) -> Result<&State, Error> {
-        self.saved.get(&handle).ok_or(Error::UnknownState(handle))
-    }
-
-    /// `fmi2SetFMUstate`.
-    pub fn set_state(&mut self, handle: usize) -> Result<(), Error> {
-        let state = self.known(handle)?.clone();
-        self.restore(state).inspect_err(|_| self.mode = Mode::Error)
-    }
-
-    /// `fmi2FreeFMUstate`.
-    pub fn free_state(&mut self, handle: usize) -> Result<(), Error> {
-        self.saved.remove(&handle).map(drop).ok_or(Error::UnknownState(handle))
-    }
-
-    /// `fmi2SerializeFMUstate`.
-    pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Error> {
-        self.known(handle)?.to_bytes(&self.guid)
-    }
-
-    /// `fmi2DeSerializeFMUstate`.
-    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Error> {
-        let state = State::from_bytes(bytes, &self.guid)?;
-        let handle = self.new_handle();
-        self.saved.insert(handle, state);
-        Ok(handle)
     }
 }

@@ -12,6 +12,7 @@ mod error;
 mod instance;
 mod interface;
 mod pack;
+mod saving;
 mod state;
 mod xml;
 

@@ -254,3 +254,32 @@ fn every_illegal_call_is_refused_with_its_reason() {
     instance.terminate().expect("terminated");
     assert!(told(instance.do_step(0.1, 0.1).map(drop)).contains("\"terminated\""));
 }
+
+#[test]
+fn law_units_inside_take_the_shorter_last_step_that_they_take_outside() {
+    let folder = Folder::new();
+    let text = SCENARIO.replace("drop = 0.2\n", "");
+    std::fs::write(folder.0.path().join("scenario.toml"), &text).expect("writable");
+    // A tick of the scenario that is a point of no unit, and a time between ticks.
+    for stop in [0.37, 0.3704] {
+        let mut scenario = Scenario::load(folder.0.path().join("scenario.toml")).expect("a scenario");
+        scenario.set_stop(&stop.to_string()).expect("a time");
+        let rows = outside(&scenario);
+        assert_eq!(rows.last().expect("rows").0, stop);
+        for steps in [1, 10, 37] {
+            let mut instance = folder.instance();
+            // Twice: the end is that of the experiment, not of the instance.
+            for stop in [stop / 2.0, stop] {
+                instance.reset().expect("reset");
+                instance.setup_experiment(0.0, Some(stop)).expect("set up");
+                instance.enter_initialization().expect("entered");
+                instance.exit_initialization().expect("left");
+                for step in 0..steps {
+                    let at = |step: i32| stop * f64::from(step) / f64::from(steps);
+                    instance.do_step(at(step), at(step + 1) - at(step)).expect("stepped");
+                }
+            }
+            assert_eq!(values(&mut instance), rows.last().expect("rows").1, "{stop} in {steps} steps");
+        }
+    }
+}

@@ -84,8 +84,7 @@ pub(crate) struct Rescued;
 impl Rescued {
     pub(crate) fn new(rescue: Rescue) -> Self {
         RESCUE.set(Some(rescue));
-        let running = UNIT.with(|unit| FUNCTION.with(|function| Running { unit, function, rescue }));
-        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).push(running);
+        Running::enter(rescue);
         Self
     }
 }
@@ -93,8 +92,7 @@ impl Rescued {
 impl Drop for Rescued {
     fn drop(&mut self) {
         RESCUE.set(None);
-        let mine = UNIT.with(ptr::from_ref);
-        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).retain(|run| run.unit != mine);
+        Running::leave();
     }
 }
 
@@ -113,11 +111,18 @@ pub(crate) fn rescue() -> Shared {
 }
 
 impl Shared {
-    /// Does something with a unit in this thread as if it were the run's own.
+    /// Does something with a unit in this thread as if it were the run's own. A unit that does not come back is found there, too.
     pub(crate) fn adopt(self, work: impl FnOnce()) {
         let before = RESCUE.replace(self.0);
+        let is_the_runs = before.is_some();
+        if let Some(rescue) = self.0.filter(|_| !is_the_runs) {
+            Running::enter(rescue);
+        }
         work();
         leave();
+        if !is_the_runs {
+            Running::leave();
+        }
         RESCUE.set(before);
     }
 }
@@ -163,7 +168,7 @@ fn called(unit: &AtomicPtr<Label>, function: &AtomicU8) -> Option<(&'static str,
     Some((&unit.0, function.map_or("a call", Function::name)))
 }
 
-/// A run of some thread, for [`give_up`].
+/// A thread of a run, for [`give_up`].
 struct Running {
     unit: *const AtomicPtr<Label>,
     function: *const AtomicU8,
@@ -172,6 +177,20 @@ struct Running {
 
 // SAFETY: what it points to belongs to a run that takes it off the list, under the lock, before it ends.
 unsafe impl Send for Running {}
+
+impl Running {
+    /// This thread is on the list from now on.
+    fn enter(rescue: Rescue) {
+        let running = UNIT.with(|unit| FUNCTION.with(|function| Running { unit, function, rescue }));
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).push(running);
+    }
+
+    /// It is no longer.
+    fn leave() {
+        let mine = UNIT.with(ptr::from_ref);
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).retain(|run| run.unit != mine);
+    }
+}
 
 static RUNNING: Mutex<Vec<Running>> = Mutex::new(Vec::new());
 

@@ -4,9 +4,10 @@
 
 use crate::error::Error;
 use crate::graph;
+use crate::link::{Link, feed_into};
 use crate::newton;
 use crate::recorder::Slot;
-use crate::system::{Link, Point, System, feed_into};
+use crate::system::{Point, System};
 use crate::value::{Kind, Value};
 use crate::wiring::{Connection, Names, Variable};
 use std::collections::HashMap;

@@ -1,6 +1,8 @@
 //! What a master needs beside [`Simulation`]'s own calls that runs a scenario inside another system.
 
 use crate::simulation::{Phase, Simulation};
+use crate::time::Rational;
+use crate::value::Value;
 use crate::wiring::Wiring;
 
 impl Simulation {
@@ -16,8 +18,35 @@ impl Simulation {
         self.reset();
     }
 
+    /// The run ends at a stop of such a master, and not at the scenario's: units that can do so take a shorter last step to it.
+    /// False, and nothing is changed, where the stop is no multiple of the tick. To be called before the start.
+    pub fn end_at(&mut self, stop: f64) -> bool {
+        let Wiring { system, clock, start, told_stop, last_points, .. } = &mut self.wiring;
+        let exact = Rational::recover(&Value::Real(stop).to_string());
+        let Some(ticks) = exact.and_then(|(exact, _)| clock.ticks(exact)).filter(|ticks| clock.holds(*ticks))
+        else {
+            return false;
+        };
+        *told_stop = Some(stop);
+        last_points.clear();
+        system.stop = ticks;
+        let tick = clock.tick();
+        for unit in &mut system.units {
+            let offset = unit.first.map_or(0, |(offset, _)| offset);
+            let run = ticks - start.ticks;
+            let odd = if run < offset { run } else { (run - offset) % unit.interval };
+            let takes = unit.instance.fmu().description().co_simulation.can_handle_variable_step && odd > 0;
+            let size = || {
+                Rational::new(i128::from(odd) * i128::from(tick.numerator()), i128::from(tick.denominator()))
+            };
+            unit.last = takes.then(size).flatten().map(|size| (odd, size.to_f64()));
+        }
+        self.reset();
+        true
+    }
+
     /// The exact time of which all intervals, delays, start and stop are multiples.
-    pub fn tick(&self) -> crate::time::Rational {
+    pub fn tick(&self) -> Rational {
         self.wiring.clock.tick()
     }
 

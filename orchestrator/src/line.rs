@@ -5,8 +5,9 @@
 //! before it was sent. Of what has arrived the newest by the time of sending counts: a sample that was overtaken changes
 //! nothing any more. Numbers are drawn by seed, connection and n, so that nothing else moves them.
 
+use crate::link::Link;
 use crate::noise::Draw;
-use crate::system::{Link, Values};
+use crate::system::Values;
 use crate::value::Value;
 use std::collections::VecDeque;
 

@@ -6,13 +6,12 @@ use crate::error::Error;
 use crate::fmu::{Instance, Status};
 use crate::guard;
 use crate::line::Line;
+use crate::link::{Conversion, Feed, Link, feed_into};
 use crate::recorder::Slot;
 use crate::rollback::{By, Rollback};
-use crate::source::Signal;
 use crate::text::Text;
 use crate::time::Clock;
 use crate::value::{Kind, Value};
-use std::sync::Arc;
 
 /// A point in time: exact, and as the units get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,62 +48,6 @@ impl Values {
             _ => debug_assert!(false, "{value} in {slot:?}"),
         }
     }
-}
-
-/// How a value changes on its way through a connection.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Conversion {
-    /// Not at all.
-    Same,
-    /// To another unit of the same quantity: gain · value + bias.
-    /// A number of another type for a Real, too.
-    Affine { gain: f64, bias: f64 },
-    /// To another type, then perhaps to another unit.
-    Type,
-    /// Single Integers or Booleans to others, then perhaps to another type.
-    Table(Arc<[(i32, i32)]>),
-}
-
-/// The ends of a connection.
-#[derive(Debug, Clone)]
-pub(crate) struct Link {
-    pub(crate) from: Slot,
-    pub(crate) to: Slot,
-    pub(crate) conversion: Conversion,
-}
-
-impl Link {
-    pub(crate) fn convert(&self, value: Value) -> Value {
-        match (&self.conversion, self.to, &value) {
-            (Conversion::Table(table), to, Value::Integer(_) | Value::Boolean(_)) => {
-                let code = if let Value::Integer(code) = value {
-                    code
-                } else {
-                    i32::from(value == Value::Boolean(true))
-                };
-                let code = table.iter().find(|(from, _)| *from == code).map_or(code, |(_, to)| *to);
-                match to {
-                    Slot::Boolean(_) => Value::Boolean(code != 0),
-                    _ => Value::Integer(code),
-                }
-            }
-            (Conversion::Affine { gain, bias }, ..) => {
-                Value::Real(gain * value.as_f64().unwrap_or(f64::NAN) + bias)
-            }
-            (Conversion::Same, ..) => value,
-            (_, Slot::Real(_), _) => Value::Real(value.as_f64().unwrap_or(f64::NAN)),
-            (_, Slot::Integer(_), Value::Boolean(value)) => Value::Integer(i32::from(*value)),
-            (_, Slot::Boolean(_), Value::Integer(value)) => Value::Boolean(*value != 0),
-            _ => value,
-        }
-    }
-}
-
-/// A signal from outside.
-#[derive(Debug, Clone)]
-pub(crate) struct Feed {
-    pub(crate) signal: Signal,
-    pub(crate) to: Slot,
 }
 
 /// One unit, ready to step.
@@ -173,39 +116,21 @@ pub(crate) struct Due<'a> {
 }
 
 impl System {
-    /// Hands over the units whose steps end at a point, in the order of the scenario.
+    /// Hands over the units whose steps end at a point, in the order of the scenario, or with `DERIVED` in the derived one.
     #[inline(always)]
-    pub(crate) fn each_ending(
+    pub(crate) fn each_ending<const DERIVED: bool>(
         &mut self,
         point: Point,
         mut work: impl FnMut(Due<'_>) -> Result<(), Box<Error>>,
     ) -> Result<(), Box<Error>> {
         let (values, stop) = (&mut self.values, self.stop);
-        let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
+        let (units, lines) = (self.units.as_mut_slice(), self.lines.as_mut_slice());
+        let ends = &mut self.ends[..units.len()];
         let mut next = i64::MAX;
-        for (index, unit) in self.units.iter_mut().enumerate() {
+        for place in 0..units.len() {
+            let index = if DERIVED { self.order[place] } else { place };
             if ends[index] == point.ticks {
-                work(Due { unit, index, ends, lines, values, stop, point })?;
-            }
-            next = next.min(ends[index]);
-        }
-        self.next = next;
-        Ok(())
-    }
-
-    /// The same in the derived order.
-    #[inline(always)]
-    pub(crate) fn each_ending_in_order(
-        &mut self,
-        point: Point,
-        mut work: impl FnMut(Due<'_>) -> Result<(), Box<Error>>,
-    ) -> Result<(), Box<Error>> {
-        let (values, stop) = (&mut self.values, self.stop);
-        let (ends, lines) = (self.ends.as_mut_slice(), self.lines.as_mut_slice());
-        let mut next = i64::MAX;
-        for &index in &self.order {
-            if ends[index] == point.ticks {
-                let unit = &mut self.units[index];
+                let unit = &mut units[index];
                 work(Due { unit, index, ends, lines, values, stop, point })?;
             }
             next = next.min(ends[index]);
@@ -430,15 +355,4 @@ fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Er
         });
     }
     Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
-}
-
-/// Writes a signal's value at a time into its slot.
-pub(crate) fn feed_into(feed: &mut Feed, values: &mut Values, time: f64) {
-    let value = feed.signal.at(time);
-    match feed.to {
-        Slot::Real(at) => values.reals[at as usize] = value,
-        Slot::Integer(at) => values.integers[at as usize] = value as i32,
-        Slot::Boolean(at) => values.integers[at as usize] = i32::from(value != 0.0),
-        Slot::String(_) => {}
-    }
 }

@@ -94,8 +94,8 @@ pub fn carry_out(
     let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
     let resolved = simulation.resolved();
     let mut results = match &from {
-        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint),
-        None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved),
+        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?,
+        None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved)?,
     };
     let mut recorder = Twice(&mut results, also);
     let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);

@@ -10,7 +10,7 @@ pub mod timing;
 mod verdict;
 
 pub use layout::Layout;
-pub use picture::{clear as clear_pictures, pictures};
+pub use picture::{Dated, clear as clear_pictures, dated as dated_pictures, pictures};
 pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;

@@ -5,6 +5,7 @@ use crate::error::Error;
 use report::{Page, Picture};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 impl PictureEntry {
     /// `unit.variable` of the parameter that takes the folder.
@@ -44,10 +45,24 @@ impl PictureEntry {
     }
 }
 
-/// Removes the pictures of the last run.
-pub fn clear(folder: &Path) -> Result<(), Error> {
-    for (path, _) in pictures(folder)? {
-        std::fs::remove_file(&path).map_err(Error::file(&path))?;
+/// Pictures with the times at which they were written.
+pub type Dated = Vec<(PathBuf, SystemTime)>;
+
+/// Those of a folder, by now.
+pub fn dated(folder: &Path) -> Result<Dated, Error> {
+    let dated = |(path, _): (PathBuf, u64)| {
+        let written = path.metadata().and_then(|metadata| metadata.modified()).map_err(Error::file(&path))?;
+        Ok((path, written))
+    };
+    pictures(folder)?.into_iter().map(dated).collect()
+}
+
+/// Removes pictures, but not those that were written anew since.
+pub fn clear(older: &Dated) -> Result<(), Error> {
+    for (path, written) in older {
+        if path.metadata().and_then(|metadata| metadata.modified()).is_ok_and(|now| now == *written) {
+            std::fs::remove_file(path).map_err(Error::file(path))?;
+        }
     }
     Ok(())
 }

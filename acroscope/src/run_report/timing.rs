@@ -14,6 +14,12 @@ pub fn lines(simulation: &Simulation) -> Vec<String> {
     if more {
         lines.push("there are more loops, which are less late".into());
     }
+    if loops.iter().any(|budget| budget.terms().scheme < 0.0) {
+        let algorithm = &simulation.scenario().algorithm.value;
+        lines.push(format!(
+            "a scheme below 0 is a lead: {algorithm} gives a unit values of its step's end for the whole step"
+        ));
+    }
     lines
 }
 

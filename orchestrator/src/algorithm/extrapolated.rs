@@ -10,8 +10,9 @@ use super::{Algorithm, Sees};
 use crate::error::Error;
 use crate::fmu::{Causality, Variability};
 use crate::line::Line;
+use crate::link::Conversion;
 use crate::recorder::Slot;
-use crate::system::{Conversion, Point, System, Unit};
+use crate::system::{Point, System, Unit};
 use crate::value::Kind;
 use std::collections::{HashMap, HashSet};
 

@@ -17,7 +17,7 @@ impl Algorithm for Jacobi {
 
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
-        system.each_ending(point, |unit| unit.step())
+        system.each_ending::<false>(point, |unit| unit.step())
     }
 
     #[inline(always)]

@@ -8,7 +8,6 @@ use crate::guard::{self, Label};
 use crate::isolation::Isolation;
 #[cfg(isolation)]
 use crate::isolation::Remote;
-use crate::value::{Kind, Value};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::sync::Arc;
 
@@ -343,43 +342,6 @@ impl Instance {
         let call = || unsafe { function(self.component, TERMINATED, &mut wants) };
         let status = guard::around(self.label, Function::GetBooleanStatus, call);
         status == 0 && wants != 0
-    }
-
-    /// Reads one variable.
-    pub fn get(&mut self, kind: Kind, reference: u32) -> Result<Value, Error> {
-        Ok(match kind {
-            Kind::Real => {
-                let mut value = [0.0];
-                self.get_real(&[reference], &mut value)?;
-                Value::Real(value[0])
-            }
-            Kind::Integer => {
-                let mut value = [0];
-                self.get_integer(&[reference], &mut value)?;
-                Value::Integer(value[0])
-            }
-            Kind::Boolean => {
-                let mut value = [0];
-                self.get_boolean(&[reference], &mut value)?;
-                Value::Boolean(value[0] != 0)
-            }
-            Kind::String => {
-                let mut value = [String::new()];
-                self.get_string(&[reference], &mut value)?;
-                let [text] = value;
-                Value::String(text)
-            }
-        })
-    }
-
-    /// Writes one variable.
-    pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Error> {
-        match value {
-            Value::Real(value) => self.set_real(&[reference], &[*value]),
-            Value::Integer(value) => self.set_integer(&[reference], &[*value]),
-            Value::Boolean(value) => self.set_boolean(&[reference], &[i32::from(*value)]),
-            Value::String(value) => self.set_string(&[reference], std::slice::from_ref(value)),
-        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! unpacked folder and the library live as long as any instance.
 
 mod archive;
+mod attributes;
 mod call;
 mod description;
 mod doubts;

@@ -1,8 +1,10 @@
 //! Reads `modelDescription.xml` into a [`Description`]; what is wrong is said with its line.
 
+use crate::fmu::attributes::{
+    Fault, INTEGER, NUMBER, causality, flag, initial, kind_of, parsed, required, variability,
+};
 use crate::fmu::description::{
-    BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, Traits, UnitDefinition,
-    Unknown, Variability, Variable,
+    BaseUnit, CoSimulation, DefaultExperiment, Description, Traits, UnitDefinition, Unknown, Variable,
 };
 use crate::fmu::places::{Names, Places};
 use crate::value::{Kind, Value};
@@ -37,9 +39,6 @@ const KNOWN: &[&str] = &[
     "InitialUnknowns",
     "Unknown",
 ];
-
-/// Line, what is wrong.
-type Fault = (usize, String);
 
 /// Reads a description as it streams by; an error is the line and what is wrong there.
 pub(super) fn description(text: impl Read) -> Result<Description, Fault> {
@@ -179,32 +178,6 @@ impl Shared {
         Ok(made)
     }
 }
-
-fn required<'a>(element: &'a Element, name: &str) -> Result<&'a str, Fault> {
-    element
-        .attribute(name)
-        .ok_or_else(|| (element.line, format!("<{}> lacks the attribute {name}", element.name)))
-}
-
-fn parsed<T: std::str::FromStr>(element: &Element, name: &str, what: &str) -> Result<Option<T>, Fault> {
-    let Some(text) = element.attribute(name) else { return Ok(None) };
-    let wrong = || (element.line, format!("{name}=\"{text}\" in <{}> is not {what}", element.name));
-    text.trim().parse().map(Some).map_err(|_| wrong())
-}
-
-fn flag(element: &Element, name: &str) -> Result<Option<bool>, Fault> {
-    match element.attribute(name).map(str::trim) {
-        None => Ok(None),
-        Some("true" | "1") => Ok(Some(true)),
-        Some("false" | "0") => Ok(Some(false)),
-        Some(text) => {
-            Err((element.line, format!("{name}=\"{text}\" in <{}> is neither true nor false", element.name)))
-        }
-    }
-}
-
-const NUMBER: &str = "a number";
-const INTEGER: &str = "an integer";
 
 fn co_simulation(element: &Element) -> Result<CoSimulation, Fault> {
     let flag = |name| flag(element, name).map(Option::unwrap_or_default);
@@ -364,60 +337,4 @@ fn items(declared: &Element) -> Result<Arc<[(String, i32)]>, Fault> {
             Ok((required(item, "name")?.to_owned(), value.ok_or_else(missing)?))
         })
         .collect()
-}
-
-fn kind_of(element: &str) -> Option<Kind> {
-    match element {
-        "Real" => Some(Kind::Real),
-        "Integer" | "Enumeration" => Some(Kind::Integer),
-        "Boolean" => Some(Kind::Boolean),
-        "String" => Some(Kind::String),
-        _ => None,
-    }
-}
-
-fn causality(element: &Element) -> Result<Causality, Fault> {
-    Ok(match element.attribute("causality").unwrap_or("local") {
-        "parameter" => Causality::Parameter,
-        "calculatedParameter" => Causality::CalculatedParameter,
-        "input" => Causality::Input,
-        "output" => Causality::Output,
-        "local" => Causality::Local,
-        "independent" => Causality::Independent,
-        other => return Err((element.line, format!("causality=\"{other}\" does not exist in FMI 2.0"))),
-    })
-}
-
-fn variability(element: &Element, kind: Kind) -> Result<Variability, Fault> {
-    Ok(match element.attribute("variability") {
-        Some("constant") => Variability::Constant,
-        Some("fixed") => Variability::Fixed,
-        Some("tunable") => Variability::Tunable,
-        Some("discrete") => Variability::Discrete,
-        Some("continuous") => Variability::Continuous,
-        None if kind == Kind::Real => Variability::Continuous,
-        None => Variability::Discrete,
-        Some(other) => {
-            return Err((element.line, format!("variability=\"{other}\" does not exist in FMI 2.0")));
-        }
-    })
-}
-
-/// `initial` with the defaults of the table in FMI 2.0 section 2.2.7.
-fn initial(
-    element: &Element,
-    causality: Causality,
-    variability: Variability,
-) -> Result<Option<Initial>, Fault> {
-    Ok(match (element.attribute("initial"), causality, variability) {
-        (Some("exact"), ..) => Some(Initial::Exact),
-        (Some("approx"), ..) => Some(Initial::Approx),
-        (Some("calculated"), ..) => Some(Initial::Calculated),
-        (Some(other), ..) => {
-            return Err((element.line, format!("initial=\"{other}\" does not exist in FMI 2.0")));
-        }
-        (None, Causality::Input | Causality::Independent, _) => None,
-        (None, Causality::Parameter, _) | (None, _, Variability::Constant) => Some(Initial::Exact),
-        (None, ..) => Some(Initial::Calculated),
-    })
 }

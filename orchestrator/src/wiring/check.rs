@@ -2,9 +2,9 @@
 
 use super::names::{Names, Variable, Wrong};
 use crate::fmu::{self, BaseUnit};
+use crate::link::Conversion;
 use crate::scenario::{ConnectionEntry, Shape, SignalEntry, Transform};
 use crate::source::Signal;
-use crate::system::Conversion;
 use crate::value::{Kind, Value};
 use std::path::Path;
 

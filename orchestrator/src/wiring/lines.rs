@@ -4,10 +4,11 @@ use super::Connection;
 use super::names::{Names, Variable};
 use super::record::Recorded;
 use crate::line::{Chance, Line, Slope};
+use crate::link::{Conversion, Link};
 use crate::noise::Draw;
 use crate::recorder::Slot;
 use crate::scenario::{Hold, Scenario};
-use crate::system::{Conversion, Link, System};
+use crate::system::System;
 use crate::time::Clock;
 use std::collections::{HashMap, HashSet};
 

@@ -18,11 +18,12 @@ use crate::error::{Error, Place};
 use crate::fmu::Fmu;
 use crate::graph;
 use crate::initialise::Plan;
+use crate::link::{Conversion, Feed};
 use crate::package::Unpacked;
 use crate::recorder::{Column, Slot};
 use crate::scenario::{Channel, Given, Hold, Scenario, SignalEntry};
 use crate::source::Signal;
-use crate::system::{Conversion, Point, System};
+use crate::system::{Point, System};
 use crate::time::{Clock, Rational};
 use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
@@ -128,7 +129,7 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result
     };
     let recorded_slots = recorded.iter().map(slot).collect();
     for Source { to, signal } in sources {
-        system.units[to.0].feeds.push(crate::system::Feed { signal, to: slots[&to] });
+        system.units[to.0].feeds.push(Feed { signal, to: slots[&to] });
     }
     for unit in &mut system.units {
         unit.plain = !unit.rollback.retry

@@ -20,10 +20,14 @@ count() {
 }
 
 if [ "${1:-}" = --update ]; then
-    {
-        echo "# Instructions of benches/src/counted.rs; written by scripts/instructions.sh --update"
-        for work in "${works[@]}"; do echo "$work $(count "$work")"; done
-    } | tee "$file"
+    head='# Instructions of benches/src/counted.rs; written by scripts/instructions.sh --update, which keeps the reasons behind #.'
+    lines=("$head")
+    for work in "${works[@]}"; do
+        reason=$(sed -n "s/^$work [0-9]*//p" "$file")
+        lines+=("$work $(count "$work")$reason")
+        echo "${lines[-1]}"
+    done
+    printf '%s\n' "${lines[@]}" >"$file"
     exit
 fi
 

@@ -77,7 +77,9 @@ def results(fmu, parameters, given):
 
 
 def csv(table):
-    number = lambda value: repr(int(value) if isinstance(value, (bool, np.bool_)) else value.item())
+    def number(value):
+        return repr(int(value) if isinstance(value, (bool, np.bool_)) else value.item())
+
     rows = [",".join(table.dtype.names)]
     return "\n".join(rows + [",".join(number(value) for value in row) for row in table]) + "\n"
 

@@ -271,6 +271,6 @@ fn law_a_scenario_without_a_report_gets_graphs_of_its_outputs() {
     let text = done(folder.path(), &["run", "bare.toml", "--stop", "1"]);
     assert!(text.starts_with("ran to t = 1 s"), "{text}");
     let page = read(folder.path().join("out/bare+stop=1/report.html"));
-    assert!(page.contains("Outputs of plant") && page.contains("Outputs of controller"));
+    assert!(page.contains("Outputs of plant, rad/s") && page.contains("Outputs of controller, N.m"));
     assert!(page.matches("<svg").count() >= 4, "angles, rates, torques have a graph each");
 }

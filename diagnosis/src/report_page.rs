@@ -101,7 +101,8 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
         unit: effect.unit.clone(),
     };
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
-    if let Some(closed) = diagnosis.gap.closed {
+    // Of a gap that nothing was named for, "0 % closed" says nothing.
+    if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None) {
         figures.push(Figure { label: "gap closed".into(), value: Some(100.0 * closed), unit: "%".into() });
     }
     let standing = match diagnosis.verdict {
@@ -167,12 +168,15 @@ fn unit(diagnosis: &Diagnosis, name: &str) -> Cell {
 }
 
 fn effects(diagnosis: &Diagnosis) -> Table {
-    let head = ["effect", "name", "value", "95 %", "off", "unit", "probability", "can't be told from"];
+    let alike = diagnosis.effects.iter().any(|effect| effect.members.len() > 1);
+    let names = ["effect", "name", "value", "95 %", "off", "unit", "probability", "can't be told from"];
+    // A column without a word says nothing.
+    let head = if alike { &names[..] } else { &names[..7] };
     let rows = diagnosis.effects.iter().map(|effect| {
         let digits = effect.digits();
         let number = |value: f64| Cell::Number(format!("{value:.digits$}"));
         let [low, high] = effect.ci95;
-        vec![
+        let mut row: Vec<Cell> = vec![
             match effect.at_end {
                 true => {
                     format!("{} (at the end of the range that is searched: it may lie beyond)", effect.phrase)
@@ -186,10 +190,11 @@ fn effects(diagnosis: &Diagnosis) -> Table {
             number(effect.off),
             effect.unit.clone().into(),
             Cell::Number(format!("{:.3}", effect.probability)),
-            others(effect).into(),
-        ]
+        ];
+        row.extend(alike.then(|| others(effect).into()));
+        row
     });
-    Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
+    Table { head: head.iter().map(|name| (*name).to_owned()).collect(), rows: rows.collect() }
 }
 
 /// The rest of the class, each with its probability.

@@ -19,12 +19,13 @@ acro.graph = function (figure, described, columns, height) {
   const plot = new uPlot(acro.options(described, data, state, host, height), data, host);
   if (plot.scales.x.min !== whole[0] || plot.scales.x.max !== whole[1]) plot.setScale("x", { min: whole[0], max: whole[1] });
   plot.over.tabIndex = -1;
-  new ResizeObserver(() => {
+  const fit = () => {
     if (host.clientWidth > 0 && host.clientWidth !== plot.width) plot.setSize({ width: host.clientWidth, height: acro.height(host, height) });
-  }).observe(host);
+  };
+  new ResizeObserver(fit).observe(host);
   host.addEventListener("keydown", (event) => acro.key(event, plot, whole));
   acro.touch(plot);
-  acro.graphs.push({ plot, described, host });
+  acro.graphs.push({ plot, described, host, fit });
   return plot;
 };
 
@@ -192,7 +193,8 @@ acro.drawAll = function () {
     setTimeout(next);
   };
   next();
-  acro.onColours(() => { for (const { plot } of acro.graphs) plot.redraw(true, true); });
+  // A page is printed before an observer is called: what was as wide as a screen would be cut.
+  acro.onColours(() => { for (const { plot, fit } of acro.graphs) { fit(); plot.redraw(true, true); } });
 };
 
 acro.drawAll();

@@ -1,7 +1,8 @@
 //! A value over a plane as colours, with curves drawn over it.
 
 use crate::Error;
-use crate::graph::{Area, Axis, FONT, Refusal, tick};
+use crate::graph::{Area, Axis, FONT, Refusal, Style, tick};
+use crate::legend::{self, Entry};
 use plotters::prelude::*;
 
 /// A value over a plane. Cells are rectangles around their centres.
@@ -51,8 +52,17 @@ impl HeatMap {
 
     fn draw(&self, root: &Area<'_>, x: (f64, f64), y: (f64, f64)) -> Result<(), Refusal> {
         root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(root)
-            .caption(&self.title, (FONT, 16))
+        let entries: Vec<Entry<'_>> = (self.contours.iter().enumerate())
+            .map(|(index, contour)| Entry {
+                text: &contour.label,
+                style: Style::Solid,
+                colour: crate::graph::colour(index),
+            })
+            .collect();
+        let titled = root.titled(&self.title, (FONT, 16))?;
+        let (top, plot) = titled.split_vertically(legend::height(&entries));
+        legend::draw(&top, &entries)?;
+        let mut chart = ChartBuilder::on(&plot)
             .margin(8)
             .x_label_area_size(38)
             .y_label_area_size(64)
@@ -72,19 +82,7 @@ impl HeatMap {
             .draw()?;
         for (index, contour) in self.contours.iter().enumerate() {
             let colour = crate::graph::colour(index);
-            chart
-                .draw_series(LineSeries::new(contour.points.iter().copied(), colour.stroke_width(2)))?
-                .label(&contour.label)
-                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2)));
-        }
-        if !self.contours.is_empty() {
-            chart
-                .configure_series_labels()
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font((FONT, 13))
-                .position(SeriesLabelPosition::UpperRight)
-                .draw()?;
+            chart.draw_series(LineSeries::new(contour.points.iter().copied(), colour.stroke_width(2)))?;
         }
         root.present()
     }
@@ -114,4 +112,39 @@ fn shade(value: f64) -> RGBColor {
     let share = value.clamp(0.0, 1.0);
     let mix = |full: f64| (255.0 + (full - 255.0) * 0.75 * share).round() as u8;
     RGBColor(mix(0.0), mix(114.0), mix(178.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Contour, HeatMap};
+    use crate::Axis;
+
+    /// Numbers of an attribute of all elements of a kind.
+    fn all(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
+        let beginning = format!("<{element} ");
+        let value =
+            |tag: &str| tag.split(&format!(" {attribute}=\"")).nth(1)?.split('"').next()?.parse().ok();
+        svg.split(&beginning).skip(1).filter_map(|rest| value(&format!(" {rest}"))).collect()
+    }
+
+    #[test]
+    fn law_the_legend_lies_above_the_cells() {
+        let map = HeatMap {
+            title: "map".into(),
+            x: Axis::over("x", 0.0, 2.0),
+            y: Axis::over("y", 0.0, 2.0),
+            log_x: false,
+            x_edges: vec![0.0, 1.0, 2.0],
+            y_edges: vec![0.0, 1.0, 2.0],
+            values: vec![0.0, 0.3, 0.6, 1.0],
+            contours: vec![Contour { label: "boundary".into(), points: vec![(0.0, 2.0), (2.0, 0.0)] }],
+        };
+        let svg = map.to_svg().expect("it can be drawn");
+        let words = svg.split("boundary").next().expect("text").rsplit("<text ").next().expect("its tag");
+        let legend = all(&format!("<text {words}"), "text", "y")[0];
+        // The first rectangle is the paper.
+        let cells = all(&svg, "rect", "y").into_iter().skip(1).fold(f64::INFINITY, f64::min);
+        assert!(legend < cells, "legend at {legend}, cells from {cells} on\n{svg}");
+        assert_eq!(svg.matches("<rect").count(), 5, "paper and four cells, no box of a legend");
+    }
 }

@@ -197,7 +197,7 @@ pub fn table(table: &Table) -> Markup {
 
 /// A drawn graph with its caption for a place that the caller chooses.
 pub fn figure(svg: &str, caption: &str) -> Markup {
-    html! { figure {
+    html! { figure.still tabindex="0" {
         (PreEscaped(named(svg, caption)))
         @if !caption.is_empty() { figcaption { (inline(caption)) } }
     } }

@@ -105,4 +105,13 @@ def test_paper_is_light_and_has_no_buttons(runs, look):
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     page.evaluate("dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen", color_scheme="dark")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != "rgb(255, 255, 255)"
+
+
+def test_letters_of_a_still_drawing_can_be_read_in_the_hand(runs, look):
+    page = look(runs / "balanced" / "report.html", 390, 844)
+    drawing = page.locator("figure.still:not(:has(image)) > svg").first
+    # Drawn 640 px wide with letters of 11 to 13 px: not much below that, and the page itself stands still.
+    assert drawing.evaluate("(svg) => svg.getBoundingClientRect().width") >= 560
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -1,5 +1,7 @@
 """The page of a sweep, in a real browser."""
 
+import statistics
+
 import pyarrow.parquet as parquet
 import pytest
 from conftest import LOOKS, acroscope, middle, shown, violations
@@ -65,3 +67,18 @@ def test_cases_are_narrowed_to_those_that_fell(swept, look):
     assert 0 < len(fell) < 12
     page.get_by_role("button", name=f"with fell ({len(fell)})").click()
     assert [row.get_attribute("id") for row in page.locator(".filtered tbody tr:visible").all()] == [f"case-{case}" for case in fell]
+
+
+@pytest.mark.parametrize("study", ["one", "two"])
+def test_the_median_of_an_even_number_lies_between_two(swept, look, study):
+    page = look(swept / study / "report.html")
+    told = page.evaluate("[...document.querySelectorAll('tr')].map((row) => [...row.cells].map((cell) => cell.textContent))")
+    even = 0
+    for name in ("rms", "fell"):
+        values = [row[name] for row in cases(swept / study) if row[name] is not None]
+        row = next(cells for cells in told if cells[0] == name and len(cells) == 7)
+        assert int(row[3]) == len(values)
+        # Four digits are shown.
+        assert float(row[5]) == pytest.approx(statistics.median(values), rel=1e-3)
+        even += len(values) % 2 == 0 and len(set(values)) > 1
+    assert even, "no scalar has an even number of values: the test would not fail"

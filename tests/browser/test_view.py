@@ -135,6 +135,9 @@ def test_a_scenario_without_our_machine_shows_signals_and_connections(views, loo
     assert page.locator("canvas.scene").count() == 0 and page.locator(".plot").count() > 0
     assert page.locator("svg.wiring").count() == 1 and page.get_by_role("img", name="timing diagram").count() == 1
     assert page.get_by_role("cell", name="late.y").count() == 1
+    # Results don't say in what they are measured, so no two signals share an axis; a picture of few units is not blown up.
+    assert page.evaluate("acro.graphs.map(({ plot }) => plot.series.length)") == [2] * page.locator(".plot").count()
+    assert page.evaluate("(([drawn]) => drawn.getBoundingClientRect().width <= Number(drawn.getAttribute('width')))(document.querySelectorAll('svg.wiring'))")
 
 
 def test_it_is_served_until_it_is_told_to_end(views, look):

@@ -4,8 +4,7 @@ use crate::results::Results;
 use report::thin::Thinner;
 use report::{Axis, Graph, Line, Style};
 
-/// Lines of a graph and graphs of a page that nobody asked for, at most; the page offers every other column.
-const LINES: usize = 4;
+/// Graphs of a page that nobody asked for, at most; the page offers every other column.
 const GRAPHS: usize = 12;
 /// After a failure lines go on for this share of the time before it.
 const AFTER: f64 = 0.25;
@@ -116,24 +115,18 @@ fn wished(run: &Results) -> Wished {
     wished
 }
 
-/// The columns of each unit that move.
+/// The columns of each unit that move, each by itself: results don't say their units of measurement, and volts don't go with radians.
 fn usual(run: &Results) -> Wished {
     let mut graphs = Vec::new();
     for unit in &run.scenario.units {
         let beginning = format!("{}.", unit.name);
         let moves = |values: &[f64]| values.iter().any(|value| *value != values[0] && value.is_finite());
-        let of_unit: Vec<&String> = (run.columns.iter())
-            .filter(|(name, values)| name.starts_with(&beginning) && moves(values))
-            .map(|(name, _)| name)
-            .collect();
-        for names in of_unit.chunks(LINES) {
-            let wishes = names.iter().map(|name| Wish {
-                label: name[beginning.len()..].to_owned(),
-                signal: (*name).clone(),
-                minus: None,
-                style: Style::Solid,
-            });
-            graphs.push((unit.name.clone(), "value".to_owned(), wishes.collect()));
+        let of_unit =
+            (run.columns.iter()).filter(|(name, values)| name.starts_with(&beginning) && moves(values));
+        for (name, _) in of_unit {
+            let label = name[beginning.len()..].to_owned();
+            let wish = Wish { label: label.clone(), signal: name.clone(), minus: None, style: Style::Solid };
+            graphs.push((name.clone(), label, vec![wish]));
         }
     }
     graphs.truncate(GRAPHS);

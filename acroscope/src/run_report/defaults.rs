@@ -50,8 +50,8 @@ fn graph(unit: &str, group: &str, names: &[String]) -> GraphEntry {
         style: LineStyle::Solid,
     };
     GraphEntry {
-        title: format!("Outputs of {unit}"),
-        y: group.to_owned(),
+        title: format!("Outputs of {unit}, {}", if group == "1" { "no unit" } else { group }),
+        y: if group == "1" { String::new() } else { group.to_owned() },
         lines: names.iter().map(line).collect(),
     }
 }

@@ -23,15 +23,20 @@ pub fn lines(simulation: &Simulation) -> Vec<String> {
     lines
 }
 
+/// Why a part of a delay is below zero.
+const EARLY: &str = " The scheme is negative where units are stepped one after the other: each is given what those before it hold at the end \
+                     of its step, not at its begin.";
+
 /// The diagram as SVG, and the words below it; nothing where there is no loop.
 pub fn figure(simulation: &Simulation) -> Option<(String, String)> {
     let lines = lines(simulation);
     let diagram = diagram_of(simulation).ok().filter(|_| !lines.is_empty())?;
     let drawn = viewer::timing(&diagram)?;
     let words = format!(
-        "Points of the units, and the first use of each value. How late a value is on average once round, without what the \
-         units delay inside: {}.",
-        lines.join("; ")
+        "When each unit is stepped, and when a value that one gives is first used by another. How late a value is on average \
+         once round, without what the units delay inside: {}.{}",
+        lines.join("; "),
+        if lines.iter().any(|line| line.contains("scheme -")) { EARLY } else { "" }
     );
     Some((drawn.to_svg(), words))
 }

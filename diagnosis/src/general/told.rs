@@ -167,6 +167,8 @@ pub fn story(studied: &Studied) -> Vec<String> {
         let how = if output.noise.is_some() { "as stated" } else { "by maximum likelihood" };
         story.push(format!("noise of {}: {sd:.4} {} ({how})", output.name, output.unit));
     }
-    story.push(format!("process noise gains {:.1} of deviance over none in the end", studied.rest.evidence));
+    // Where it gains nothing, the search for its size may end a rounding below none.
+    let gain = studied.rest.evidence.max(0.0);
+    story.push(format!("process noise gains {gain:.1} of deviance over none in the end"));
     story
 }

@@ -83,8 +83,11 @@ impl Budget {
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let terms = self.terms();
-        // To the nanosecond: what is below is rounding.
-        let ms = |seconds: f64| (seconds * 1e9).round() / 1e6 + 0.0;
+        // To the nanosecond, what is below is rounding, and to four digits: nobody reads on.
+        let ms = |seconds: f64| {
+            let exact = (seconds * 1e9).round() / 1e6 + 0.0;
+            format!("{exact:.3e}").parse().unwrap_or(exact)
+        };
         let first = self.units.first().map_or("", String::as_str);
         write!(
             f,
@@ -231,6 +234,13 @@ mod tests {
         assert_eq!(
             seidel[0].to_string(),
             "loop x -> v -> x: 0 ms = sampling 0 + hold 100 + transport 0 + scheme -100"
+        );
+        // Four digits, not all that a third of a second has.
+        let thirds = [("x", "interval = \"1/300\""), ("v", "interval = \"1/300\"")];
+        assert!(
+            of("gauss-seidel", &thirds, &ways)[0]
+                .to_string()
+                .ends_with("hold 3.333 + transport 0 + scheme -3.333")
         );
         // v steps after x, so x always has it of the point before.
         let ages: Vec<(f64, f64)> = seidel[0].legs.iter().map(|leg| leg.age).collect();

@@ -127,12 +127,23 @@ fn numbers(plan: &Plan, columns: &Columns) -> Table {
     let row = |name: &str, what: String, unit: &Option<String>, values: &[f64]| {
         let mut there: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
         there.sort_by(f64::total_cmp);
-        let at =
-            |place: usize| Cell::Number(there.get(place).map_or_else(|| "-".into(), |value| short(*value)));
+        // Of an even number of values the median lies in the middle of two.
+        let between = |a: usize, b: usize| {
+            let pair = there.get(a).zip(there.get(b));
+            Cell::Number(pair.map_or_else(|| "-".into(), |(a, b)| short(0.5 * (a + b))))
+        };
         let unit = unit.clone().unwrap_or_default();
         let count = Cell::Number(there.len().to_string());
         let last = there.len().saturating_sub(1);
-        vec![name.into(), what.into(), unit.into(), count, at(0), at(last / 2), at(last)]
+        vec![
+            name.into(),
+            what.into(),
+            unit.into(),
+            count,
+            between(0, 0),
+            between(last / 2, there.len() / 2),
+            between(last, last),
+        ]
     };
     let parameters = plan.parameters.iter().zip(&columns.parameters);
     let mut rows: Vec<Vec<Cell>> = parameters

@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
 
 import book_camera
@@ -128,15 +127,6 @@ def motor(folder):
     return {"guess": f"\n```toml\n[[channel]]\n{guess}\n```\n", "answer": console(command, answer)}
 
 
-def sweep(_docs):
-    """The shipped study."""
-    study = tomllib.loads((ROOT / "sweep" / "studies" / "delay-and-rate.toml").read_text())
-    cases = 1
-    for values in study["grid"].values():
-        cases *= len(values) if isinstance(values, list) else round((values["to"] - values["from"]) / values["step"]) + 1
-    return {"cases": cases}
-
-
 def chance(_docs):
     """What the best of so many candidates gains by chance in one of 1/FALSE_ALARM searches: chi squared, each candidate at its share of that."""
     source = (ROOT / "diagnosis" / "src" / "search" / "mod.rs").read_text()
@@ -181,5 +171,4 @@ SOURCES = {
     "lines": lines,
     "motor": motor,
     "speed": speed,
-    "study": sweep,
 }

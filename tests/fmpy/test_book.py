@@ -72,6 +72,12 @@ def test_law_every_result_in_the_book_is_made_or_a_record_or_given():
     assert records == []
 
 
+def test_law_every_source_of_numbers_is_used():
+    book = module("book")
+    named = {source for page in book.pages() for source, *_ in book.MARK.findall(page.read_text())}
+    assert set(module("book_numbers").SOURCES) <= named
+
+
 def test_value_what_counts_as_a_result():
     assert results("took 44 s of CPU, 87 % and 7 of 7, 2 000 rows, 1/600 s, FMI 2.0") == ["44 s", "87 %", "7 of 7", "2 000 rows"]
     assert results("<!-- from a b -->44 s<!-- end --> and `3 s`\n*Record of 2026-11-24.* 5 s") == []

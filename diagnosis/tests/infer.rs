@@ -245,7 +245,14 @@ fn law_the_gradient_by_the_adjoint_is_that_of_differences() {
         let (run, mut noise) = (run(), noise(disturbance));
         noise.process[1] = 0.2;
         let shift = profiled(&run, &noise).1;
-        let found = diagnosis::infer::gradient::gradient(std::slice::from_ref(&run), &noise, &[0, 1], &shift);
+        let (_, kept) = diagnosis::infer::sweep::sweep_columns(&run, &noise, &[0, 1]);
+        let found = diagnosis::infer::gradient::gradient(
+            std::slice::from_ref(&run),
+            &noise,
+            &[0, 1],
+            &shift,
+            &[&kept],
+        );
         let step = 1e-5;
         let by = |change: &dyn Fn(&mut Noise, f64)| {
             let at = |factor: f64| {

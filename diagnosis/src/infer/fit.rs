@@ -169,10 +169,25 @@ pub fn fit(
     sizes: Option<&Sizes>,
     options: &Options,
 ) -> Result<Fit, Error> {
+    let runs = model.linearise(&start.theta, &start.paths, free)?;
+    fit_from(model, start, runs, free, sizes, options)
+}
+
+/// The same with the runs linearised at the start, a column for each free parameter, where they are known already.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_from(
+    model: &dyn Linearise,
+    start: &At,
+    mut runs: Vec<Linearised>,
+    free: &[usize],
+    sizes: Option<&Sizes>,
+    options: &Options,
+) -> Result<Fit, Error> {
     let all: Vec<usize> = (0..free.len()).collect();
     let ranges: Vec<(f64, f64)> = free.iter().map(|parameter| model.range(*parameter)).collect();
     let mut at = start.clone();
-    let mut runs = model.linearise(&at.theta, &at.paths, free)?;
     let mut best: Option<(At, Vec<Linearised>, f64)> = None;
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
     loop {

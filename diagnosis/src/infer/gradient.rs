@@ -13,7 +13,7 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::{Interval, dimension, direction, sweep_columns};
+use super::sweep::{Interval, Kept, dimension, direction};
 
 /// A derivative by a logarithm, and the curvature that is expected there.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -69,20 +69,27 @@ impl Gradient {
     }
 }
 
-/// Of all runs, after the parameters in `columns` moved by `shift`.
-pub fn gradient(runs: &[Linearised], noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
+/// Of all runs, after the parameters in `columns` moved by `shift`; `swept` is what [`super::sweep::sweep_columns`] kept of each.
+pub fn gradient(
+    runs: &[Linearised],
+    noise: &Noise,
+    columns: &[usize],
+    shift: &[f64],
+    swept: &[&Kept],
+) -> Gradient {
     use rayon::prelude::*;
-    let parts: Vec<Gradient> = runs.par_iter().map(|run| of_run(run, noise, columns, shift)).collect();
+    let of = |(run, kept): (&Linearised, &&Kept)| of_run(run, noise, columns, shift, kept);
+    let parts: Vec<Gradient> = runs.par_iter().zip(swept).map(of).collect();
     let mut sum = Gradient::zero(noise);
     parts.iter().for_each(|part| sum.add(part));
     sum
 }
 
-fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
+fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64], kept: &Kept) -> Gradient {
     macro_rules! sized {
         ($n:expr; $($size:literal)*) => {
             match $n {
-                $($size => backward::<$size>(run, noise, columns, shift),)*
+                $($size => backward::<$size>(run, noise, columns, shift, kept),)*
                 more => unreachable!("{more} states; the pipeline refuses more than {}", super::sweep::MOST_STATES),
             }
         };
@@ -90,8 +97,13 @@ fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64]) -> 
     sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
 }
 
-fn backward<const N: usize>(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64]) -> Gradient {
-    let kept = sweep_columns(run, noise, columns);
+fn backward<const N: usize>(
+    run: &Linearised,
+    noise: &Noise,
+    columns: &[usize],
+    shift: &[f64],
+    kept: &Kept,
+) -> Gradient {
     let (n, p) = (run.states, columns.len());
     let mut sum = Gradient::zero(noise);
     let mut adjoint = [0.0; N];

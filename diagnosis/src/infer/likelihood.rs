@@ -7,7 +7,7 @@
 use super::gradient::{Slope, gradient};
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::sweep;
+use super::sweep::{Kept, sweep, sweep_columns};
 use crate::statistics::linear::{Reduced, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -196,25 +196,22 @@ pub fn maximise_within(
     let clamped =
         |at: DVector<f64>| DVector::from_fn(at.len(), |i, _| at[i].clamp(slots[i].range.0, slots[i].range.1));
     let first = slots.iter().map(|slot| libm::log(read(start, slot.which).max(1e-300)));
-    let mut at = clamped(DVector::from_iterator(slots.len(), first));
+    let at = clamped(DVector::from_iterator(slots.len(), first));
     let deviance = |at: &DVector<f64>| profile(&reduced(runs, &written(start, &slots, at), columns));
-    let mut value = deviance(&at);
+    let swept = |at: DVector<f64>| Swept::new(runs, columns, written(start, &slots, &at), at);
+    let mut here = swept(at);
     // what an effect explains may have been the process noise's: beyond a ridge there is a valley with less of it
-    for less in smaller(&at, &slots) {
-        let less = clamped(less);
-        let there = deviance(&less);
-        if there < value {
-            (at, value) = (less, there);
-        }
+    let valleys = smaller(&here.at, &slots).into_iter().map(&clamped).map(|less| (deviance(&less), less));
+    let lowest = valleys.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
+    if let Some((_, at)) = lowest {
+        here = swept(at);
     }
-    let slopes = |at: &DVector<f64>, value: f64| {
-        derivatives(runs, columns, &written(start, &slots, at), &slots, at, value, &deviance)
-    };
-    let (mut gradient, curvature) = slopes(&at, value);
+    let slopes = |here: &Swept| derivatives(runs, columns, here, &slots, &deviance);
+    let (mut gradient, curvature) = slopes(&here);
     let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(FLAT)));
     let mut ended = false;
-    for _ in 0..rounds {
-        let direction = held(-&inverse * &gradient, &at, &gradient, &slots);
+    for round in 0..rounds {
+        let direction = held(-&inverse * &gradient, &here.at, &gradient, &slots);
         let longest = direction.amax();
         if longest < 1e-6 {
             ended = true;
@@ -223,26 +220,47 @@ pub fn maximise_within(
         let mut length = (LONGEST / longest).min(1.0);
         let promised = -gradient.dot(&direction);
         let accepted = (0..8).find_map(|_| {
-            let to = clamped(&at + &direction * length);
-            let there = deviance(&to);
-            let good = there.is_finite() && there <= value - 1e-4 * length * promised.max(0.0);
+            let there = swept(clamped(&here.at + &direction * length));
+            let good =
+                there.value.is_finite() && there.value <= here.value - 1e-4 * length * promised.max(0.0);
             length *= if good { 1.0 } else { 0.35 };
-            good.then_some((to, there))
+            good.then_some(there)
         });
-        let Some((to, there)) = accepted else {
+        let Some(there) = accepted else {
             ended = true;
             break;
         };
-        let gained = value - there;
-        let next = slopes(&to, there).0;
-        updated(&mut inverse, &(&to - &at), &(&next - &gradient));
-        (at, value, gradient) = (to, there, next);
-        if gained < ENOUGH {
-            ended = true;
+        ended = here.value - there.value < ENOUGH;
+        if ended || round + 1 == rounds {
+            here = there;
             break;
         }
+        let next = slopes(&there).0;
+        updated(&mut inverse, &(&there.at - &here.at), &(&next - &gradient));
+        (here, gradient) = (there, next);
     }
-    (written(start, &slots, &at), value, ended)
+    (here.noise, here.value, ended)
+}
+
+/// A place of the search with what one sweep of every run gave there: the deviance, and what its gradient needs.
+struct Swept {
+    at: DVector<f64>,
+    noise: Noise,
+    value: f64,
+    /// Where the parameters are best.
+    shift: Vec<f64>,
+    kept: Vec<Kept>,
+}
+
+impl Swept {
+    fn new(runs: &[Linearised], columns: &[usize], noise: Noise, at: DVector<f64>) -> Self {
+        let parts: Vec<(Reduced, Kept)> =
+            runs.par_iter().map(|run| sweep_columns(run, &noise, columns)).collect();
+        let mut sum = Reduced::zero(columns.len());
+        parts.iter().for_each(|(part, _)| sum.add(part));
+        let kept = parts.into_iter().map(|(_, kept)| kept).collect();
+        Self { value: profile(&sum), shift: best(&sum).0, at, noise, kept }
+    }
 }
 
 /// The same with less process noise, of all equations or of one.
@@ -263,14 +281,12 @@ fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
 fn derivatives(
     runs: &[Linearised],
     columns: &[usize],
-    noise: &Noise,
+    here: &Swept,
     slots: &[Slot],
-    at: &DVector<f64>,
-    value: f64,
     deviance: &impl Fn(&DVector<f64>) -> f64,
 ) -> (DVector<f64>, DVector<f64>) {
-    let shift = best(&reduced(runs, noise, columns)).0;
-    let all = gradient(runs, noise, columns, &shift);
+    let kept: Vec<&Kept> = here.kept.iter().collect();
+    let all = gradient(runs, &here.noise, columns, &here.shift, &kept);
     let mut first = DVector::zeros(slots.len());
     let mut second = DVector::zeros(slots.len());
     for (i, slot) in slots.iter().enumerate() {
@@ -280,11 +296,11 @@ fn derivatives(
             Which::Jitter => all.jitter,
             Which::Disturbance => all.disturbance,
             Which::Memory => {
-                let step = if at[i] + STEP > slot.range.1 { -STEP } else { STEP };
-                let mut to = at.clone();
+                let step = if here.at[i] + STEP > slot.range.1 { -STEP } else { STEP };
+                let mut to = here.at.clone();
                 to[i] += step;
                 // a time constant is known about as well as the size that goes with it
-                Slope { first: (deviance(&to) - value) / step, second: all.disturbance.second }
+                Slope { first: (deviance(&to) - here.value) / step, second: all.disturbance.second }
             }
         };
         (first[i], second[i]) = (slope.first, slope.second);

@@ -64,6 +64,28 @@ impl Linearised {
         &self.drive[at..at + self.states]
     }
 
+    /// The same with these columns only, in this order.
+    pub fn chosen(&self, columns: &[usize]) -> Self {
+        let rows = 0..self.rows().saturating_sub(1);
+        let drive = rows.flat_map(|row| columns.iter().flat_map(move |column| self.column(row, *column)));
+        let direct = (0..self.measured.len()).flat_map(|value| {
+            columns.iter().map(move |column| self.direct[value * self.parameters + column])
+        });
+        Self {
+            parameters: columns.len(),
+            drive: drive.copied().collect(),
+            direct: direct.collect(),
+            states: self.states,
+            time: self.time.clone(),
+            transition: self.transition.clone(),
+            defect: self.defect.clone(),
+            first: self.first.clone(),
+            measured: self.measured.clone(),
+            observe: self.observe.clone(),
+            start: self.start.clone(),
+        }
+    }
+
     /// The same about the same path, after the parameters moved by `shift` (place, amount), to first order.
     pub fn shifted(&self, shift: &[(usize, f64)]) -> Self {
         let mut moved = self.clone();

@@ -57,11 +57,11 @@ pub fn sweep_scores(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Redu
     (reduced, kept.score)
 }
 
-/// Innovations with their columns and gains, nothing else: what a gradient needs.
-pub fn sweep_columns(run: &Linearised, noise: &Noise, columns: &[usize]) -> Kept {
+/// The sums, and innovations with their columns and gains: what a gradient needs.
+pub fn sweep_columns(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Kept) {
     let mut kept = Kept { values_only: true, ..Kept::default() };
-    dispatch(run, noise, columns, Some(&mut kept));
-    kept
+    let reduced = dispatch(run, noise, columns, Some(&mut kept));
+    (reduced, kept)
 }
 
 /// States with the unlisted input.

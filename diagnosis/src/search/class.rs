@@ -61,7 +61,7 @@ impl Search<'_> {
         let tried: Vec<Screened> = worth.take(2 * self.policy.fitted).copied().collect();
         let mut list = vec![Alternative { parameter: own, loss: here.deviance, value: here.at.theta[own] }];
         for screened in tried {
-            if let Some((_, fit)) = self.best(&without, &less, &[screened]) {
+            if let Some((_, fit)) = self.best(&without, &less, &screen, &[screened]) {
                 let parameter = screened.chord.parameter;
                 list.push(Alternative { parameter, loss: fit.deviance, value: fit.at.theta[parameter] });
             }

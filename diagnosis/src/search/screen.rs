@@ -31,6 +31,18 @@ pub struct Screen {
     pub chords: Vec<Chord>,
 }
 
+impl Screen {
+    /// The runs with the derivatives by these parameters as columns, where the linearisation has them all.
+    pub fn about(&self, engine: &Engine, theta: &[f64], free: &[usize]) -> Option<Vec<Linearised>> {
+        let place = |parameter: &usize| {
+            let local = engine.local(theta, *parameter);
+            self.chords.iter().position(|chord| *chord == local)
+        };
+        let columns: Vec<usize> = free.iter().map(place).collect::<Option<_>>()?;
+        Some(self.runs.iter().map(|run| run.chosen(&columns)).collect())
+    }
+}
+
 /// Linearises about a fit, with a column for each trial of each of these parameters.
 ///
 /// # Errors

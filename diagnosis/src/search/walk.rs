@@ -1,11 +1,11 @@
 //! The search: add the effect that gains most, then drop and swap what has become superfluous, until nothing gains enough.
 
 use super::Policy;
-use super::screen::{Screened, linearised, ranked};
+use super::screen::{Screen, Screened, linearised, ranked};
 use crate::dynamics::linearise::Engine;
 use crate::error::Error;
 use crate::infer::Sizes;
-use crate::infer::fit::{At, Fit, Options, fit};
+use crate::infer::fit::{At, Fit, Linearise, Options, fit_from};
 use crate::observe::Scale;
 use crate::watch::Watch;
 use std::collections::BTreeMap;
@@ -46,13 +46,22 @@ impl Search<'_> {
     /// # Errors
     /// A unit failed.
     pub fn visit(&mut self, effects: &[usize], start: &At) -> Result<Fit, Error> {
+        self.visit_from(effects, start, None)
+    }
+
+    /// The same with what a screening about this very start has linearised already.
+    fn visit_from(&mut self, effects: &[usize], start: &At, screen: Option<&Screen>) -> Result<Fit, Error> {
         let mut key = effects.to_vec();
         key.sort_unstable();
         let free: Vec<usize> = key.iter().copied().filter(|effect| self.is_fitted(*effect)).collect();
         if let Some(known) = self.visited.get(&key) {
             return Ok(known.clone());
         }
-        let fitted = fit(self.engine, start, &free, Some(self.sizes), &self.options)?;
+        let runs = match screen.and_then(|screen| screen.about(self.engine, &start.theta, &free)) {
+            Some(runs) => runs,
+            None => self.engine.linearise(&start.theta, &start.paths, &free)?,
+        };
+        let fitted = fit_from(self.engine, start, runs, &free, Some(self.sizes), &self.options)?;
         self.visited.insert(key, fitted.clone());
         Ok(fitted)
     }
@@ -63,12 +72,7 @@ impl Search<'_> {
     /// A unit failed.
     pub fn fresh(&self, mut fit: Fit) -> Result<Fit, Error> {
         if fit.runs.is_empty() {
-            fit.runs = crate::infer::fit::Linearise::linearise(
-                self.engine,
-                &fit.at.theta,
-                &fit.at.paths,
-                &fit.free,
-            )?;
+            fit.runs = self.engine.linearise(&fit.at.theta, &fit.at.paths, &fit.free)?;
         }
         Ok(fit)
     }
@@ -139,11 +143,12 @@ impl Search<'_> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
     }
 
-    /// Tries the best of a screening beside `effects`; the best that was fitted.
+    /// Tries the best of a screening about `from` beside `effects`; the best that was fitted.
     pub(super) fn best(
         &mut self,
         effects: &[usize],
         from: &Fit,
+        screen: &Screen,
         tried: &[Screened],
     ) -> Option<(Vec<usize>, Fit)> {
         let mut best: Option<(Vec<usize>, Fit)> = None;
@@ -151,6 +156,8 @@ impl Search<'_> {
             let mut with = effects.to_vec();
             with.push(screened.chord.parameter);
             let mut start = from.at.clone();
+            // a chord begins elsewhere than the screening was made
+            let mut same = Some(screen);
             if screened.chord.per == 1.0 {
                 let parameter = screened.chord.parameter;
                 let whole = screened.chord.to - start.theta[parameter];
@@ -160,8 +167,9 @@ impl Search<'_> {
                     _ => 1.0,
                 };
                 start.theta[parameter] += share * whole;
+                same = same.filter(|_| start.theta == from.at.theta);
             }
-            match self.visit(&with, &start) {
+            match self.visit_from(&with, &start, same) {
                 Ok(fit) if best.as_ref().is_none_or(|(_, known)| fit.deviance < known.deviance) => {
                     best = Some((with, fit));
                 }
@@ -192,7 +200,7 @@ impl Search<'_> {
             }
             let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
-            let Some((with, fit)) = self.best(&effects, &here, &tried) else { break };
+            let Some((with, fit)) = self.best(&effects, &here, &screen, &tried) else { break };
             let gained = here.deviance - fit.deviance;
             if gained < self.policy.gain {
                 break;
@@ -229,7 +237,7 @@ impl Search<'_> {
                 .take(self.policy.fitted)
                 .copied()
                 .collect();
-            if let Some((with, fit)) = self.best(&without, &less, &near)
+            if let Some((with, fit)) = self.best(&without, &less, &screen, &near)
                 && fit.deviance < here.deviance - 1.0
             {
                 let other = self.name(with[with.len() - 1]).to_owned();

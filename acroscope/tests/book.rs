@@ -10,7 +10,7 @@ fn root() -> PathBuf {
 }
 
 /// Beginnings of commands that are not run here, and who runs them.
-const ELSEWHERE: [(&str, &str); 23] = [
+const ELSEWHERE: [(&str, &str); 25] = [
     ("./scripts/", "they are the tests, or build what is shipped"),
     ("cargo xtask", "scripts/test.sh, scripts/platforms.sh"),
     ("cargo install", "tests/fmpy/test_own_unit.py builds with cargo-fmi2"),
@@ -22,6 +22,8 @@ const ELSEWHERE: [(&str, &str); 23] = [
     ("cd tests", "tests/hidden/test_sets.py"),
     ("sbatch ", "a cluster's scheduler; tests/fmpy/test_sweep.py runs its parts"),
     ("kubectl ", "a cluster's scheduler; tests/fmpy/test_sweep.py runs its parts"),
+    ("acroscope import box-1.csv", "tests/fmpy/test_own_unit.py"),
+    ("acroscope diagnose box", "tests/fmpy/test_own_unit.py"),
     ("acroscope sweep STUDY", "a pattern; tests/fmpy/test_sweep.py runs its parts"),
     ("acroscope sweep study.toml --out /shared", "tests/fmpy/test_sweep.py"),
     ("acroscope sweep my-study.toml", "tests/fmpy/test_sweep.py"),

@@ -1,6 +1,6 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Unknown, Verdict};
 use crate::error::Error;
 use crate::planned;
 use crate::report_graphs;
@@ -56,6 +56,9 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     page.heading("How the gap shrinks");
     page.text(&judged(diagnosis));
     page.table(&gaps(&diagnosis.gaps));
+    if let Some(open) = open(diagnosis) {
+        page.text(&format!("{open}."));
+    }
     if !diagnosis.gap.held_out_runs.is_empty() && !diagnosis.cross_validation.is_empty() {
         page.text(
             "By cross-validation (values fitted without each run in turn, effects chosen with all of them):",
@@ -93,6 +96,11 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     Ok(page.to_html())
 }
 
+/// What stays open on the rows left out, in words.
+fn open(diagnosis: &Diagnosis) -> Option<&'static str> {
+    diagnosis.unknown.as_ref().and_then(Unknown::left_open)
+}
+
 /// The answer, in large letters.
 fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     let value = |effect: &Effect| Figure {
@@ -101,8 +109,9 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
         unit: effect.unit.clone(),
     };
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
-    // Of a gap that nothing was named for, "0 % closed" says nothing.
-    if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None) {
+    // of an unlisted input alone no gap closes, whatever was found of it
+    let alone = diagnosis.effects.is_empty() && open(diagnosis).is_some();
+    if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None && !alone) {
         figures.push(Figure { label: "gap closed".into(), value: Some(100.0 * closed), unit: "%".into() });
     }
     let standing = match diagnosis.verdict {

@@ -1,5 +1,6 @@
 """docs/own-unit.md as a reader follows it: its files into an empty folder, its commands, its Python."""
 
+import json
 import os
 import re
 import shutil
@@ -12,9 +13,9 @@ from conftest import ROOT
 def test_the_page_leads_from_an_empty_folder_to_fmpy(tmp_path):
     page = (ROOT / "docs" / "own-unit.md").read_text()
     blocks = {language: re.findall(rf"```{language}\n(.*?)```", page, re.S) for language in ("toml", "rust", "python", "console")}
-    assert [len(blocks[language]) for language in ("toml", "rust", "python")] == [1, 1, 1]
+    assert [len(blocks[language]) for language in ("toml", "rust", "python")] == [1, 1, 2]
     commands = [line.removeprefix("$ ") for block in blocks["console"] for line in block.splitlines()]
-    assert commands == ["cargo install --path ../acroscope/cargo-fmi2", "cargo fmi2 pack"]
+    assert commands[:2] == ["cargo install --path ../acroscope/cargo-fmi2", "cargo fmi2 pack"] and len(commands) == 4
 
     (tmp_path / "src").mkdir()
     (tmp_path / "Cargo.toml").write_text(blocks["toml"][0].replace("../acroscope", str(ROOT)))
@@ -33,3 +34,14 @@ def test_the_page_leads_from_an_empty_folder_to_fmpy(tmp_path):
     assert abs(float(done.stdout) - 338.6141) < 1e-3
     described = subprocess.run(["cargo", "fmi2", "describe"], env=folders, **run).stdout
     assert 'modelIdentifier="heater"' in described and 'name="T_out"' in described
+
+    # the last section: logs of scipy's, which the unit is held against
+    subprocess.run([sys.executable, "-c", blocks["python"][1]], **run)
+    program = ROOT / "target" / "release"
+    folders["PATH"] = f"{program}{os.pathsep}{folders['PATH']}"
+    for command in commands[2:]:
+        subprocess.run(command.split(), env=folders, **run)
+    found = json.loads((tmp_path / "found" / "diagnosis.json").read_text())
+    assert found["verdict"] == "named" and [effect["name"] for effect in found["effects"]] == ["heater.G"]
+    # within 1 %: noise of 0.05 K in 1803 rows says it to 0.1 %
+    assert abs(found["effects"][0]["value"] - 2.6) < 0.026

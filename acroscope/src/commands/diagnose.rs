@@ -145,6 +145,9 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             ),
         }
     }
+    if let Some(open) = diagnosis.unknown.as_ref().and_then(Unknown::left_open) {
+        tell!("{open}.");
+    }
     if !diagnosis.ended_early.is_empty() {
         tell!("time was up; ended with what was there: {}", diagnosis.ended_early.join("; "));
     }

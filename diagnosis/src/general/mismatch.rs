@@ -77,7 +77,7 @@ pub fn held_out(
     let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
     let mut gaps: Vec<(f64, usize, Gap)> = Vec::new();
     for (channel, output) in built.engine.machine.channels.iter().enumerate() {
-        let floor = output.noise.unwrap_or(built.scatter[channel].noise);
+        let floor = output.noise.unwrap_or(built.scatter[channel].quiet);
         let (from, to) = (mean(&before, channel), mean(after, channel));
         let closed = (from > floor)
             .then(|| 1.0 - (to * to - floor * floor) / (from * from - floor * floor))

@@ -9,6 +9,9 @@ pub struct Scatter {
     /// Standard deviation of what differs from row to row and follows no polynomial: at most the noise and the model's own
     /// motion within a few rows.
     pub noise: f64,
+    /// The same of the rows between jumps: by the median of the differences, which rows at the steps of an input don't move, and
+    /// at least what rounding leaves.
+    pub quiet: f64,
     /// Distance of neighbouring values of the log, if it looks rounded; else 0.
     pub quantum: f64,
     /// Standard deviation of the values.
@@ -19,13 +22,15 @@ pub struct Scatter {
 const ORDERS: usize = 5;
 /// A log looks rounded where fewer of its values are different than this share.
 const ROUNDED: f64 = 0.5;
+/// Half of a normal distribution lies within so many standard deviations.
+const HALF: f64 = 0.674_489_750_196_082;
 
 /// Looks at all runs of one channel.
 pub fn scatter(runs: &[&[f64]]) -> Scatter {
     let all: Vec<f64> = runs.iter().flat_map(|run| run.iter().copied()).collect();
     let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
     let size = (all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / all.len().max(1) as f64).sqrt();
-    let mut noise = f64::INFINITY;
+    let (mut noise, mut quiet) = (f64::INFINITY, f64::INFINITY);
     let mut weight = 1.0;
     let mut differences: Vec<Vec<f64>> = runs.iter().map(|run| run.to_vec()).collect();
     for order in 1..=ORDERS {
@@ -37,9 +42,15 @@ pub fn scatter(runs: &[&[f64]]) -> Scatter {
         let (sum, count) = (differences.iter().flatten()).fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
         if count > 2 {
             noise = noise.min((sum / count as f64 / weight).sqrt());
+            let mut sizes: Vec<f64> = differences.iter().flatten().map(|v| v.abs()).collect();
+            let middle = sizes.len() / 2;
+            quiet = quiet.min(*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / HALF / weight.sqrt());
         }
     }
-    Scatter { noise: if noise.is_finite() { noise } else { size }, quantum: quantum(&all), size }
+    let noise = if noise.is_finite() { noise } else { size };
+    let quantum = quantum(&all);
+    // rounding is uniform: its standard deviation is a quantum over √12
+    Scatter { noise, quiet: quiet.max(quantum / 12f64.sqrt()).min(noise), quantum, size }
 }
 
 fn quantum(values: &[f64]) -> f64 {
@@ -70,5 +81,19 @@ mod tests {
         assert_eq!(found.quantum, 0.0);
         let rounded: Vec<f64> = noisy.iter().map(|v| (v / 0.02).round() * 0.02).collect();
         assert!((scatter(&[&rounded]).quantum - 0.02).abs() < 1e-9);
+        let quiet = scatter(&[&rounded]).quiet;
+        assert!(quiet >= 0.02 / 12f64.sqrt(), "rounding alone leaves more than {quiet}");
+    }
+
+    #[test]
+    fn law_steps_of_an_input_are_no_noise() {
+        let mut random = Random::new(4);
+        // an output that jumps with an input, once in 25 rows, by a hundred times the noise
+        let steps = |k: usize| f64::from((k / 25 * 7 % 5) as u32);
+        let log: Vec<f64> = (0..2000).map(|k| steps(k) + 0.01 * random.normal()).collect();
+        let found = scatter(&[&log]);
+        assert!(found.noise > 0.1, "{found:?}: the mean square has the jumps in it");
+        // of a fifth difference 6 rows in 25 see a jump: the median of the others lies half as high again at most
+        assert!(found.quiet > 0.009 && found.quiet < 0.015, "{found:?}");
     }
 }

@@ -5,14 +5,13 @@
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Alternative, CLASS};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// File of a diagnosis.
 const FILE: &str = "diagnosis.json";
-/// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), 2 ln 140.
-const EXCLUDED: f64 = 10.0;
 
 /// For each effect that was found, the members of its class with their probabilities.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +68,7 @@ impl Earlier {
         for other in alternatives.iter_mut() {
             other.loss += match known.get(list[other.candidate].name) {
                 Some(probability) => (-2.0 * libm::log(probability / best)).min(CLASS),
-                None => EXCLUDED,
+                None => POLICY.excluded,
             };
         }
         alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));

@@ -13,12 +13,8 @@ use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::linear::bare;
 
-/// Neighbouring frames of a fit, which has seven numbers.
-const FRAMES: usize = 12;
 /// Below this share of its length a regressor depends on others.
 const DEPENDENT: f64 = 1e-6;
-/// Fits that tell a scatter.
-const FEW: usize = 3;
 
 /// For each signal the standard deviation that noise gives a row. `nominal` is the model that nothing was fitted to; of `last` only
 /// the scatter within windows counts, in which everything is free.
@@ -75,10 +71,10 @@ fn local(nominal: &Evaluation, signal: usize) -> Option<f64> {
     let ends = runs.chunk_by(|a, b| a == b).map(<[usize]>::len);
     let (mut fits, mut from): (Vec<(f64, f64)>, usize) = (Vec::new(), 0);
     for length in ends {
-        fits.extend(rows[from..from + length].chunks_exact(FRAMES).filter_map(fitted));
+        fits.extend(rows[from..from + length].chunks_exact(POLICY.floor_frames).filter_map(fitted));
         from += length;
     }
-    if fits.len() < FEW {
+    if fits.len() < POLICY.floor_fits {
         return None;
     }
     let mut each: Vec<f64> = fits.iter().map(|(square, freedom)| square / freedom).collect();

@@ -1,6 +1,7 @@
 //! How far apart, in physical units, before and after; against what noise alone leaves (`floor`).
 
 use crate::diagnosis::Gap;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::picture::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::{growth, shrunk, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
@@ -8,9 +9,6 @@ use crate::rigs::acrobot::selection::{Evaluation, Study};
 use crate::statistics::linear::{bare, moved};
 use nalgebra::DVector;
 use std::ops::Range;
-
-/// A gap must stand this far above the floor to be worth closing.
-const ABOVE: f64 = 1.05;
 
 /// Sums of squares of what is left, before and after, and of what noise leaves, with the number of rows of each.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -38,7 +36,7 @@ impl Sums {
     pub fn gap(self, of: Compared) -> Gap {
         let mean = |(square, count): (f64, f64)| (square / f64::max(count, 1.0)).sqrt();
         let (before, after, floor) = (mean(self.before), mean(self.after), mean(self.floor));
-        let closed = (before > ABOVE * floor)
+        let closed = (before > POLICY.gap_above * floor)
             .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
             .map(|closed| closed.min(1.0));
         let (signal, unit) = of.words();
@@ -160,21 +158,17 @@ fn crossed(study: &Study, free: &[usize], runs: &[String], of: Compared) -> Gap 
     Gap { cross_validated: folds.names(runs), ..gap }
 }
 
-/// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
-const WIDENED: f64 = 0.1;
-const CLEARLY: f64 = 2.0;
-
 /// Whether effects (`free` are the continuous ones) leave more torque on runs left out than none at all, and not by chance. Angles may
 /// be met better by chance, where stamps scatter, but then the motion's torques aren't.
 pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
-    if gap.closed.is_none_or(|closed| closed >= -WIDENED) {
+    if gap.closed.is_none_or(|closed| closed >= -POLICY.gap_widened) {
         return false;
     }
     let (folds, last) = (&study.folds, &study.last);
     let shifts = if free.is_empty() { Vec::new() } else { last.shifts(folds, free) };
     let before = torques(&study.nominal.under(last).blocks, &[], &[], &folds.of);
     let after = torques(&last.blocks, &last.places(free), &shifts, &folds.of);
-    growth(&before, &after) > CLEARLY
+    growth(&before, &after) > POLICY.gap_clearly
 }
 
 /// Whether some of these signals are measured.

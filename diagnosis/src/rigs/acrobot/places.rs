@@ -2,14 +2,12 @@
 
 use crate::diagnosis::{Trace, Where};
 use crate::rigs::acrobot::gap::measures;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS};
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 use crate::statistics::linear::bare;
-
-/// Share of the disagreement below which a signal isn't listed.
-const LISTED: f64 = 0.02;
 
 /// Which signals disagree under the nominal model, when, and where.
 pub fn places(study: &Study, signals: &[Signal]) -> Vec<(f64, Where)> {
@@ -60,7 +58,7 @@ pub fn shares(found: Vec<(f64, Where)>) -> Vec<Where> {
     let total: f64 = found.iter().map(|(excess, _)| excess).sum();
     let mut all: Vec<Where> =
         found.into_iter().map(|(excess, place)| Where { share: excess / total, ..place }).collect();
-    all.retain(|place| place.share >= LISTED);
+    all.retain(|place| place.share >= POLICY.listed);
     all.sort_by(|a, b| b.share.total_cmp(&a.share));
     all
 }

@@ -18,10 +18,10 @@ pub struct Policy {
     /// Times the median's squares from which a fit, a block or a torque is of no noise: a circle that was mistaken, a fall, a window
     /// that nothing holds to the log.
     pub wild: f64,
-    /// Share of the windows up to which single ones are doubted: beyond, it is the model that is wrong.
-    pub few_windows: f64,
     /// Rows from which a log tells anything: more than four start values and what is asked of them.
     pub rows: usize,
+    /// Steps of a log, as many times the usual one, from which a row is missing in between; and for which a torque is held after its last.
+    pub steps: f64,
     /// Rows this far to either side of a time tell the state there, s: an arm of the paper's size moves along a cubic for that long.
     pub around: f64,
     /// Step of a motion that is handed on, s: the cubic between is good to 1e-8 rad.
@@ -35,6 +35,23 @@ pub struct Policy {
     pub fallen: f64,
     /// Motion below this tells neither units nor signs, rad.
     pub least_motion: f64,
+    /// Share of the disagreement below which a signal isn't listed.
+    pub listed: f64,
+    /// Neighbouring frames of a fit, which has seven numbers.
+    pub floor_frames: usize,
+    /// Fits that tell a scatter.
+    pub floor_fits: usize,
+    /// A gap must stand this far above the floor to be worth closing.
+    pub gap_above: f64,
+    /// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
+    pub gap_widened: f64,
+    pub gap_clearly: f64,
+    /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), 2 ln 140.
+    pub excluded: f64,
+    /// Rows at the beginning of a log from which its rates are read, s: an arm hardly falls meanwhile.
+    pub replay_first: f64,
+    /// And at least so many.
+    pub replay_rows: usize,
 }
 
 /// Those in force.
@@ -44,12 +61,21 @@ pub const POLICY: Policy = Policy {
     runs_apart: 30.0,
     clock_behind: 10.0,
     wild: 10.0,
-    few_windows: 0.3,
     rows: 12,
+    steps: 1.5,
     around: 0.03,
     motion_step: 1.0 / 120.0,
     motion_share: 0.5,
     same_time: 5e-7,
     fallen: 1.5,
     least_motion: 0.02,
+    listed: 0.02,
+    floor_frames: 12,
+    floor_fits: 3,
+    gap_above: 1.05,
+    gap_widened: 0.1,
+    gap_clearly: 2.0,
+    excluded: 10.0,
+    replay_first: 0.1,
+    replay_rows: 4,
 };

@@ -5,13 +5,9 @@
 //! drives the plant. Either way the run begins in the state that the log shows at its beginning.
 
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table, directions};
+use crate::rigs::acrobot::policy::POLICY;
 use orchestrator::Place;
 use orchestrator::scenario::{Scenario, Shape, SignalEntry, SourceEntry};
-
-/// Rows at the beginning of a log from which its rates are read, s: an arm hardly falls meanwhile.
-const FIRST: f64 = 0.1;
-/// And at least so many.
-const ROWS: usize = 4;
 
 /// Puts the inputs of the first run that has any into a scenario; what was done, in words, or `None` where nothing was logged.
 pub fn insert(scenario: &mut Scenario, data: &DataSet) -> Option<String> {
@@ -86,7 +82,12 @@ fn state(run: &Run, begin: f64) -> Option<[f64; 4]> {
     let rows = logged.or_else(|| run.camera.as_ref().map(directions))?;
     let known = |row: &&(f64, [f64; 2])| row.0 >= begin && row.1.iter().all(|angle| angle.is_finite());
     let after: Vec<&(f64, [f64; 2])> = rows.iter().filter(known).collect();
-    let count = after.iter().take_while(|row| row.0 <= after[0].0 + FIRST).count().max(ROWS).min(after.len());
+    let count = after
+        .iter()
+        .take_while(|row| row.0 <= after[0].0 + POLICY.replay_first)
+        .count()
+        .max(POLICY.replay_rows)
+        .min(after.len());
     let near = after.get(..count).filter(|near| near.len() >= 2)?;
     let n = near.len() as f64;
     let mean_time = near.iter().map(|row| row.0).sum::<f64>() / n;

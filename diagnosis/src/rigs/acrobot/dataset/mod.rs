@@ -97,7 +97,7 @@ impl Run {
         let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
             return (f64::NEG_INFINITY, f64::INFINITY);
         };
-        (log.time[0], log.time[log.len() - 1] + LOGS.held * typical)
+        (log.time[0], log.time[log.len() - 1] + POLICY.steps * typical)
     }
 
     /// The speed of an angle of `plant.csv` that is exceeded in a twentieth of its rows, rad/s.

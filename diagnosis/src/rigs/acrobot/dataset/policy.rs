@@ -3,8 +3,6 @@
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
-    /// So many of its usual steps a torque is held after its last row: the next one would have come by then.
-    pub held: f64,
     /// One in so many rows without a torque is one that is missing.
     pub few_bare: usize,
     /// Links that touch may give way by this, or be logged a little off, rad.
@@ -55,7 +53,6 @@ pub struct Logs {
 
 /// Those in force.
 pub const LOGS: Logs = Logs {
-    held: 1.5,
     few_bare: 20,
     touching: 0.2,
     near: 0.02,

@@ -14,8 +14,6 @@ pub struct Residual {
     pub around_rows: usize,
     /// So many times a stretch's usual length may these rows take: at 20 rows a second they do once.
     pub seen: f64,
-    /// Rows further apart than this many times the usual, and this share of a stretch, tear it.
-    pub torn: f64,
     pub torn_share: f64,
     /// Standard deviation of an angle where none is stated, rad.
     pub first_guess: f64,
@@ -44,7 +42,6 @@ pub const RESIDUAL: Residual = Residual {
     grid: 0.008,
     around_rows: 7,
     seen: 1.1,
-    torn: 1.5,
     torn_share: 0.06,
     first_guess: 1e-3,
     outlying: 4.0,

@@ -190,7 +190,7 @@ fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
 
 /// Whether rows are lacking that the integral over a stretch would miss.
 fn torn(time: &[f64], rows: &std::ops::Range<usize>, grid: &Grid<'_>) -> bool {
-    let most = (RESIDUAL.torn * grid.typical).max(RESIDUAL.torn_share * grid.length);
+    let most = (POLICY.steps * grid.typical).max(RESIDUAL.torn_share * grid.length);
     // with the neighbours: a gap at an end would weigh the last row too much
     let all = rows.start.saturating_sub(1)..(rows.end + 1).min(time.len());
     time[all].windows(2).any(|pair| pair[1] - pair[0] > most)

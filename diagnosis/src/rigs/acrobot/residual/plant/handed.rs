@@ -6,7 +6,6 @@
 
 use super::fitting::{Fit, WindowFit, square};
 use super::*;
-use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
 fn squares(look: &WindowFit) -> f64 {
@@ -49,9 +48,6 @@ impl PlantCut {
         let sticks = |(candidate, x): (&Candidate, &f64)| candidate.sticks() && candidate.value(*x) > 0.0;
         let asked = !in_vain && self.candidates.iter().zip(point).any(sticks);
         let usual = if asked { usual(found) } else { f64::INFINITY };
-        let many = found.iter().flatten().filter(|look| doubted(look, usual)).count();
-        let usual =
-            if many as f64 <= POLICY.few_windows * found.len() as f64 { usual } else { f64::INFINITY };
         for index in 0..found.len() {
             let here = &self.windows[places[index]];
             let Ok(look) = &found[index] else { continue };

@@ -22,8 +22,6 @@ pub struct Windows {
     /// 10 rad/s, and a fit that begins there ends anywhere.
     pub near_rows: f64,
     pub near: f64,
-    /// Rows this many times as far apart as those that are kept of a dense log all count: a log may be dense in parts.
-    pub apart: f64,
     /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
     pub gentle: f64,
     /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
@@ -71,7 +69,6 @@ pub const WINDOWS: Windows = Windows {
     fewest: 3,
     near_rows: 6.0,
     near: 0.01,
-    apart: 1.5,
     gentle: 0.03,
     most: 640,
     lost: 20.0,

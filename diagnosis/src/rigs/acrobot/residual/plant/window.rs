@@ -261,7 +261,7 @@ fn thinned(each: f64, time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Ite
         let held = [0, 1].map(|angle| angles[angle][*row].is_finite());
         (0..2).filter(|angle| held[*angle]).for_each(|angle| since[angle].0 += 1.0);
         let far =
-            |(count, last): (f64, f64)| count > every || time[*row] - last > WINDOWS.apart * every * each;
+            |(count, last): (f64, f64)| count > every || time[*row] - last > POLICY.steps * every * each;
         let new = (0..2).any(|angle| held[angle] && far(since[angle]));
         (0..2).filter(|angle| new && held[*angle]).for_each(|angle| since[angle] = (1.0, time[*row]));
         new

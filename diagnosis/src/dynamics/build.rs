@@ -8,7 +8,8 @@ use super::schedule::Schedule;
 use super::whole;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::infer::fit::{Linearise, Path};
+use crate::infer::fit::{At, Linearise, Path};
+use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
@@ -31,6 +32,9 @@ const EXACT: f64 = 1e-7;
 /// Timestamps scatter by at most this share of the usual interval.
 const JITTER: f64 = 0.3;
 
+/// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
+const BEGIN: [f64; 6] = [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5];
+
 /// What the build found.
 pub struct Built {
     /// The engine.
@@ -43,6 +47,25 @@ pub struct Built {
     pub scatter: Vec<Scatter>,
     /// What a user should know.
     pub notices: Vec<Notice>,
+}
+
+impl Built {
+    /// Path and noises at these parameters, before anything is fitted.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn begun(&mut self, theta: &[f64]) -> Result<At, Error> {
+        let paths = self.engine.first_paths(theta, &self.noise)?;
+        self.engine.calibrate(theta, &paths, &self.noise)?;
+        let runs = self.engine.chords(theta, &paths, &[])?;
+        let from = |share: &f64| {
+            let process = self.noise.process.iter().map(|size| share * size).collect();
+            maximise(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes)
+        };
+        let best = BEGIN.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
+        let noise = best.map_or(self.noise.clone(), |(noise, _)| noise);
+        Ok(At { theta: theta.to_vec(), paths, noise })
+    }
 }
 
 fn usual(time: &[f64]) -> f64 {

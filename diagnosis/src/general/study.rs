@@ -7,9 +7,8 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Built, Span, build};
 use crate::error::{Error, Notice};
+use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options as FitOptions, fit};
-use crate::infer::likelihood::maximise;
-use crate::infer::{Noise, Sizes};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::walk::Visited;
@@ -20,8 +19,6 @@ use std::time::Instant;
 
 /// Of a single run the last share is left out.
 const LAST: f64 = 0.3;
-/// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
-const BEGIN: [f64; 6] = [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 /// What a search over some rows found.
 pub struct Studied {
@@ -157,17 +154,7 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 
 /// The nominal model fitted: path and noises only.
 pub(super) fn nominal(built: &mut Built) -> Result<Fit, Error> {
-    let theta = built.engine.machine.neutral();
-    let paths = built.engine.first_paths(&theta, &built.noise)?;
-    built.engine.calibrate(&theta, &paths, &built.noise)?;
-    let at = At { theta, paths, noise: built.noise.clone() };
-    let runs = built.engine.chords(&at.theta, &at.paths, &[])?;
-    let begun = |share: &f64| {
-        let process = at.noise.process.iter().map(|size| share * size).collect();
-        maximise(&runs, &[], &Noise { process, ..at.noise.clone() }, &built.sizes)
-    };
-    let best = BEGIN.iter().map(begun).min_by(|a, b| a.1.total_cmp(&b.1));
-    let at = At { noise: best.map_or(at.noise.clone(), |(noise, _)| noise), ..at };
+    let at = built.begun(&built.engine.machine.neutral())?;
     let mut fitted = fit(&built.engine, &at, &[], Some(&built.sizes), &FitOptions::default())?;
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;

@@ -43,6 +43,20 @@ impl Bench {
         Ok(bench)
     }
 
+    /// The unit.
+    pub fn fmu(&self) -> &Fmu {
+        &self.fmu
+    }
+
+    /// What is given beside the unit's start values: places in its description, and values.
+    pub fn given(&self) -> impl Iterator<Item = (usize, &Value)> {
+        let variables = &self.fmu.description().variables;
+        let place = |reference: u32, value: &Value| {
+            variables.iter().position(|known| known.reference == reference && known.kind == value.kind())
+        };
+        self.nominal.iter().filter_map(move |(reference, value)| Some((place(*reference, value)?, value)))
+    }
+
     /// Value reference of a variable.
     ///
     /// # Errors

@@ -9,7 +9,8 @@
 //!    `gap` is how far it closed above the `floor`, `amend` writes the better model.
 //! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
-//! 8. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
+//! 8. `linked` follows the plant with its states linked from row to row, the engine of any unit, where windows leave a class open.
+//! 9. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
 //!
 //! `channels` is the table of all columns of logs, `parameters` names what is asked for and never freed, `policy` holds the numbers that
 //! several rooms share.
@@ -26,6 +27,7 @@ pub(crate) mod earlier;
 mod experiment;
 mod floor;
 mod gap;
+mod linked;
 pub mod model;
 mod parameters;
 pub(crate) mod pipeline;

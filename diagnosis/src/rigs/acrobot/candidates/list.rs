@@ -1,6 +1,7 @@
 //! The list. To add a candidate, add an entry.
 
 use super::{Attribute, Cuts, Entry, Motion, Side};
+use crate::observe::InputEffect;
 use Attribute::{
     Bias, CameraRoll, Exposure, Friction, Gain, Ground, ImageDelay, InActuator, JointWeight, LinkInertia,
     LostFrames, OverTime, RadialSeries, Retards, Rolls, SensorNoise, Sticks,
@@ -63,6 +64,15 @@ const fn twin(term: &'static str, entry: Entry) -> Entry {
 
 /// All torques of the actuator go with it.
 pub const GAIN: &str = "plant.k_tau";
+/// What the actuator does to the torque on its way, in the plant's order: the same as at any unit's port.
+pub const ACTUATOR: [(&str, InputEffect); 6] = [
+    ("plant.tau_delay", InputEffect::Delay),
+    ("plant.tau_max", InputEffect::Saturation),
+    ("plant.dtau_max", InputEffect::RateLimit),
+    ("plant.T_act", InputEffect::Lag),
+    (GAIN, InputEffect::Gain),
+    ("plant.tau_bias", InputEffect::Bias),
+];
 /// How long an image is exposed, in frame intervals.
 pub const EXPOSURE: &str = "camera.E_t";
 /// Passes of the mask that blurs an image.

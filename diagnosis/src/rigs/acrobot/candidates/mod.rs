@@ -7,7 +7,7 @@ mod attributes;
 mod list;
 
 pub use attributes::{Attribute, name, names, place, variable};
-pub use list::{CLOCK, DEFOCUS, EXPOSURE, GAIN, LIST, ZEROS};
+pub use list::{ACTUATOR, CLOCK, DEFOCUS, EXPOSURE, GAIN, LIST, ZEROS};
 
 use crate::rigs::acrobot::model::Model;
 

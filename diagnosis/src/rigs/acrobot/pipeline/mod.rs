@@ -1,6 +1,5 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
 
-mod apart;
 mod averages;
 mod camera;
 mod clock;
@@ -33,7 +32,6 @@ use crate::rigs::acrobot::residual::trajectory::Motion as Logged;
 use crate::rigs::acrobot::residual::{Cut, Signal, Tracked};
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, study};
 use crate::watch::{Listener, Watch};
-use apart::told_apart;
 use camera::camera_part;
 use clock::{Clocks, MISSES, doubts};
 use conclude::conclude;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::linked::told_apart;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::logged;
@@ -58,7 +59,7 @@ pub(super) fn plant_part(
         part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
     point.clone_from(&part.study.last.point);
-    told_apart(&mut rows, data, model, list, &mut part, watch);
+    told_apart(data, model, list, (&part.study, &part.signals), &mut part.classes, watch);
     let sigma = match part.study.discrepancy_dominated {
         true => PIPELINE.coarse_motion,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),

@@ -18,7 +18,7 @@ pub const DENSE: f64 = 0.0045;
 
 /// Tolerance of the plant's integrator, per second: after a second of a wild arm 1e-9 rad are wrong, far below any encoder. A
 /// tenth of it takes 1.2 times as long, and the unit's own, a hundredth, 1.8 times.
-const TOLERANCE: f64 = 1e-7;
+pub const TOLERANCE: f64 = 1e-7;
 
 /// q1, q2, dq1, dq2.
 pub type State = [f64; 4];

@@ -111,7 +111,7 @@ impl PlantCut {
             let mut hard = DMatrix::zeros(layout.len(), 4);
             for place in 0..4 {
                 let mut moved = fit.start;
-                let by = self.span.gentle() * NUDGE[place];
+                let by = NUDGE[place];
                 moved[place] += by;
                 let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
                 layout.column(&fit.base, &rows, by, &mut hard, place);
@@ -119,7 +119,7 @@ impl PlantCut {
             fit.cell.hard = hard;
         }
         if soft && !soft_here {
-            let by = self.span.gentle() * self.inertia_scale * PUSH;
+            let by = self.inertia_scale * PUSH;
             let mut columns = DMatrix::zeros(layout.len(), fit.slack.len());
             for place in 0..fit.slack.len() {
                 let mut more = pushes.clone();
@@ -215,8 +215,7 @@ impl PlantCut {
                 let column = self.seen_column(window, layout, &base, place, probe.candidate);
                 (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
             } else if self.sees(candidate) {
-                let probe = self.gentle(*probe);
-                let moved = self.settings(point, Some(probe))?;
+                let moved = self.settings(point, Some(*probe))?;
                 // a value that the plant can't follow has no column
                 if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
                     layout.column(&base, &rows, probe.by, &mut columns, place);

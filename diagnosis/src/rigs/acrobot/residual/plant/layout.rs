@@ -13,7 +13,7 @@ impl Layout {
     pub(super) fn of(cut: &PlantCut, window: &Window) -> Self {
         let mut bins = Vec::new();
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return Self { bins } };
-        let size = window.rows.len().div_ceil(cut.span.0 * WINDOWS.bins);
+        let size = window.rows.len().div_ceil(WINDOWS.bins);
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {

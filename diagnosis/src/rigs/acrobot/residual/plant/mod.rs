@@ -26,7 +26,6 @@ mod handed;
 pub mod jitter;
 mod layout;
 mod log;
-mod long;
 mod policy;
 mod through;
 mod window;
@@ -38,7 +37,7 @@ pub use log::zeros;
 pub use through::Poses;
 use through::Through;
 pub use window::WindowState;
-use window::{Kept, Span, Window, cut_run, lost, most, thin};
+use window::{Kept, Window, cut_run, lost, most, thin};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
@@ -52,7 +51,6 @@ pub struct PlantCut {
     candidates: Arc<Vec<Candidate>>,
     runs: Arc<Vec<Run>>,
     windows: Vec<Window>,
-    span: Span,
     signals: Vec<Signal>,
     through: Option<Through>,
     clock: Option<usize>,
@@ -82,28 +80,18 @@ impl PlantCut {
         model: &Model,
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
-        Self::of(data, model, candidates, Span::USUAL)
-    }
-
-    fn of(
-        data: &DataSet,
-        model: &Model,
-        candidates: Arc<Vec<Candidate>>,
-        span: Span,
-    ) -> Result<Option<Self>, Error> {
         let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
         let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
-        let paces = (pace, span.share(growth));
         let mut windows = Vec::new();
         for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, paces, span, &mut windows);
+            cut_run(index, run, contact, pace, &mut windows);
         }
         let cut = windows.len();
         // where there are pictures each window has frames to tell of
         if data.runs.iter().all(|run| run.camera.is_none()) {
-            let most = most(&windows, &data.runs, span);
+            let most = most(&windows, &data.runs);
             thin(&mut windows, most);
         }
         if windows.is_empty() {
@@ -135,7 +123,6 @@ impl PlantCut {
             candidates,
             runs,
             windows,
-            span,
             signals,
             through,
             clock,
@@ -386,5 +373,16 @@ impl Cut for PlantCut {
         self.begin_from(from);
         let blocks = self.step_all(at, probes)?;
         Ok(Linearised { blocks, nuisances: self.nuisances(from.in_vain), unseen: 0 })
+    }
+}
+
+impl Tracked<PlantCut> {
+    /// As [`PlantCut::motion`], where the nuisances are.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn motion(&mut self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
+        let at = self.nuisances.clone();
+        PlantCut::motion(self, point, every, &at)
     }
 }

@@ -22,8 +22,6 @@ pub struct Windows {
     /// 10 rad/s, and a fit that begins there ends anywhere.
     pub near_rows: f64,
     pub near: f64,
-    /// With each `WINDOW` more, what was moved at the start grows by e^(7 · 0.5) = 33 once more.
-    pub gentle: f64,
     /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
     pub most: usize,
     /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
@@ -69,7 +67,6 @@ pub const WINDOWS: Windows = Windows {
     fewest: 3,
     near_rows: 6.0,
     near: 0.01,
-    gentle: 0.03,
     most: 640,
     lost: 20.0,
     growth: 7.0,

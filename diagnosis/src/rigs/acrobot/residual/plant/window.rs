@@ -14,42 +14,15 @@ pub(super) struct Kept {
     pub(super) soft: DMatrix<f64>,
 }
 
-/// How long windows are, in usual ones. Longer ones are for two models that both are right but for noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Span(pub(super) usize);
-
-impl Span {
-    /// As long as a model may be wrong and still stay with the data.
-    pub(super) const USUAL: Self = Self(1);
-    /// What noise leaves of a usual window's start grows by e^(7 · 0.5) = 33 in it: still near a straight line.
-    pub(super) const LONG: Self = Self(2);
-
-    /// Share of such a window that is looked at: where a pinned arm falls faster than the paper's (by its `growth`, 1/s), what noise leaves
-    /// grows by as much before its end, and fits would end somewhere along a bend.
-    pub(super) fn share(self, growth: Option<f64>) -> f64 {
-        if self == Self::USUAL {
-            1.0
-        } else {
-            growth.map_or(1.0, |growth| (1.1 * WINDOWS.growth / growth).min(1.0))
-        }
-    }
-
-    /// Share of a perturbation that bends a column no more than all of it bends that of a usual window.
-    pub(super) fn gentle(self) -> f64 {
-        (1..self.0).map(|_| WINDOWS.gentle).product()
-    }
-}
-
-/// Most windows of this length that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and
-/// what it tells grows with the square of the rates.
-pub(super) fn most(windows: &[Window], runs: &[Run], span: Span) -> usize {
+/// Most windows that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and what it tells grows
+/// with the square of the rates.
+pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
     let length = |window: &Window| {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
     };
-    let short =
-        windows.first().and_then(length).is_some_and(|length| length < WINDOWS.short_window * span.0 as f64);
-    if short { WINDOWS.most / 4 / span.0 } else { WINDOWS.most / span.0 }
+    let short = windows.first().and_then(length).is_some_and(|length| length < WINDOWS.short_window);
+    if short { WINDOWS.most / 4 } else { WINDOWS.most }
 }
 
 /// From this rate on (rad/s) nothing is simulated any more.
@@ -166,15 +139,8 @@ impl Window {
 
 /// Cuts one run into windows.
 ///
-/// `pace` is the length of a window against those of an arm that isn't quick, `share` what of it is looked at.
-pub(super) fn cut_run(
-    index: usize,
-    run: &Run,
-    contact: f64,
-    (pace, share): (f64, f64),
-    span: Span,
-    into: &mut Vec<Window>,
-) {
+/// `pace` is the length of a window against those of an arm that isn't quick.
+pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
     let fallen = run.touches(contact).unwrap_or(plant.len());
@@ -196,8 +162,7 @@ pub(super) fn cut_run(
     let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { pace * PREROLL } else { 0.0 };
-    let length =
-        span.0 as f64 * usual.max(POLICY.rows as f64 * typical).min(WINDOWS.longest.max(6.0 * typical));
+    let length = usual.max(POLICY.rows as f64 * typical).min(WINDOWS.longest.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
@@ -214,8 +179,7 @@ pub(super) fn cut_run(
         {
             to += 1;
         }
-        let near = |row: &usize| plant.time[*row] < begin + share * length;
-        let rows: Vec<usize> = usable[from..to].iter().copied().filter(near).collect();
+        let rows = usable[from..to].to_vec();
         let last = plant.time[rows[rows.len() - 1]];
         let known = undriven.iter().all(|span| span.0 >= last || span.1 <= begin - before);
         if rows.len() >= 6 && known {

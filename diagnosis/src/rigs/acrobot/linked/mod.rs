@@ -1,0 +1,109 @@
+//! The plant with its states linked from row to row: the engine of any unit (`dynamics`, `infer`) on our rig's logs.
+//!
+//! - `problem.rs`: the plant's logs as a problem of any unit
+//! - `classes.rs`: which names such a fit tells apart
+//! - `policy.rs`: the numbers both decide by
+
+mod classes;
+mod policy;
+mod problem;
+
+pub use classes::told_apart;
+
+use crate::dynamics::build::{Built, Span, build};
+use crate::dynamics::machine::Role;
+use crate::error::Error;
+use crate::infer::Sizes;
+use crate::infer::fit::{At, Fit, Options, fit};
+use crate::observe::{OutputEffect, Run};
+use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, ZEROS};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::model::Model;
+use problem::{Stretches, stretches};
+
+/// The first states are angles; process noise acts on their rates.
+const ANGLES: usize = 2;
+
+/// The plant's logs, ready to be linked.
+struct Linked<'a> {
+    built: Built,
+    list: &'a [Candidate],
+    /// The parameter that is each candidate.
+    places: Vec<Option<usize>>,
+    /// Parameters that no candidate is, as the nominal model has them.
+    nominal: Vec<f64>,
+}
+
+impl<'a> Linked<'a> {
+    /// Of the runs that hold a torque and both angles; `None` where there are none.
+    fn of(
+        data: &DataSet,
+        model: &Model,
+        list: &'a [Candidate],
+        point: &[f64],
+        sigma: &dyn Fn(&str) -> Option<f64>,
+    ) -> Result<Option<Self>, Error> {
+        let Some(Stretches { problem, spans }) = stretches(data, model, list, point, sigma)? else {
+            return Ok(None);
+        };
+        let runs: Vec<(&Run, Span)> = spans.iter().map(|(run, span)| (&problem.runs[*run], *span)).collect();
+        let mut built = build(&problem, &runs)?;
+        // an angle is the integral of its rate: what a plant lacks is a torque
+        for place in 0..ANGLES {
+            let least = built.sizes.process[place].0;
+            built.sizes.process[place].1 = least;
+            built.noise.process[place] = least;
+        }
+        let parameters = &built.engine.machine.parameters;
+        let torque = built.engine.machine.inputs.iter().position(|input| input.name == "plant.tau");
+        let mut nominal = built.engine.machine.neutral();
+        for (name, effect) in ACTUATOR {
+            let own = |role: Role| matches!(role, Role::Input(place, kind) if Some(place) == torque && kind == effect);
+            if let (Some(place), Some(value)) =
+                (parameters.iter().position(|one| own(one.role)), model.number(name))
+            {
+                nominal[place] = value;
+            }
+        }
+        let place = |candidate: &Candidate| {
+            let actuator = ACTUATOR.iter().find(|(name, _)| *name == candidate.name);
+            let angle = ZEROS.iter().position(|name| *name == candidate.name);
+            parameters.iter().position(|one| match (one.role, actuator, angle) {
+                (Role::Input(place, kind), Some((_, effect)), _) => Some(place) == torque && kind == *effect,
+                (Role::Output(place, OutputEffect::Offset), _, Some(angle)) => place == angle,
+                (Role::Unit(_), None, None) => one.name == candidate.name,
+                _ => false,
+            })
+        };
+        let places = list.iter().map(place).collect();
+        Ok(Some(Self { built, list, places, nominal }))
+    }
+
+    /// All parameters at a point.
+    fn theta(&self, point: &[f64]) -> Vec<f64> {
+        let mut theta = self.nominal.clone();
+        for ((candidate, place), x) in self.list.iter().zip(&self.places).zip(point) {
+            if let Some(place) = place {
+                theta[*place] = candidate.value(*x);
+            }
+        }
+        theta
+    }
+
+    /// Path and noises at a point, before anything is fitted.
+    fn begun(&mut self, point: &[f64]) -> Result<At, Error> {
+        let theta = self.theta(point);
+        self.built.begun(&theta)
+    }
+
+    /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.
+    fn fitted(&self, start: &At, point: &[f64], free: &[usize], sizes: Option<&Sizes>) -> Result<Fit, Error> {
+        let at = At { theta: self.theta(point), ..start.clone() };
+        let real = free.iter().filter(|index| !self.list[**index].is_discrete());
+        let free: Vec<usize> = real.filter_map(|index| self.places[*index]).collect();
+        fit(&self.built.engine, &at, &free, sizes, &OPTIONS)
+    }
+}
+
+/// As usual, with time to come to an end: a fit that stops on its way must not speak against its effect.
+const OPTIONS: Options = Options { rounds: 16, enough: 0.05, settled: 1e-3, damped: 4, noises: 10 };

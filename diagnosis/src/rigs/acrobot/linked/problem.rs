@@ -1,0 +1,233 @@
+//! The plant's logs as a problem of any unit: `plant.fmu` alone, torque fed, angles and rates compared.
+//!
+//! The actuator's parameters are the effects at the port `tau`, which come in the unit's own order; so the unit keeps a torque with no
+//! past, and its states are the angles and rates alone. The applied torque isn't compared: it jumps with the command.
+
+use crate::dynamics::build::Span;
+use crate::error::Error;
+use crate::observe::{
+    Affine, Candidate as Listed, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading,
+    Role, Run as Logged, Scale, Series, State, VariableId,
+};
+use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side, ZEROS};
+use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
+use crate::rigs::acrobot::linked::policy::LINKED;
+use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::residual::trajectory::{DENSE, TOLERANCE};
+use orchestrator::Value;
+use orchestrator::time::Rational;
+
+/// What plants log and states are, and how a state is started.
+const MOTION: [(&str, &str); 4] = [("q1", "q1_0"), ("q2", "q2_0"), ("dq1", "dq1_0"), ("dq2", "dq2_0")];
+/// What drives a plant.
+const TORQUES: [&str; 2] = ["tau", "tau_1"];
+/// A data set's plant logs, and the stretches of them in which the torque is known.
+pub(super) struct Stretches {
+    pub(super) problem: Problem,
+    /// Run and time.
+    pub(super) spans: Vec<(usize, Span)>,
+}
+
+/// Of the runs that hold a torque and both angles. `sigma` is the standard deviation of a logged motion, where a comparison found it.
+pub(super) fn stretches(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    point: &[f64],
+    sigma: &dyn Fn(&str) -> Option<f64>,
+) -> Result<Option<Stretches>, Error> {
+    let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
+    let used: Vec<&Run> = data.runs.iter().filter(|run| both_angles(run)).collect();
+    let logs = || used.iter().filter_map(|run| run.plant.as_ref().zip(run.controller.as_ref()));
+    let motion: Vec<usize> = (0..MOTION.len())
+        .filter(|place| logs().any(|(plant, _)| plant.column(MOTION[*place].0).is_some()))
+        .collect();
+    let torques: Vec<&str> =
+        TORQUES.into_iter().filter(|name| logs().any(|(_, torque)| torque.column(name).is_some())).collect();
+    let nominal = nominal(model)?;
+    let find = |name: &str| id(&nominal, name);
+    let channel = |name: &str, role: Role, noise: Option<f64>| {
+        Ok::<_, Error>(Channel {
+            name: format!("plant.{name}"),
+            variable: find(name)?,
+            role,
+            noise,
+            column: name.to_owned(),
+            conversion: Affine::SAME,
+            line: 0,
+        })
+    };
+    let mut channels = Vec::new();
+    for place in &motion {
+        let name = MOTION[*place].0;
+        let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
+        channels.push(channel(name, Role::Compared, noise)?);
+    }
+    for name in &torques {
+        channels.push(channel(name, Role::Fed(Hold::Zero), None)?);
+    }
+    let mut states = Vec::new();
+    for (place, (shows, start)) in MOTION.into_iter().enumerate() {
+        states.push(State {
+            name: format!("plant.{start}"),
+            start: find(start)?,
+            shows: Some(find(shows)?),
+            channel: motion.iter().position(|logged| *logged == place),
+        });
+    }
+    let (mut runs, mut spans) = (Vec::new(), Vec::new());
+    for run in used {
+        let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
+        let rows = usable(run, plant, contact);
+        pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
+        let mut series: Vec<Series> =
+            motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
+        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
+        runs.push(Logged { name: run.name.clone(), series });
+    }
+    shortened(&mut spans, &runs);
+    if spans.is_empty() {
+        return Ok(None);
+    }
+    let moved = list.iter().zip(point).any(|(one, x)| ZEROS.contains(&one.name) && *x != 0.0);
+    let problem = Problem {
+        path: data.path.clone(),
+        channels,
+        unlogged: Vec::new(),
+        states,
+        candidates: listed(list, model, &find)?,
+        ports: Ports {
+            inputs: InputEffect::ALL.to_vec(),
+            outputs: if moved { vec![OutputEffect::Offset] } else { Vec::new() },
+            unknown_inputs: false,
+        },
+        runs,
+        reading: Reading::Before,
+        notices: Vec::new(),
+        model: nominal,
+    };
+    Ok(Some(Stretches { problem, spans }))
+}
+
+fn both_angles(run: &Run) -> bool {
+    let angle = |name| run.plant.as_ref().is_some_and(|log| log.column(name).is_some());
+    run.controller.is_some() && angle("q1") && angle("q2")
+}
+
+fn id(nominal: &Nominal, name: &str) -> Result<VariableId, Error> {
+    let place = nominal.description(0).place(name);
+    let none = || Error::Model(format!("{} has no variable `{name}`", nominal.fmus[0].path().display()));
+    place.map(|place| VariableId { unit: 0, place }).ok_or_else(none)
+}
+
+/// The plant alone, without an actuator and without a stop.
+fn nominal(model: &Model) -> Result<Nominal, Error> {
+    let mut scenario = model.scenario.clone();
+    scenario.units.retain(|unit| unit.name == "plant");
+    scenario.connections.clear();
+    scenario.sources.clear();
+    // no longer than a gap: the unit steps from one change of the torque to the next
+    scenario.units.iter_mut().for_each(|unit| unit.interval = Rational::new(1, 1).unwrap_or(unit.interval));
+    let set =
+        model.plant.given().map(|(place, value)| (VariableId { unit: 0, place }, value.clone())).collect();
+    let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
+    let off =
+        ACTUATOR.iter().map(|(name, effect)| (*name, if *effect == InputEffect::Gain { 1.0 } else { 0.0 }));
+    for (name, value) in off.chain([(parameters::STOP, 1e9), ("plant.tolerance", TOLERANCE)]) {
+        let own = name.split_once('.').map_or(name, |(_, own)| own);
+        if let Some(place) = nominal.description(0).place(own) {
+            nominal.set.push((VariableId { unit: 0, place }, Value::Real(value)));
+        }
+    }
+    Ok(nominal)
+}
+
+/// The plant's candidates that are no part of its actuator.
+fn listed(
+    list: &[Candidate],
+    model: &Model,
+    find: &dyn Fn(&str) -> Result<VariableId, Error>,
+) -> Result<Vec<Listed>, Error> {
+    let own = |candidate: &&Candidate| {
+        candidate.side == Side::Plant && ACTUATOR.iter().all(|(name, _)| *name != candidate.name)
+    };
+    let mut all = Vec::new();
+    for candidate in list.iter().filter(own) {
+        all.push(Listed {
+            name: candidate.name.to_owned(),
+            variable: find(candidate.name.split_once('.').map_or(candidate.name, |(_, own)| own))?,
+            neutral: model.number(candidate.name).unwrap_or(candidate.off),
+            range: candidate.range,
+            phrase: candidate.phrase.to_owned(),
+            scale: match candidate.motion {
+                Motion::Switch => Scale::Switch,
+                Motion::Count { .. } => Scale::Count,
+                Motion::Saturation { .. } => Scale::Saturation,
+                Motion::Share { .. } => Scale::Relative,
+                Motion::Real { .. } | Motion::Load { .. } => Scale::Absolute,
+            },
+            line: 0,
+        });
+    }
+    Ok(all)
+}
+
+/// Rows with an angle before the links touch, while the torque is known; of a dense log every so many.
+fn usable(run: &Run, plant: &Table, contact: f64) -> Vec<usize> {
+    let (begin, end) = run.driven();
+    let fallen = run.touches(contact).unwrap_or(plant.len());
+    let angle = |row: usize, name| plant.column(name).is_some_and(|values| values[row].is_finite());
+    let told = |row: &usize| angle(*row, "q1") || angle(*row, "q2");
+    let within = |row: &usize| (begin..=end).contains(&plant.time[*row]);
+    let rows: Vec<usize> = (0..fallen).filter(told).filter(within).collect();
+    let every = (DENSE / usual(&rows, plant) - 1e-9).ceil().max(1.0);
+    rows.into_iter().step_by(every as usize).collect()
+}
+
+/// Usual distance of rows, s.
+fn usual(rows: &[usize], plant: &Table) -> f64 {
+    let mut gaps: Vec<f64> = rows.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(DENSE)
+}
+
+/// Stretches without a gap in which the torque is known.
+fn pieces(rows: &[usize], plant: &Table, undriven: &[(f64, f64)], run: usize, into: &mut Vec<(usize, Span)>) {
+    let torn = LINKED.torn * usual(rows, plant);
+    let apart = |pair: &[usize]| {
+        let (from, to) = (plant.time[pair[0]], plant.time[pair[1]]);
+        to - from > torn || undriven.iter().any(|gap| gap.0 < to && from < gap.1)
+    };
+    let mut first = 0;
+    for last in 0..rows.len() {
+        if last + 1 == rows.len() || apart(&rows[last..last + 2]) {
+            if last + 1 - first >= LINKED.fewest {
+                into.push((run, (plant.time[rows[first]], plant.time[rows[last]])));
+            }
+            first = last + 1;
+        }
+    }
+}
+
+/// The first part of each stretch, so long that no more than `LINKED.most` rows are linked.
+fn shortened(spans: &mut [(usize, Span)], runs: &[Logged]) {
+    let rows: usize = (spans.iter())
+        .map(|(run, (from, to))| {
+            let time = runs[*run].series.first().map_or(&[][..], |series| &series.time);
+            time.iter().filter(|time| (from..=to).contains(time)).count()
+        })
+        .sum();
+    let share = LINKED.most as f64 / rows.max(1) as f64;
+    for (_, (from, to)) in spans.iter_mut().filter(|_| share < 1.0) {
+        *to = *from + share * (*to - *from);
+    }
+}
+
+/// What a column measured in these rows.
+fn course(log: &Table, name: &str, rows: impl Iterator<Item = usize>) -> Series {
+    let Some(values) = log.column(name) else { return Series::default() };
+    let known = rows.filter(|row| values[*row].is_finite());
+    let (time, values) = known.map(|row| (log.time[row], values[row])).unzip();
+    Series { time, values }
+}

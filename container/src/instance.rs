@@ -150,18 +150,17 @@ impl Instance {
             scenario.stop = scenario.start;
         }
         let stop = self.experiment.and_then(|(_, stop)| stop);
-        let ending = stop.and_then(exact).map(|stop| {
-            let mut ending = scenario.clone();
-            ending.stop = stop;
-            ending
-        });
-        // A stop that has no common tick with the rest is one that no step ends at.
-        let built = ending.map(|ending| Simulation::new(&ending, &self.units)).and_then(Result::ok);
-        self.simulation = match built {
-            Some(simulation) => simulation,
-            None => Simulation::new(&scenario, &self.units)?,
-        };
-        self.end(stop);
+        self.simulation = Simulation::new(&scenario, &self.units)?;
+        if !self.end(stop)
+            && let Some(stop) = stop.and_then(exact)
+        {
+            // A stop that has no common tick with the rest is one that no step ends at.
+            scenario.stop = stop;
+            if let Ok(ending) = Simulation::new(&scenario, &self.units) {
+                self.simulation = ending;
+                self.end(Some(stop.to_f64()));
+            }
+        }
         for (reference, value) in &self.starts {
             self.simulation.set(&self.interface.variables[*reference as usize].name, value.clone())?;
         }
@@ -338,6 +337,7 @@ impl Instance {
         self.experiment = None;
         let own = starts.keys().map(|reference| &self.interface.variables[*reference as usize]);
         if self.simulation.span().0 == self.scenario.start.to_f64()
+            && self.simulation.scenario().stop == self.scenario.stop
             && own.clone().all(|own| own.start.is_some())
         {
             self.simulation.reset();

@@ -283,3 +283,29 @@ fn law_units_inside_take_the_shorter_last_step_that_they_take_outside() {
         }
     }
 }
+
+#[test]
+fn law_a_state_of_another_experiment_brings_its_end_along() {
+    let folder = Folder::new();
+    // A stop at a tick of the scenario, and one between ticks, for which the scenario is built anew.
+    for stop in [0.37, 0.3704] {
+        let begin = |instance: &mut container::Instance, stop| {
+            instance.setup_experiment(0.0, stop).expect("set up");
+            instance.enter_initialization().expect("entered");
+            instance.exit_initialization().expect("left");
+        };
+        let mut instance = folder.instance();
+        begin(&mut instance, Some(stop));
+        instance.do_step(0.0, 0.2).expect("stepped");
+        let state = instance.get_state(0).expect("saved");
+        instance.do_step(0.2, stop - 0.2).expect("stepped");
+        let expected = values(&mut instance);
+        for other in [None, Some(1.0), Some(0.3301)] {
+            instance.reset().expect("reset");
+            begin(&mut instance, other);
+            instance.set_state(state).expect("set again");
+            instance.do_step(0.2, stop - 0.2).expect("stepped");
+            assert_eq!(values(&mut instance), expected, "{stop} after {other:?}");
+        }
+    }
+}

@@ -77,13 +77,14 @@ pub fn run_program(program: &Path, arguments: &[&OsStr]) -> Result<()> {
     if status.success() { Ok(()) } else { Err(format!("{} failed ({status})", program.display()).into()) }
 }
 
-/// Builds a program with the release profile and answers where it lies.
-pub fn build_program(root: &Path, package: &str) -> Result<PathBuf> {
+/// Builds a program with the release profile and answers where it lies. As one of the workspace, not as a package by itself: that
+/// would choose other features of four libraries, and the tests would compile half of the workspace again.
+pub fn build_program(root: &Path, program: &str) -> Result<PathBuf> {
     let target = root.join("target");
     let mut cargo = cargo(root);
-    cargo.args(["build", "--release", "--package", package, "--target-dir"]).arg(&target);
+    cargo.args(["build", "--release", "--workspace", "--bin", program, "--target-dir"]).arg(&target);
     run_quietly(cargo)?;
-    Ok(target.join("release").join(format!("{package}{EXE_SUFFIX}")))
+    Ok(target.join("release").join(format!("{program}{EXE_SUFFIX}")))
 }
 
 /// Goes on as another program, with its exit status.

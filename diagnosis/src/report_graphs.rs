@@ -17,6 +17,10 @@ const COLUMNS: usize = 900;
 /// States and inputs that the residual is shown over, at most: those that it follows most.
 const OVER: usize = 6;
 
+/// The windows know no residual unit: without this, "amended" would seem to say that the correction is of no use.
+const UNCORRECTED: &str =
+    " The labelled correction is not in these curves, the named effects alone are; `amended.toml` has both.";
+
 fn refused(error: report::Error) -> Error {
     Error::Model(error.to_string())
 }
@@ -47,9 +51,10 @@ pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     page.heading("Measured, nominal and amended");
     page.text(&format!(
         "{}{}, the last run with rows of a channel. Where the motion is compared, a window of it starts at the state that fits it best, \
-         since a small error of the start would hide what the model lacks; nominal and amended are what the model gives from there.",
+         since a small error of the start would hide what the model lacks; nominal and amended are what the model gives from there.{}",
         first.run,
         if first.left_out { ", to which nothing was fitted" } else { "" },
+        if diagnosis.correction.is_some() { UNCORRECTED } else { "" },
     ));
     let graphs: Vec<(Graph, String)> =
         shown.iter().map(|channel| (overlay(channel), String::new())).collect();

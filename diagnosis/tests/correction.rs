@@ -168,6 +168,11 @@ fn recovers_a_drag_as_a_labelled_correction() {
     let truth = simulated(&truth);
     let (with, without) = (apart(&truth, &simulated(&corrected)), apart(&truth, &simulated(&nominal)));
     assert!(with < 0.1 * without, "{with} rad with the correction, {without} without");
+
+    // the page's curves are of the named effects alone, and say so
+    found.write(data.path()).expect("a folder of ours");
+    let page = std::fs::read_to_string(data.path().join("report.html")).expect("it was written");
+    assert!(page.contains("The labelled correction is not in these curves"));
 }
 
 #[test]

@@ -8,10 +8,11 @@ use diagnosis::rigs::acrobot::correction::{Closing, Correction, wiring};
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::rigs::acrobot::model::Model;
 use diagnosis::statistics::random::Random;
-use diagnosis::{Verdict, diagnose};
+use diagnosis::{Options, Verdict, diagnose};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// An arm that hangs from a pin and is shaken at its joint, with a drag that no candidate has.
 const SHAKEN: &str = r#"
@@ -168,10 +169,19 @@ fn recovers_a_drag_as_a_labelled_correction() {
     let truth = simulated(&truth);
     let (with, without) = (apart(&truth, &simulated(&corrected)), apart(&truth, &simulated(&nominal)));
     assert!(with < 0.1 * without, "{with} rad with the correction, {without} without");
+}
 
-    // the page's curves are of the named effects alone, and say so
-    found.write(data.path()).expect("a folder of ours");
-    let page = std::fs::read_to_string(data.path().join("report.html")).expect("it was written");
+#[test]
+fn law_the_page_says_that_a_correction_is_not_in_its_curves() {
+    // the friction that was hidden there, with nothing listed that gives it
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/hidden-effect");
+    let without = ["plant.b_joint", "plant.fc_joint"].map(String::from).to_vec();
+    let options = Options { without, ..common::options() };
+    let found = diagnose(&data, &units(), &options, &mut |_| {}).expect("the data is good");
+    assert!(found.correction.is_some());
+    let folder = Folder::new("curves");
+    found.write(folder.path()).expect("a folder of ours");
+    let page = std::fs::read_to_string(folder.path().join("report.html")).expect("it was written");
     assert!(page.contains("The labelled correction is not in these curves"));
 }
 

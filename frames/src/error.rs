@@ -78,6 +78,12 @@ pub enum Error {
         /// As given.
         rate: f64,
     },
+    /// A time that is none.
+    #[error("--start {start}: expected the time of the first frame in s, a finite number")]
+    Start {
+        /// As given.
+        start: f64,
+    },
     /// The data set that is there already does not fit.
     #[error("{}: {what}", path.display())]
     DataSet {

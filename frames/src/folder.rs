@@ -13,8 +13,31 @@ pub fn head(stamp: Stamp) -> String {
     format!("time,frame{middle},q1_est,q2_est,u1,v1,u2,v2,u3,v3,area1,area2,area3,valid\n")
 }
 
+/// The name of the log, and of one that was there before the first import: what was measured is not lost.
+const LOG: &str = "camera.csv";
+const BEFORE: &str = "camera.csv.before";
+
+/// Where the runs lie.
+pub struct Runs {
+    /// A folder each.
+    pub folders: Vec<PathBuf>,
+    /// There is a manifest that names them.
+    pub listed: bool,
+}
+
 /// Folders of the runs: those of a data set that is there, in its order, or new ones.
-pub fn runs(out: &Path, count: usize) -> Result<Option<Vec<PathBuf>>, Error> {
+pub fn runs(out: &Path, count: usize) -> Result<Runs, Error> {
+    let listed = listed(out, count)?;
+    let new = || (0..count).map(|run| out.join(name(run))).collect();
+    Ok(Runs { listed: listed.is_some(), folders: listed.unwrap_or_else(new) })
+}
+
+fn name(run: usize) -> String {
+    format!("run-{:02}", run + 1)
+}
+
+/// The folders that a manifest names.
+fn listed(out: &Path, count: usize) -> Result<Option<Vec<PathBuf>>, Error> {
     let path = out.join(MANIFEST);
     if !path.exists() {
         return Ok(None);
@@ -28,7 +51,11 @@ pub fn runs(out: &Path, count: usize) -> Result<Option<Vec<PathBuf>>, Error> {
         ));
     }
     let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
-    let dirs: Vec<PathBuf> = runs.filter_map(|run| Some(out.join(run.get("dir")?.as_str()?))).collect();
+    let dir = |(place, run): (usize, &toml::Value)| {
+        let dir = run.get("dir").and_then(toml::Value::as_str);
+        dir.map(|dir| out.join(dir)).ok_or_else(|| wrong(format!("[[run]] {} has no dir, a text", place + 1)))
+    };
+    let dirs: Vec<PathBuf> = runs.enumerate().map(dir).collect::<Result<_, _>>()?;
     if dirs.len() < count {
         return Err(wrong(format!(
             "{} runs, and {count} folders of frames; expected a [[run]] for each",
@@ -42,21 +69,23 @@ pub fn runs(out: &Path, count: usize) -> Result<Option<Vec<PathBuf>>, Error> {
 pub fn write(
     out: &Path,
     recording: &Recording,
-    runs: Option<&[PathBuf]>,
+    runs: &Runs,
     texts: &[String],
     notices: &mut Vec<String>,
 ) -> Result<Vec<PathBuf>, Error> {
     let mut written = Vec::new();
-    let name = |run: usize| format!("run-{:02}", run + 1);
-    for (run, text) in texts.iter().enumerate() {
-        let folder = runs.map_or_else(|| out.join(name(run)), |dirs| dirs[run].clone());
-        std::fs::create_dir_all(&folder).map_err(file(&folder))?;
-        let path = folder.join("camera.csv");
-        std::fs::write(&path, text).map_err(file(&path))?;
+    for (folder, text) in runs.folders.iter().zip(texts) {
+        std::fs::create_dir_all(folder).map_err(file(folder))?;
+        let (path, before) = (folder.join(LOG), folder.join(BEFORE));
+        if path.exists() && !before.exists() {
+            std::fs::rename(&path, &before).map_err(file(&path))?;
+            notices.push(format!("{} was there before; it is {BEFORE} now", path.display()));
+        }
+        whole(&path, text)?;
         written.push(path);
     }
     let path = out.join(MANIFEST);
-    if runs.is_some() {
+    if runs.listed {
         if !recording.set.is_empty() {
             notices.push(format!(
                 "{} is left as it was: what --set changed must stand in its [set]",
@@ -74,21 +103,27 @@ pub fn write(
         }
     }
     for run in 0..texts.len() {
+        // with its odd characters escaped: a name may hold the end of a line
         let folder = &recording.folders[run];
         let _ = write!(
             text,
-            "\n[[run]]                              # frames of {}\ndir = {}\n",
-            folder.display(),
+            "\n[[run]]                              # frames of {folder:?}\ndir = {}\n",
             quoted(&name(run))
         );
     }
-    std::fs::write(&path, text).map_err(file(&path))?;
+    whole(&path, &text)?;
     notices.push(format!(
         "logs of torques (controller.csv) and encoders (plant.csv) belong beside camera.csv in {}; docs/data-set.md says what they hold",
         out.display()
     ));
     written.push(path);
     Ok(written)
+}
+
+/// Writes a file that is either not there or whole, even if this ends in the middle.
+fn whole(path: &Path, text: &str) -> Result<(), Error> {
+    let part = path.with_extension("part");
+    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, path)).map_err(file(path))
 }
 
 /// The scenario as the manifest names it: a path is kept whole, for the manifest lies elsewhere.

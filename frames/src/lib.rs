@@ -65,22 +65,21 @@ pub struct Imported {
 /// is missing, or the data set can't be written.
 pub fn import(recording: &Recording, out: &Path) -> Result<Imported, Error> {
     let settings = settings::read(&recording.scenario, &recording.set)?;
-    let runs = folder::runs(out, recording.folders.len())?;
+    let (folders, times) = (recording.folders.len(), recording.times.len());
+    if times != 1 && times != folders {
+        return Err(Error::Times { folders, times });
+    }
+    let runs = folder::runs(out, folders)?;
     let mut imported = Imported::default();
     let mut texts = Vec::new();
     for (run, images) in recording.folders.iter().enumerate() {
-        let times = match recording.times.as_slice() {
-            [one] => one,
-            several => several
-                .get(run)
-                .ok_or(Error::Times { folders: recording.folders.len(), times: recording.times.len() })?,
-        };
+        let times = if times == 1 { &recording.times[0] } else { &recording.times[run] };
         let frames = sequence::list(images, &mut imported.notices)?;
         let times = times.of(&frames, images, &mut imported.notices)?;
         let rows = look(recording, &settings, &frames, &times, images, &mut imported)?;
         texts.push(rows);
     }
-    imported.written = folder::write(out, recording, runs.as_deref(), &texts, &mut imported.notices)?;
+    imported.written = folder::write(out, recording, &runs, &texts, &mut imported.notices)?;
     Ok(imported)
 }
 
@@ -101,11 +100,13 @@ fn look(
     let mut depth = picture::Depth::default();
     let (mut found, mut first_lost) = (0, None);
     for (batch, times) in frames.chunks(BATCH).zip(times.chunks(BATCH)) {
-        let decoded: Vec<Result<Grey, Error>> =
-            batch.par_iter().map(|frame| picture::read(&frame.path, recording.white)).collect();
+        let read = |frame: &Frame| {
+            let fits = |size| settings.fits(&frame.path, size, vision.size(frame.number));
+            picture::read(&frame.path, recording.white, fits)
+        };
+        let decoded: Vec<Result<Grey, Error>> = batch.par_iter().map(read).collect();
         for ((frame, grey), time) in batch.iter().zip(decoded).zip(times) {
             let grey = grey?;
-            settings.fits(&frame.path, &grey, vision.size(frame.number))?;
             depth.seen(&grey);
             let moments = recording.stamp.moments(*time, &clock, sensor.delay);
             let estimate = vision.look(frame.number, moments.middle, &grey.pixels);

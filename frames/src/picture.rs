@@ -1,7 +1,7 @@
 //! A file as the vision takes it: grey levels 0 to 255.
 
 use crate::error::Error;
-use image::{ColorType, DynamicImage, ImageReader};
+use image::{ColorType, DynamicImage, ImageDecoder as _, ImageReader};
 use std::path::Path;
 
 /// Largest value of a pixel of 16 bit.
@@ -13,8 +13,6 @@ const DIM: f64 = 1.0 / 16.0;
 /// A frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grey {
-    /// Columns and rows.
-    pub size: (usize, usize),
     /// Row by row from the upper left.
     pub pixels: Vec<u8>,
     /// The file had colours.
@@ -24,33 +22,39 @@ pub struct Grey {
 }
 
 /// Reads a frame. Colours become luminance (Rec. 709); 16 bit are divided so that `white` is 255, and rounded as the
-/// unit's own sensor does.
-pub fn read(path: &Path, white: Option<u16>) -> Result<Grey, Error> {
+/// unit's own sensor does. `fits` is asked about columns and rows before anything is decoded: a file of kB may hold GB of pixels.
+pub fn read(
+    path: &Path,
+    white: Option<u16>,
+    fits: impl FnOnce((usize, usize)) -> Result<(), Error>,
+) -> Result<Grey, Error> {
     let wrong = |what: String| Error::Image { path: path.to_owned(), what };
     let reader = ImageReader::open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
     let reader =
         reader.with_guessed_format().map_err(|source| Error::File { path: path.to_owned(), source })?;
     let unreadable =
         |error| wrong(format!("{error}; expected a PNG, TIFF or JPEG image of 8 or 16 bit a channel"));
-    let image = reader.decode().map_err(unreadable)?;
+    let decoder = reader.into_decoder().map_err(unreadable)?;
+    let (columns, rows) = decoder.dimensions();
+    fits((columns as usize, rows as usize))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
     let colour = image.color().has_color();
-    let size = (image.width() as usize, image.height() as usize);
     match image.color() {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            Ok(Grey { size, pixels: image.into_luma8().into_raw(), colour, brightest: None })
+            Ok(Grey { pixels: image.into_luma8().into_raw(), colour, brightest: None })
         }
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            Ok(sixteen(image, size, colour, white.unwrap_or(WHITE)))
+            Ok(sixteen(image, colour, white.unwrap_or(WHITE)))
         }
         other => Err(wrong(format!("pixels of the kind {other:?}; expected 8 or 16 bit a channel"))),
     }
 }
 
-fn sixteen(image: DynamicImage, size: (usize, usize), colour: bool, white: u16) -> Grey {
+fn sixteen(image: DynamicImage, colour: bool, white: u16) -> Grey {
     let values = image.into_luma16().into_raw();
     let white = u32::from(white.max(1));
     let level = |value: &u16| ((u32::from(*value) * 255 + white / 2) / white).min(255) as u8;
-    Grey { size, pixels: values.iter().map(level).collect(), colour, brightest: values.iter().copied().max() }
+    Grey { pixels: values.iter().map(level).collect(), colour, brightest: values.iter().copied().max() }
 }
 
 /// What kinds of images a recording had.
@@ -99,7 +103,7 @@ mod tests {
 
     fn told(brightest: u16, white: Option<u16>) -> String {
         let mut depth = Depth::default();
-        depth.seen(&Grey { size: (1, 1), pixels: vec![0], colour: false, brightest: Some(brightest) });
+        depth.seen(&Grey { pixels: vec![0], colour: false, brightest: Some(brightest) });
         depth.told(Path::new("f"), white).join("\n")
     }
 

@@ -1,7 +1,6 @@
 //! The camera of a scenario as values of the unit's own variables, and what is told of frames that do not fit them.
 
 use crate::error::Error;
-use crate::picture::Grey;
 use camera::Variables;
 use fmi2_export::{ModelError, SlotMut, Table};
 use orchestrator::scenario::{Given, UnitEntry};
@@ -102,9 +101,13 @@ impl Settings {
     }
 
     /// Whether a frame has the size that the sensor has.
-    pub fn fits(&self, path: &Path, grey: &Grey, (width, height): (usize, usize)) -> Result<(), Error> {
-        let (columns, rows) = grey.size;
-        if grey.size == (width, height) {
+    pub fn fits(
+        &self,
+        path: &Path,
+        (columns, rows): (usize, usize),
+        (width, height): (usize, usize),
+    ) -> Result<(), Error> {
+        if (columns, rows) == (width, height) {
             return Ok(());
         }
         let sensor = &self.variables.sensor;

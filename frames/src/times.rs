@@ -79,7 +79,14 @@ fn by_rate(
     if !(rate > 0.0 && rate.is_finite()) {
         return Err(Error::Rate { rate });
     }
+    if !start.is_finite() {
+        return Err(Error::Start { start });
+    }
     let first = frames.first().map_or(0, |frame| frame.number);
+    let times: Vec<f64> = frames.iter().map(|frame| start + (frame.number - first) as f64 / rate).collect();
+    let expected =
+        "with --rate the last number in a name counts the frames; rename the files, or give --times";
+    ordered(&times, frames, folder, expected)?;
     let missing: i64 = frames.windows(2).map(|pair| (pair[1].number - pair[0].number - 1).max(0)).sum();
     if missing > 0 {
         notices.push(format!(
@@ -88,10 +95,6 @@ fn by_rate(
             folder.display()
         ));
     }
-    let times: Vec<f64> = frames.iter().map(|frame| start + (frame.number - first) as f64 / rate).collect();
-    let expected =
-        "with --rate the last number in a name counts the frames; rename the files, or give --times";
-    ordered(&times, frames, folder, expected)?;
     Ok(times)
 }
 
@@ -181,7 +184,7 @@ fn named(
 }
 
 fn ordered(times: &[f64], frames: &[Frame], path: &Path, expected: &'static str) -> Result<(), Error> {
-    match (1..times.len()).find(|at| times[*at] <= times[*at - 1]) {
+    match (1..times.len()).find(|at| !(times[*at] > times[*at - 1] && times[*at].is_finite())) {
         Some(at) => Err(Error::Order {
             path: path.to_owned(),
             frame: frames[at].name.clone(),

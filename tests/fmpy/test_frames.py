@@ -2,8 +2,10 @@
 
 import csv
 import json
+import struct
 import subprocess
 import tomllib
+import zlib
 
 import cv2
 import numpy as np
@@ -162,12 +164,41 @@ def test_what_is_wrong_is_named_with_what_would_be_right(image, tmp_path):
     assert "t.csv:1: no column `time`" in run("import", "--frames", image, "--times", table, *out, status=2)
     table.write_text("time\nsoon\n")
     assert 't.csv:2: time = "soon"' in run("import", "--frames", image, "--times", table, *out, status=2)
+    assert "--start NaN: expected" in run("import", "--frames", image, "--rate", 30, "--start", "nan", *out, status=2)
+    assert "3 tables of times for 2 folders" in run("import", *("--frames", image) * 2, *("--times", table) * 3, *out, status=2)
     (image / "f1.png").write_bytes(b"no image")
     assert "f1.png: " in (said := run("import", "--frames", image, "--rate", 30, *out, status=2)) and "PNG, TIFF or JPEG" in said
     (tmp_path / "empty").mkdir()
     assert "no image; expected files that end in .png" in run("import", "--frames", tmp_path / "empty", "--rate", 30, *out, status=2)
     said = run("import", "--frames", image, "--fmu", "x.fmu", "--rate", 30, *out, status=2)
     assert "cannot be used with" in said
+
+
+def test_an_image_of_gigabytes_is_refused_before_it_is_decoded(tmp_path):
+    def part(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    (tmp_path / "images").mkdir()
+    head = struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
+    # Decoding would end in another error: there are no pixels.
+    picture = b"\x89PNG\r\n\x1a\n" + part(b"IHDR", head) + part(b"IDAT", zlib.compress(b"")) + part(b"IEND", b"")
+    (tmp_path / "images" / "f1.png").write_bytes(picture)
+    said = run("import", "--frames", tmp_path / "images", "--rate", 30, "--out", tmp_path / "set", status=2)
+    assert "f1.png: 60000 x 60000 pixels, but the camera of visual-servo takes 512 x 512" in said
+
+
+def test_what_was_measured_is_kept_and_odd_names_make_no_lines(image, tmp_path):
+    odd = image.rename(tmp_path / "images\n[evil]")
+    words = ("import", "--frames", odd, "--rate", 30, "--set", "camera.width=640", "--set", "camera.height=480", "--out", tmp_path / "set")
+    run(*words)
+    manifest = tomllib.loads((tmp_path / "set" / "dataset.toml").read_text())
+    assert manifest["run"] == [{"dir": "run-01"}] and "evil" not in manifest
+    log = tmp_path / "set" / "run-01" / "camera.csv"
+    log.write_text("measured")
+    assert "camera.csv was there before" in run(*words)
+    run(*words)
+    assert (log.parent / "camera.csv.before").read_text() == "measured" and log.read_text().startswith("time,frame")
+    assert sorted(path.name for path in log.parent.iterdir()) == ["camera.csv", "camera.csv.before"]
 
 
 def test_a_lens_in_recorded_images_is_named(tmp_path):

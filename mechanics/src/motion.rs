@@ -17,32 +17,48 @@
 //! path and the horizontal enters wherever the drum's motion meets a link's: cos q₁ → cos(q₁−α) beside θ₂ and
 //! cos q₂ → cos(q₂−α) beside θ₇ (likewise the sines of the velocity terms), and its weight adds θ_slope·sin α to
 //! the first row.
+//!
+//! Where the whole rig stands inclined by ι (its ground, its camera, whatever its angles are counted from), q is counted from the
+//! normal of what it stands on: with q + ι and α + ι in the place of q and α the same equations hold, so that ι enters the weight
+//! alone: sin(q₁+ι) beside θ₉, sin(q₂+ι) beside θ₁₀, θ_slope·sin(α+ι).
 
 use crate::theta::Theta;
 
-/// Ground that is not level.
+/// Ground that is not level, or a rig that does not stand level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Incline {
-    sine: f64,
-    cosine: f64,
-    theta_slope: f64,
+    /// (sin, cos) of α.
+    path: (f64, f64),
+    /// (sin, cos) of ι.
+    rig: (f64, f64),
+    /// θ_slope·sin(α+ι), N·m.
+    torque: f64,
 }
 
 impl Incline {
-    /// Ground that falls towards +u by `alpha` rad; `theta_slope` = (m₁+m₂)·g·R in N·m. `None` on level ground, so
-    /// that nothing is computed there and the bits are those of eq. (12).
-    pub fn new(alpha: f64, theta_slope: f64) -> Option<Incline> {
-        (alpha != 0.0).then(|| Incline { sine: libm::sin(alpha), cosine: libm::cos(alpha), theta_slope })
+    /// Ground that falls towards +u by `alpha` rad, in a rig that as a whole does so by `iota` rad; `theta_slope` = (m₁+m₂)·g·R in
+    /// N·m. `None` where all is level, so that nothing is computed there and the bits are those of eq. (12).
+    pub fn new(alpha: f64, iota: f64, theta_slope: f64) -> Option<Incline> {
+        (alpha != 0.0 || iota != 0.0).then(|| Incline {
+            path: libm::sincos(alpha),
+            rig: libm::sincos(iota),
+            torque: theta_slope * libm::sin(alpha + iota),
+        })
     }
 
-    /// Torque on link 1 by the weight of both links rolling down: θ_slope·sin α.
+    /// Torque on link 1 by the weight of both links rolling down: θ_slope·sin(α+ι).
     pub fn torque(&self) -> f64 {
-        self.theta_slope * self.sine
+        self.torque
     }
 
     /// (sin, cos) of an angle less α.
-    fn turned(&self, (sin, cos): (f64, f64)) -> (f64, f64) {
-        (sin * self.cosine - cos * self.sine, cos * self.cosine + sin * self.sine)
+    fn against_path(&self, (sin, cos): (f64, f64)) -> (f64, f64) {
+        (sin * self.path.1 - cos * self.path.0, cos * self.path.1 + sin * self.path.0)
+    }
+
+    /// (sin, cos) of an angle and ι.
+    fn against_weight(&self, (sin, cos): (f64, f64)) -> (f64, f64) {
+        (sin * self.rig.1 + cos * self.rig.0, cos * self.rig.1 - sin * self.rig.0)
     }
 }
 
@@ -98,11 +114,11 @@ impl Theta {
     ) -> Equation {
         let Theta { theta_2, theta_7, theta_8, theta_9, theta_10, .. } = *self;
         let pose = Pose::new(q, ground);
-        let (s1, s2, s12) = (pose.link1.0, pose.link2.0, pose.between.0);
+        let s12 = pose.between.0;
         let (s1_path, s2_path) = (pose.link1_path.0, pose.link2_path.0);
 
-        let mut f1 = theta_9 * s1; // (12)
-        let mut f2 = theta_10 * s2; // (12)
+        let mut f1 = theta_9 * pose.link1_weight.0; // (12)
+        let mut f2 = theta_10 * pose.link2_weight.0; // (12)
         if velocity_terms {
             let (dq1_dq1, dq2_dq2) = (dq1 * dq1, dq2 * dq2);
             f1 += 0.5 * theta_2 * s1_path * dq1_dq1 + (theta_7 * s2_path - theta_8 * s12) * dq2_dq2;
@@ -120,17 +136,18 @@ impl Theta {
         let pose = Pose::new(q, ground);
         let [[m11, m12], [_, m22]] = pose.inertia(self);
         let kinetic = 0.5 * m11 * dq[0] * dq[0] + m12 * dq[0] * dq[1] + 0.5 * m22 * dq[1] * dq[1];
-        let potential = self.theta_9 * pose.link1.1 + self.theta_10 * pose.link2.1;
+        let potential = self.theta_9 * pose.link1_weight.1 + self.theta_10 * pose.link2_weight.1;
         kinetic + potential - ground.map_or(0.0, |incline| incline.torque() * q[0])
     }
 }
 
 /// The sines and cosines of a configuration, each as (sin, cos).
 struct Pose {
-    link1: (f64, f64),
-    link2: (f64, f64),
     /// Of q₁ − q₂.
     between: (f64, f64),
+    /// Of the links against the vertical: q₁ + ι, q₂ + ι.
+    link1_weight: (f64, f64),
+    link2_weight: (f64, f64),
     /// Of the links against the drum's path: q₁ − α, q₂ − α.
     link1_path: (f64, f64),
     link2_path: (f64, f64),
@@ -141,11 +158,12 @@ impl Pose {
     fn new([q1, q2]: [f64; 2], ground: Option<&Incline>) -> Pose {
         let (link1, link2) = (libm::sincos(q1), libm::sincos(q2));
         let ((s1, c1), (s2, c2)) = (link1, link2);
-        let (link1_path, link2_path) = match ground {
-            None => (link1, link2),
-            Some(incline) => (incline.turned(link1), incline.turned(link2)),
-        };
-        Pose { link1, link2, between: (s1 * c2 - c1 * s2, c1 * c2 + s1 * s2), link1_path, link2_path }
+        let between = (s1 * c2 - c1 * s2, c1 * c2 + s1 * s2);
+        let [link1_weight, link2_weight] =
+            [link1, link2].map(|link| ground.map_or(link, |incline| incline.against_weight(link)));
+        let [link1_path, link2_path] =
+            [link1, link2].map(|link| ground.map_or(link, |incline| incline.against_path(link)));
+        Pose { between, link1_weight, link2_weight, link1_path, link2_path }
     }
 
     /// M(q).

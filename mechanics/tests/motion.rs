@@ -14,8 +14,9 @@ const STATES: [([f64; 2], [f64; 2]); 5] = [
 const LINKS: Links =
     Links { m1: 0.7, m2: 0.4, l1: 0.6, lc1: 0.25, lc2: 0.35, j1: 0.09, j2: 0.08, radius: 0.1, gravity: 9.81 };
 
-fn inclines() -> [Option<Incline>; 3] {
-    [0.0, 0.3, -0.8].map(|alpha| Incline::new(alpha, LINKS.theta_slope()))
+fn inclines() -> [Option<Incline>; 4] {
+    [(0.0, 0.0), (0.3, 0.0), (-0.8, 0.4), (0.0, -0.2)]
+        .map(|(alpha, iota)| Incline::new(alpha, iota, LINKS.theta_slope()))
 }
 
 /// Fourth-order central difference of `f` at 0.
@@ -60,16 +61,18 @@ fn law_velocity_terms_are_the_christoffel_symbols_of_m() {
 fn law_energy_is_that_of_rolling_bodies() {
     // Masses on their paths, with none of the formulas under test: checks Table 1, M(q) and the incline at once.
     let (theta, Links { m1, m2, l1, lc1, lc2, j1, j2, radius, gravity }) = (LINKS.theta(), LINKS);
-    for alpha in [0.0_f64, 0.3, -0.8] {
+    for (alpha, iota) in [(0.0_f64, 0.0), (0.3, 0.0), (-0.8, 0.4), (0.0, -0.2)] {
         let centres = |q: [f64; 2]| {
-            let drum = [radius * q[0] * alpha.cos(), -radius * q[0] * alpha.sin()];
+            let (q, alpha) = (q.map(|angle| angle + iota), alpha + iota); // against the vertical
+            let rolled = radius * (q[0] - iota);
+            let drum = [rolled * alpha.cos(), -rolled * alpha.sin()];
             let on = |from: [f64; 2], length: f64, angle: f64| {
                 [from[0] + length * angle.sin(), from[1] + length * angle.cos()]
             };
             let joint = on(drum, l1, q[0]);
             [on(drum, lc1, q[0]), on(joint, lc2, q[1])]
         };
-        let ground = Incline::new(alpha, LINKS.theta_slope());
+        let ground = Incline::new(alpha, iota, LINKS.theta_slope());
         for (q, dq) in STATES {
             let mut expected =
                 0.5 * (j1 - m1 * lc1 * lc1) * dq[0] * dq[0] + 0.5 * (j2 - m2 * lc2 * lc2) * dq[1] * dq[1];
@@ -116,8 +119,8 @@ fn law_mirror_images_move_alike_to_the_bit() {
 
 #[test]
 fn alone_level_ground_has_no_incline() {
-    assert_eq!(Incline::new(0.0, 0.956), None);
-    assert_eq!(Incline::new(-0.0, 0.956), None);
+    assert_eq!(Incline::new(0.0, 0.0, 0.956), None);
+    assert_eq!(Incline::new(-0.0, -0.0, 0.956), None);
 }
 
 #[test]

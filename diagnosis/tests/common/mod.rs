@@ -73,12 +73,21 @@ pub fn recorded_along(name: &str, points: &str, set: &[(&str, &str)]) -> Folder 
 
 /// As `recorded_along`; with the torque logged, too (0.01 N·m), 200 times a second where `torque`.
 pub fn logged_along(name: &str, points: &str, set: &[(&str, &str)], torque: bool) -> Folder {
-    let shipped = std::fs::read_to_string(root().join("scenarios/visual-servo.toml")).expect("it is shipped");
-    let text = shipped.replace("[[0, 0], [2, 0], [12, 0.5], [15, 0.5], [25, 0], [30, 0]]", points);
+    let text = shipped().replace("[[0, 0], [2, 0], [12, 0.5], [15, 0.5], [25, 0], [30, 0]]", points);
+    logged_in(name, &text, set, torque)
+}
+
+/// The shipped scenario that all of these record.
+pub fn shipped() -> String {
+    std::fs::read_to_string(root().join("scenarios/visual-servo.toml")).expect("it is shipped")
+}
+
+/// As `logged_along`, of a scenario's text.
+pub fn logged_in(name: &str, text: &str, set: &[(&str, &str)], torque: bool) -> Folder {
     let folder = Folder::new(name);
     folder.put("dataset.toml", &manifest(2));
     for (run, start) in [(1_u64, "0.1"), (2, "0.2")] {
-        let mut scenario = Scenario::parse(&text, "visual-servo.toml").expect("it is shipped");
+        let mut scenario = Scenario::parse(text, "visual-servo.toml").expect("it is shipped");
         for (name, value) in [("plant.q2_0", start), ("camera.sigma", "4.0")].iter().chain(set) {
             scenario.set(name, value).expect("the names are right");
         }

@@ -26,13 +26,14 @@ fn set(variables: &mut Variables, index: usize, value: f64) {
 }
 
 /// The effects that the contract names, with a value at which each shows.
-const EFFECTS: [(&str, f64); 12] = [
+const EFFECTS: [(&str, f64); 13] = [
     ("b_roll", 0.01),
     ("b_joint", 0.01),
     ("fc_roll", 0.01),
     ("fc_joint", 0.01),
     ("I_rotor", 0.001),
     ("slope", 0.01),
+    ("incline", 0.01),
     ("tau_delay", 0.01),
     ("tau_max", 0.5),
     ("dtau_max", 10.0),

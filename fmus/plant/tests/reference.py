@@ -31,8 +31,8 @@ def christoffel(p, q, dq, slope):
     return c
 
 
-def acceleration(p, q, dq, tau, tau_1=0.0, terms=True, slope=0.0, b=(0, 0), fc=(0, 0), rotor=0.0):
-    f = np.array([p['t9']*np.sin(q[0]) - tau + tau_1 + .956*np.sin(slope), p['t10']*np.sin(q[1]) + tau])
+def acceleration(p, q, dq, tau, tau_1=0.0, terms=True, slope=0.0, incline=0.0, b=(0, 0), fc=(0, 0), rotor=0.0):
+    f = np.array([p['t9']*np.sin(q[0] + incline) - tau + tau_1 + .956*np.sin(slope + incline), p['t10']*np.sin(q[1] + incline) + tau])
     if terms:
         f -= christoffel(p, q, dq, slope)
     w = dq[1] - dq[0]
@@ -71,6 +71,7 @@ show('wild, 1 s', integrate(WILD, unit_grid, zero)[:4])
 show('wild as printed, 1 s', integrate(WILD, unit_grid, zero, terms=False)[:4])
 show('wild R = 0, 1 s', integrate(WILD, unit_grid, zero, p=dict(TABLE_2, t2=0.0, t7=0.0))[:4])
 show('wild slope .05, 1 s', integrate(WILD, unit_grid, zero, slope=.05)[:4])
+show('wild slope .05, incline .03, 1 s', integrate(WILD, unit_grid, zero, slope=.05, incline=.03)[:4])
 show('wild viscous .02 .05, 1 s', integrate(WILD, unit_grid, zero, b=(.02, .05))[:4])
 show('wild coulomb .03 .05, 1 s', integrate(WILD, unit_grid, zero, fc=(.03, .05))[:4])
 show('wild rotor .01, 1 s', integrate(WILD, unit_grid, zero, rotor=.01)[:4])

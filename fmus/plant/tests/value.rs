@@ -59,6 +59,17 @@ fn value_slope() {
 }
 
 #[test]
+fn value_inclined_rig_on_a_slope() {
+    wild_second(
+        |variables| {
+            variables.effects.slope.angle = 0.05;
+            variables.effects.slope.rig = 0.03;
+        },
+        [6.544073839682491, -3.8603855377403944, 4.824932565208362, 0.7233636303070771],
+    );
+}
+
+#[test]
 fn value_viscous_friction() {
     wild_second(
         |variables| {

@@ -51,7 +51,7 @@ pub trait Mechanical {
         0.0
     }
 
-    /// The ground, if this effect tilts it.
+    /// The ground and what the rig stands on, if this effect tilts one.
     fn incline(&self) -> Option<Incline> {
         None
     }
@@ -88,7 +88,7 @@ macro_rules! effects {
                 0.0 $( + self.$force.kinetic_energy(motion) )*
             }
 
-            /// The ground; `None` if it is level.
+            /// The ground and what the rig stands on; `None` if both are level.
             pub fn incline(&self) -> Option<Incline> {
                 let mut ground = None;
                 $( ground = ground.or(self.$force.incline()); )*

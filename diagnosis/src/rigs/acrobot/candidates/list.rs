@@ -111,6 +111,7 @@ pub const LIST: &[Entry] = &[
     is(&[Bias], twin("bias_joint", load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"))),
     is(&[Gain], share(GAIN, THOUSANDTH, PART, "torque gain")),
     is(&[Ground], twin("bias_roll", real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"))),
+    is(&[Ground], real("plant.incline", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined rig: ground, camera and the zeros of its angles")),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, nonlinear: true, attributes: &[], twin: None, phrase: "velocity terms of the equations of motion" },
     is(&[LinkInertia], share("plant.theta_1", THOUSANDTH, PART, "inertia of the first link")),
     is(&[Rolls], share("plant.theta_2", THOUSANDTH, PART, "inertia coupling of rolling and first link")),

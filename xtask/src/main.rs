@@ -80,7 +80,7 @@ fn main() -> ExitCode {
 }
 
 fn packed(platforms: &[platform::Platform]) -> Result<Vec<PathBuf>> {
-    let fmus = pack::pack(root(), pack::Extent::All)?;
+    let fmus = pack::pack(root())?;
     if !platforms.is_empty() {
         portable::add(root(), &fmus, platforms)?;
     }
@@ -89,7 +89,12 @@ fn packed(platforms: &[platform::Platform]) -> Result<Vec<PathBuf>> {
 
 fn acroscope(arguments: &[OsString]) -> ExitCode {
     let run = || {
-        pack::pack(root(), pack::Extent::Stale)?;
+        // the master as a unit, built for that, costs a fresh machine a minute: only for who asks for it
+        let mut shells = shells::folders(root())?;
+        shells.retain(|shell| {
+            *shell != shells::blank(root()) || arguments.iter().any(|word| word == "container")
+        });
+        pack::pack_stale(root(), &shells)?;
         let program = cargo::build_program(root(), "acroscope")?;
         cargo::become_program(&program, arguments)
     };

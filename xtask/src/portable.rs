@@ -19,7 +19,7 @@ pub fn add_built_in(root: &Path, fmus: &[PathBuf], platforms: &[Platform], build
     if platforms.is_empty() {
         return Ok(());
     }
-    let shells = shells::find(root)?;
+    let shells = shells::packages(&shells::folders(root)?)?;
     let inspect = cargo::build_program(root, "inspect")?;
     for &platform in platforms {
         let libraries = cargo::build_units_for(platform, root, &shells, build)?;
@@ -44,9 +44,15 @@ fn line(library: &Path) -> Result<String> {
     Ok(format!("{} {sum}", library.file_name().unwrap_or_default().display()))
 }
 
-/// Keeps in mind from which libraries the `.fmu` files in a folder were made.
+/// Keeps in mind from which libraries the `.fmu` files in a folder were made; what is known of others stays.
 pub fn remember(fmus: &Path, libraries: &[PathBuf]) -> Result<()> {
-    let lines = libraries.iter().map(|library| line(library)).collect::<Result<Vec<_>>>()?;
+    let known = fs::read_to_string(record(fmus)).unwrap_or_default();
+    let other = |line: &&str| {
+        let name = line.split(' ').next().map(OsStr::new);
+        libraries.iter().all(|library| library.file_name() != name)
+    };
+    let mut lines = libraries.iter().map(|library| line(library)).collect::<Result<Vec<_>>>()?;
+    lines.extend(known.lines().filter(other).map(str::to_owned));
     archive::write_if_changed(&record(fmus), (lines.join("\n") + "\n").as_bytes())
 }
 

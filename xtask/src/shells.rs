@@ -4,12 +4,17 @@ use crate::{Result, at};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The package names of all shells, sorted by folder; the container's comes last.
-pub fn find(root: &Path) -> Result<Vec<String>> {
-    folders(root)?.iter().map(|folder| package(&folder.join("Cargo.toml"))).collect()
+/// The package names of shells by their folders.
+pub fn packages(folders: &[PathBuf]) -> Result<Vec<String>> {
+    folders.iter().map(|folder| package(&folder.join("Cargo.toml"))).collect()
 }
 
-/// Their folders, in the same order.
+/// The folder of the blank unit that containers are made of: it holds the whole master, and is asked for seldom.
+pub fn blank(root: &Path) -> PathBuf {
+    root.join("container").join("fmu")
+}
+
+/// The folders of all shells, sorted; the container's comes last.
 pub fn folders(root: &Path) -> Result<Vec<PathBuf>> {
     let folder = root.join("fmus");
     let mut shells = Vec::new();
@@ -21,7 +26,7 @@ pub fn folders(root: &Path) -> Result<Vec<PathBuf>> {
     }
     shells.sort();
     if !shells.is_empty() {
-        shells.push(root.join("container").join("fmu"));
+        shells.push(blank(root));
     }
     Ok(shells)
 }

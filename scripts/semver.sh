@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Whether the crates that are for others still offer what they did at the last release (the newest tag v*, or the commit given),
+# as far as their version promises it: cargo-semver-checks compares the two interfaces item by item.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+crates=(fmi2-export acroscope-orchestrator)
+since=${1:-$(git describe --tags --abbrev=0 --match 'v*' 2>/dev/null || true)}
+if [ -z "$since" ]; then
+    echo "no release yet, so nothing is promised; type $0 COMMIT to compare with a commit"
+    exit 0
+fi
+command -v cargo-semver-checks >/dev/null || { echo "error: type cargo install cargo-semver-checks --locked"; exit 1; }
+for crate in "${crates[@]}"; do
+    cargo semver-checks --package "$crate" --baseline-rev "$since" --target-dir target/semver
+done

@@ -182,6 +182,9 @@ pub struct Record {
     /// Seed of all noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Replace a data set that is in that folder.
+    #[arg(long)]
+    pub force: bool,
     /// Folder for the data set, made if it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

@@ -20,7 +20,8 @@
 //! [`diagnose`] is where to begin; [`import`] makes a data set of logs, [`record()`] one of finished runs. A [`Diagnosis`] is what
 //! `diagnosis.json` holds. The general rooms know no machine by name, in the order in which data flow:
 //! 1. `observe` reads a data set: channels, states, candidates, ports, runs; `import` writes one from logs.
-//! 2. `dynamics` and `ports` make any unit a function of one interval with sensitivities.
+//! 2. `dynamics` and `ports` make any unit a function of one interval with sensitivities; `check` doubts logs that count otherwise
+//!    than the model does.
 //! 3. `infer` links its states from row to row, with the `nuisance`s of the log; `statistics` is what it counts with.
 //! 4. `search` finds what the model lacks, `design` the experiment that would tell what stays open.
 //! 5. `general` goes this way from end to end; it is also where a data set's format decides who diagnoses it.
@@ -30,6 +31,7 @@
 
 #![forbid(unsafe_code)]
 
+mod check;
 mod design;
 mod diagnosis;
 mod dynamics;

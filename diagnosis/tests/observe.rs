@@ -152,13 +152,21 @@ const FAULTS: &[(&str, &str, &str)] = &[
         "dataset.toml:8: there is no key `colunm` here: did you mean column",
     ),
     ("[ports]", "[port]", "dataset.toml:39: there is no key `port` here: did you mean ports"),
-    ("acrobot_plant.fmu", "acrobot.fmu", "dataset.toml:2: nominal model: unit acrobot.fmu not found"),
+    (
+        "acrobot_plant.fmu",
+        "acrobot_plan.fmu",
+        "unit acrobot_plan.fmu not found: did you mean acrobot_plant.fmu",
+    ),
     (
         "\"acrobot_plant.theta_2\" = ",
         "\"acrobot_plant.theta_22\" = ",
         "dataset.toml:4: [set] acrobot_plant has no variable \"theta_22\": did you mean theta_2",
     ),
-    ("theta_7 = 0", "theta_7 = \"much\"", "dataset.toml:5:"),
+    (
+        "theta_7 = 0",
+        "theta_7 = \"much\"",
+        "dataset.toml:5: acrobot_plant.theta_7 = \"much\": not a value of type Real",
+    ),
     (
         "acrobot_plant.tau\"",
         "acrobot_plant.tua\"",
@@ -180,7 +188,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
         "dataset.toml:7: acrobot_plant.theta_5 is a parameter",
     ),
     ("column = \"motor\"", "column = \"moter\"", "dataset.toml:6: acrobot_plant.tau: "),
-    ("unit = \"mN.m\"", "unit = \"mNn\"", "dataset.toml:9: unit = \"mNn\" is unknown"),
+    ("unit = \"mN.m\"", "unit = \"mNn\"", "dataset.toml:9: unit = \"mNn\" is unknown: did you mean mN.m"),
     (
         "unit = \"mN.m\"",
         "unit = \"degC\"",

@@ -40,6 +40,9 @@ pub struct Import {
     /// Value of the brightest pixel of images of 16 bit [default: 65535].
     #[arg(long, requires = "frames", value_name = "LEVEL", value_parser = clap::value_parser!(u16).range(1..))]
     pub white: Option<u16>,
+    /// Replace a data set that is in that folder.
+    #[arg(long, conflicts_with = "frames")]
+    pub force: bool,
     /// Folder for the data set, made if it is missing.
     #[arg(long, value_name = "DATASET")]
     pub out: PathBuf,

@@ -24,7 +24,7 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
         without: arguments.without.clone(),
         earlier,
         budget: arguments.budget.map_or(Budget::EachRun(MINUTE), Budget::All),
-        fit: arguments.fit.clone(),
+        fit: arguments.fit.iter().map(|name| name.trim().to_owned()).collect(),
         ..Options::default()
     };
     let units = scenarios::unit_path();

@@ -2,13 +2,23 @@
 
 use crate::cli::{Import, StampOf};
 use crate::error::Error;
+use crate::folder::data_set;
 use frames::{Recording, Stamp, Times};
+use std::path::Path;
 
 /// Writes the data set and says what was guessed.
 pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
     let Some(fmu) = &arguments.fmu else {
         return images(arguments, quiet);
     };
+    let earlier = data_set(&arguments.out, arguments.force)?;
+    let is = |one: &Path, other: &Path| one.canonicalize().ok() == other.canonicalize().ok();
+    if let Some(log) = arguments.logs.iter().find(|log| earlier.iter().any(|path| is(path, log))) {
+        return Err(Error::Words(format!(
+            "{}: this log would be written over; choose another --out",
+            log.display()
+        )));
+    }
     let units = scenarios::unit_path();
     let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units)?;
     if quiet {

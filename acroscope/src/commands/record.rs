@@ -2,6 +2,7 @@
 
 use crate::cli::Record;
 use crate::error::Error;
+use crate::folder::data_set;
 use diagnosis::{Recording, record as write};
 
 /// Writes the data set.
@@ -13,6 +14,9 @@ pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
         torque_noise: arguments.torque_noise,
         seed: arguments.seed,
     };
+    let earlier = data_set(&arguments.out, arguments.force)?;
+    // what a run lacks now must not be left of an earlier one
+    earlier.iter().try_for_each(|path| std::fs::remove_file(path).map_err(Error::file(path)))?;
     std::fs::create_dir_all(&arguments.out).map_err(Error::file(&arguments.out))?;
     write(&arguments.runs, &arguments.out, &recording)?;
     if !quiet {

@@ -11,6 +11,7 @@
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
 //! - `excluded.rs`: outliers
 //! - `scales.rs`: sizes of what no log tells
+//! - `stretch.rs`: how well the units follow stretches of the logs, from the best start state of each
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
 //! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
@@ -27,6 +28,7 @@ pub mod linearise;
 pub mod machine;
 mod scales;
 pub mod schedule;
+pub mod stretch;
 mod through;
 mod whole;
 pub mod worker;

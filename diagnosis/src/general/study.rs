@@ -52,6 +52,7 @@ pub fn diagnosed(
     let until = options.budget.end(Instant::now(), problem.runs.len());
     let watch = &mut Watch::new(listener, until);
     watch.stage("looking at the logs");
+    crate::check::plausible(problem)?;
     let problem = &reading::read(problem, &parted(problem).0)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");

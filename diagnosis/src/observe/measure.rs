@@ -208,7 +208,15 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
         });
         let usual =
             BARE.iter().chain(PREFIXED).map(|(name, ..)| *name).chain(SHIFTED.iter().map(|(name, ..)| *name));
-        let known: Vec<&str> = known.chain(usual).collect();
+        let prefixed: Vec<String> = PREFIXES.iter().map(|(prefix, _)| format!("{prefix}{own}")).collect();
+        let prefixed = prefixed.iter().map(String::as_str).filter(|name| named(name).is_some());
+        let known: Vec<&str> = known.chain(prefixed).chain(usual).collect();
+        let own = base(own).map(|own| own.exponents);
+        let fits = known.iter().copied().filter(|name| base(name).map(|base| base.exponents) == own);
+        let near = nearest(unit, fits);
+        if near.starts_with("did you mean") {
+            return Err(format!("unit = {unit:?} is unknown: {near}"));
+        }
         return Err(format!("unit = {unit:?} is unknown: {}", nearest(unit, known.into_iter())));
     };
     let Some(to) = base(own) else {

@@ -257,6 +257,10 @@ impl Default for Ports {
 pub struct Run {
     /// The file as `dataset.toml` names it.
     pub name: String,
+    /// Line in `dataset.toml`.
+    pub line: usize,
+    /// Seconds of a unit of its time column.
+    pub seconds: f64,
     /// One entry a channel, in the order of [`Problem::channels`]; empty where the run didn't measure it.
     pub series: Vec<Series>,
 }

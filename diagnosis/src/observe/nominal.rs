@@ -174,22 +174,26 @@ fn values(scenario: &Scenario, fmus: &[Fmu], file: &File) -> Result<Vec<(Variabl
         for (name, given) in &entry.set {
             let Some(place) = fmu.description().place(name) else { continue };
             let kind = fmu.description().variables[place].kind;
-            let value = match &given.value {
-                Given::Text(text) => Value::parse(kind, text),
-                Given::Toml(value) => Value::parse(kind, &text(value)),
-            };
-            let Some(value) = value else {
+            let Some(value) = Value::parse(kind, &shown(&given.value)) else {
                 let full = format!("{}.{name}", entry.name);
                 return Err(Error::Manifest {
                     path: file.path.clone(),
                     line: file.line_of_set(&full),
-                    problem: format!("{full}: not a value of type {kind}"),
+                    problem: format!("{full} = {:?}: not a value of type {kind}", shown(&given.value)),
                 });
             };
             set.push((VariableId { unit, place }, value));
         }
     }
     Ok(set)
+}
+
+/// A given value as text.
+fn shown(given: &Given) -> String {
+    match given {
+        Given::Text(text) => text.clone(),
+        Given::Toml(value) => text(value),
+    }
 }
 
 /// A value as a number, where a candidate's neutral value is meant.

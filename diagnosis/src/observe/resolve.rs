@@ -208,7 +208,8 @@ fn run(
     if !series.iter().zip(channels).any(compared) {
         return Err(file.wrong(&raw.file.span(), format!("{name}: fewer than two rows hold an output")));
     }
-    Ok(Run { name, series })
+    let line = file.line(&raw.file.span());
+    Ok(Run { name, line, seconds: seconds(raw, file)?, series })
 }
 
 /// CSV files that could be meant.
@@ -232,12 +233,7 @@ fn times(
     notices: &mut Vec<Notice>,
 ) -> Result<super::log::Times, Error> {
     let time = raw.time.as_ref();
-    let seconds = match time.and_then(|time| time.unit.as_ref()) {
-        None => 1.0,
-        Some(unit) => {
-            measure::seconds(unit.get_ref()).map_err(|problem| file.wrong(&unit.span(), problem))?
-        }
-    };
+    let seconds = seconds(raw, file)?;
     let place = match time.and_then(|time| time.column.as_ref()) {
         Some(column) => log
             .place(column.get_ref())
@@ -252,6 +248,14 @@ fn times(
         }
     };
     log.times(place, seconds, name, notices)
+}
+
+/// Of a unit of the time column.
+fn seconds(raw: &raw::Run, file: &File) -> Result<f64, Error> {
+    match raw.time.as_ref().and_then(|time| time.unit.as_ref()) {
+        None => Ok(1.0),
+        Some(unit) => measure::seconds(unit.get_ref()).map_err(|problem| file.wrong(&unit.span(), problem)),
+    }
 }
 
 fn states(model: &Nominal, channels: &[Channel], file: &File) -> Result<Vec<State>, Error> {

@@ -13,7 +13,7 @@ use crate::observe::{InputEffect, OutputEffect, Problem, Scale};
 /// A delay or lag is looked for up to this share of the shortest run.
 const LATEST: f64 = 0.1;
 /// A gain of less than a twentieth or more than twenty is a broken wire or a wrong unit.
-const GAIN: (f64, f64) = (0.05, 20.0);
+pub const GAIN: (f64, f64) = (0.05, 20.0);
 
 /// The parameters of all ports.
 pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {

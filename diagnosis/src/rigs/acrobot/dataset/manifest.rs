@@ -45,10 +45,16 @@ impl Manifest {
         match root.get("format").and_then(Value::as_integer) {
             Some(1) => {}
             Some(other) => {
-                let problem = format!("format = {other}: this program reads format 1");
+                let problem = format!(
+                    "format = {other}: known are 1 (our own rig) and 2 (any unit, or a scenario with [[channel]]s)"
+                );
                 return Err(file.wrong(file.line_of("format"), problem));
             }
-            None => return Err(file.wrong(1, "`format = 1` is missing".into())),
+            None => {
+                let general = ["fmu", "channel", "state", "candidate", "ports"];
+                let format = if general.iter().any(|key| root.contains_key(*key)) { 2 } else { 1 };
+                return Err(file.wrong(1, format!("`format = {format}` is missing")));
+            }
         }
         if let Some(key) = root.keys().find(|key| !KEYS.contains(&key.as_str())) {
             let problem =

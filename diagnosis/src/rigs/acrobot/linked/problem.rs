@@ -84,7 +84,7 @@ pub(super) fn stretches(
         let mut series: Vec<Series> =
             motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
         series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
-        runs.push(Logged { name: run.name.clone(), series });
+        runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
     }
     shortened(&mut spans, &runs);
     if spans.is_empty() {

@@ -1,0 +1,48 @@
+//! Doubts before anything is fitted: logs that count otherwise than the model does look like a machine that lacks everything, and
+//! a diagnosis of them names effects that aren't there.
+//!
+//! An ordered list. The first that is beyond doubt ends the diagnosis with one sentence and the line that `dataset.toml`, or the
+//! log, needs. Nothing is changed by guess.
+//!
+//! - `stuck.rs`: a sensor that stood still: the log alone tells
+//! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
+//! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
+
+mod readings;
+mod stuck;
+mod ways;
+
+use crate::error::Error;
+use crate::observe::Problem;
+
+/// Something that can't be.
+#[derive(Debug, Clone, PartialEq)]
+struct Doubt {
+    /// Line of `dataset.toml` that it is about.
+    line: usize,
+    /// One sentence: what was found.
+    sentence: String,
+    /// What to add or change.
+    add: String,
+}
+
+/// A doubt of a data set, if there is one.
+type Check = fn(&Problem) -> Option<Doubt>;
+
+/// In the order in which one thing hides another: no model follows a sensor that stands still.
+const CHECKS: &[Check] = &[stuck::still, readings::otherwise];
+
+/// Ends with the first doubt.
+///
+/// # Errors
+/// A log that can't be what `dataset.toml` says it is.
+pub fn plausible(problem: &Problem) -> Result<(), Error> {
+    match CHECKS.iter().find_map(|check| check(problem)) {
+        None => Ok(()),
+        Some(Doubt { line, sentence, add }) => Err(Error::Manifest {
+            path: problem.path.join("dataset.toml"),
+            line: line.max(1),
+            problem: format!("{sentence}. {add}"),
+        }),
+    }
+}

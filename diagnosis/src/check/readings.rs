@@ -1,0 +1,178 @@
+//! Other ways to read the logs: if the model follows them in one of these and not as they are, `dataset.toml` lacks a line.
+//!
+//! Stretches of the logs are followed with the nominal model, each from the start state that fits best. A model that lacks an effect
+//! leaves as much in any other way: none of them is near to what it lacks.
+
+use super::Doubt;
+use super::ways::{self, Way};
+use crate::dynamics::Engine;
+use crate::dynamics::build::build;
+use crate::dynamics::stretch::{Glance, Left};
+use crate::observe::{Problem, Reading};
+
+/// Numbers of this file.
+struct Policy {
+    /// A channel tells where motion or error are so many times its sensor's variance: five standard deviations.
+    tells: f64,
+    /// A stated noise counts up to so many times what the log scatters by.
+    stated: f64,
+    /// As they are read the model leaves at least this share of a telling channel's motion.
+    wrong: f64,
+    /// Read otherwise at most this share, of every telling channel.
+    right: f64,
+    /// And at most this share of what it leaves as they are read.
+    less: f64,
+    /// Another unit of time, factors beyond all gains, exchanged columns: the same two, where neither a gain nor what a machine lacks
+    /// comes near.
+    extreme: (f64, f64),
+    /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain.
+    exact: f64,
+    /// The same of a shorter unit of time, which must do without a look at the logs as they are read.
+    slower: f64,
+    /// And so many variances of the sensors, all in all.
+    clear: f64,
+    /// Ways that leave at most so many times what the best one leaves can't be told from it.
+    same: f64,
+    /// To choose ways by.
+    short: Glance,
+    /// To judge by.
+    long: Glance,
+}
+
+/// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
+const STRETCH: usize = 100;
+
+const POLICY: Policy = Policy {
+    tells: 25.0,
+    stated: 1.5,
+    wrong: 0.02,
+    right: 0.1,
+    less: 0.1,
+    extreme: (0.5, 0.02),
+    exact: 2.0,
+    slower: 2.0,
+    clear: 100.0,
+    same: 1.5,
+    short: Glance { stretches: 2, rows: 60, rounds: 3 },
+    long: Glance { stretches: 8, rows: STRETCH, rounds: 5 },
+};
+
+/// What the model leaves of all channels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rest {
+    /// The largest share of its motion that is left of a channel that tells; nothing where none does.
+    share: Option<f64>,
+    /// What is left beyond the sensors' noise, in their variances.
+    excess: f64,
+}
+
+impl Rest {
+    /// Nothing follows, or the model fails.
+    const ALL: Self = Self { share: Some(f64::INFINITY), excess: f64::INFINITY };
+
+    fn of(left: &[Left]) -> Self {
+        let beyond = |sum: f64, one: &Left| (sum - one.count * one.variance).max(0.0);
+        let tells = |one: &&Left| one.error.max(one.motion) > POLICY.tells * one.count * one.variance;
+        let share =
+            |one: &Left| beyond(one.error, one) / beyond(one.motion, one).max(one.count * one.variance);
+        Self {
+            share: left.iter().filter(tells).map(share).max_by(f64::total_cmp),
+            excess: left
+                .iter()
+                .filter(|one| one.variance > 0.0)
+                .map(|one| beyond(one.error, one) / one.variance)
+                .sum(),
+        }
+    }
+
+    /// Whether the model follows all channels in this way.
+    fn is_right(&self, way: &Way) -> bool {
+        let most = if way.is_extreme() { POLICY.extreme.0 } else { POLICY.right };
+        self.share.is_some_and(|share| share < most)
+    }
+}
+
+/// How well the model follows a data set.
+fn rest(problem: &Problem, glance: &Glance) -> Rest {
+    let runs: Vec<_> = problem.runs.iter().map(|run| (run, run.span())).collect();
+    let Ok(mut built) = build(problem, &runs) else { return Rest::ALL };
+    let engine = &mut built.engine;
+    // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
+    for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
+        *sd = sd.min(POLICY.stated * scatter.noise);
+    }
+    let look = |engine: &Engine| engine.followed(glance).map_or(Rest::ALL, |left| Rest::of(&left));
+    let after = look(engine);
+    // where an output follows an input at once, it matters when rows were read
+    if engine.at_once().ok().flatten().is_none() {
+        return after;
+    }
+    engine.machine.reading = Reading::Before;
+    let before = look(engine);
+    if before.excess < after.excess { before } else { after }
+}
+
+/// The way in which the model follows the logs, if it doesn't as they are read.
+pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
+    // times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at
+    // the logs as they are read, since no model that moves within rows follows both
+    let moves = |way: &&Way| {
+        let read = way.read(problem);
+        rest(&read, &POLICY.short).is_right(way) && {
+            let rest = rest(&read, &POLICY.long);
+            rest.is_right(way) && is_exact(way, problem, &rest, POLICY.slower)
+        }
+    };
+    if let Some(way) = ways::times(problem, true).iter().find(moves) {
+        return Some(told(way, &[], None));
+    }
+    let own = rest(problem, &POLICY.long);
+    if own.share.is_none_or(|share| share < POLICY.wrong) {
+        return None;
+    }
+    let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
+    let fits = |way: &&Way| rest(&way.read(problem), &POLICY.short).is_right(way);
+    let judged = ways.iter().filter(fits).map(|way| (rest(&way.read(problem), &POLICY.long), way));
+    let mut found: Vec<(Rest, &Way)> = judged.filter(|(rest, way)| is_it(way, problem, rest, &own)).collect();
+    let least = found.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
+    found.retain(|(rest, _)| rest.excess <= POLICY.same * least);
+    let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
+    Some(told(found[0].1, &others, Some((found[0].0, own))))
+}
+
+/// Whether the model follows the logs in this way and not as they are read.
+fn is_it(way: &Way, problem: &Problem, rest: &Rest, own: &Rest) -> bool {
+    let extreme = way.is_extreme();
+    let most = if extreme { POLICY.extreme.1 } else { POLICY.less };
+    let near = rest.is_right(way) && rest.excess <= most * own.excess;
+    near && (extreme || is_exact(way, problem, rest, POLICY.exact))
+}
+
+/// Whether the model follows the logs clearly worse a little beside this way.
+fn is_exact(way: &Way, problem: &Problem, rest: &Rest, times: f64) -> bool {
+    let worse =
+        |beside: &Problem| self::rest(beside, &POLICY.long).excess >= times * rest.excess + POLICY.clear;
+    way.beside(problem).iter().all(worse)
+}
+
+fn told(way: &Way, others: &[&Way], shares: Option<(Rest, Rest)>) -> Doubt {
+    let share = |rest: Rest| match rest.share {
+        Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
+        _ => "more than ten times as much".into(),
+    };
+    let left = shares.map_or(String::new(), |(there, own)| {
+        format!(": of their motion it then leaves {}, as they are read {}", share(there), share(own))
+    });
+    let or = match others {
+        [] => String::new(),
+        ways => {
+            let names: Vec<String> = ways.iter().map(|way| format!("{} ({})", way.what, way.add)).collect();
+            format!("; these logs can't tell that from {}", names.join(", or "))
+        }
+    };
+    Doubt {
+        line: way.line,
+        sentence: format!("the model follows the logs only with {}{left}{or}", way.what),
+        add: way.add.clone(),
+    }
+}

@@ -1,0 +1,141 @@
+//! A sensor that stood still: a stretch of one value in a log whose noise hardly ever repeats a value elsewhere.
+
+use super::Doubt;
+use crate::nuisance::scatter;
+use crate::observe::{Problem, Role, Series};
+
+/// Rows of one value, at least.
+const ROWS: usize = 20;
+/// Elsewhere at most this share of neighbouring rows are the same: a log that is rounded coarsely, that repeats what a slower sensor
+/// said, or of a machine at rest, repeats its values anyway. Of noise as large as a quantum 28 % are the same.
+const SAME: f64 = 0.35;
+/// Elsewhere third differences change their sign from row to row at least so often: noise does so in 77 of 100 rows
+/// (arccos(-15/20)/π), a smooth course without noise seldom, and that may well stand still.
+const ALTERNATES: f64 = 0.65;
+/// Rows outside of the stretch that must be there to say so.
+const OTHERS: usize = 40;
+/// At zero, or at the end of its range, a sensor may well stay: there it must have jumped to it by so many times its noise.
+const JUMP: f64 = 8.0;
+
+/// A compared channel of a run that stood still for a while.
+pub(super) fn still(problem: &Problem) -> Option<Doubt> {
+    for run in &problem.runs {
+        for (channel, series) in problem.channels.iter().zip(&run.series) {
+            let Some((from, to)) = stretch(series).filter(|_| channel.role == Role::Compared) else {
+                continue;
+            };
+            let time = |row: usize| series.time[row] / run.seconds;
+            return Some(Doubt {
+                line: channel.line,
+                sentence: format!(
+                    "{}: column {:?} ({}) has one value from time {} to {}, in {} rows, and elsewhere a new one nearly every row: \
+                     the sensor stood still",
+                    run.name,
+                    channel.column,
+                    channel.name,
+                    time(from),
+                    time(to),
+                    to + 1 - from
+                ),
+                add: "Leave its cells empty there: an empty cell was not measured then".into(),
+            });
+        }
+    }
+    None
+}
+
+/// First and last row of the longest stretch of one value, where that can't be.
+fn stretch(series: &Series) -> Option<(usize, usize)> {
+    let values = &series.values;
+    let (mut longest, mut begin) = ((0, 0), 0);
+    for row in 1..=values.len() {
+        if row == values.len() || values[row] != values[begin] {
+            if row - begin > longest.1 - longest.0 {
+                longest = (begin, row);
+            }
+            begin = row;
+        }
+    }
+    let (from, to) = longest;
+    if to - from < ROWS {
+        return None;
+    }
+    let elsewhere = [&values[..from], &values[to..]];
+    let others: usize = elsewhere.iter().map(|part| part.len()).sum();
+    let pairs = || elsewhere.iter().flat_map(|part| part.windows(2));
+    let same = pairs().filter(|pair| pair[0] == pair[1]).count() as f64 / pairs().count().max(1) as f64;
+    let thirds: Vec<Vec<f64>> = elsewhere
+        .iter()
+        .map(|part| part.windows(4).map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]).collect())
+        .collect();
+    let turns = || thirds.iter().flat_map(|part| part.windows(2)).map(|pair| pair[0] * pair[1] < 0.0);
+    let alternates = turns().filter(|turns| *turns).count() as f64 / turns().count().max(1) as f64;
+    let noise = scatter(&elsewhere);
+    let noisy = noise.noise >= noise.quantum && noise.noise > 0.0;
+    let told = others >= OTHERS && same <= SAME && alternates >= ALTERNATES && noisy;
+    (told && !stays(values, from, to, noise.noise)).then_some((from, to - 1))
+}
+
+/// Whether a value is one at which a sound sensor stays: zero, or the end of the log's range, reached without a jump.
+fn stays(values: &[f64], from: usize, to: usize, noise: f64) -> bool {
+    let value = values[from];
+    let end = values.iter().all(|other| *other <= value) || values.iter().all(|other| *other >= value);
+    let jumps = |row: Option<usize>| {
+        row.and_then(|row| values.get(row)).is_none_or(|near| (near - value).abs() > JUMP * noise)
+    };
+    (value == 0.0 || end) && !(jumps(from.checked_sub(1)) && jumps(Some(to)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stretch;
+    use crate::observe::Series;
+    use crate::statistics::random::Random;
+
+    fn series(value: impl Fn(usize, &mut Random) -> f64) -> Series {
+        let mut random = Random::new(9);
+        let values: Vec<f64> = (0..400).map(|row| value(row, &mut random)).collect();
+        Series { time: (0..400).map(|row| row as f64 * 0.01).collect(), values }
+    }
+
+    #[test]
+    fn law_a_sensor_that_stood_still_is_told_from_rest_and_from_rounding() {
+        let wave = |row: usize| libm::sin(0.03 * row as f64);
+        let stood = |noise: f64, quantum: f64| {
+            let held = std::cell::Cell::new(0.0);
+            series(|row, random| {
+                let own = wave(row) + noise * random.normal();
+                if !(120..150).contains(&row) {
+                    held.set(if quantum > 0.0 { (own / quantum).round() * quantum } else { own });
+                }
+                held.get()
+            })
+        };
+        assert_eq!(stretch(&stood(0.01, 0.0)), Some((119, 149)));
+        assert_eq!(stretch(&stood(0.01, 0.005)), Some((119, 149)), "rounded to half of the noise");
+        assert_eq!(stretch(&stood(0.0, 0.0)), None, "a simulation without noise may rest");
+        assert_eq!(stretch(&stood(0.01, 0.05)), None, "a coarse encoder repeats its values anyway");
+        assert_eq!(stretch(&series(|row, random| wave(row) + 0.01 * random.normal())), None);
+        let short = series(|row, random| if (120..139).contains(&row) { 0.3 } else { random.normal() });
+        assert_eq!(stretch(&short), None, "nineteen rows");
+        let slow = series(|row, _| wave(row / 5 * 5) + 0.01 * Random::new(row as u64 / 5).normal());
+        assert_eq!(stretch(&slow), None, "a sensor that is five times as slow as the log");
+    }
+
+    #[test]
+    fn law_a_sensor_may_stay_at_zero_or_at_its_end_but_not_jump_there() {
+        // 0.6 is where it ends: the wave above it is cut for 70 rows
+        let ends = |row: usize, random: &mut Random| {
+            f64::min(libm::sin(0.03 * row as f64) + 0.01 * random.normal(), 0.6)
+        };
+        assert_eq!(stretch(&series(ends)), None, "a range that ends");
+        let flow = |row: usize, random: &mut Random| {
+            let flow = 1.0 - row as f64 / 200.0 + 0.01 * random.normal();
+            if flow > 0.0 { flow } else { 0.0 }
+        };
+        assert_eq!(stretch(&series(flow)), None, "no flow is exactly none");
+        let dead =
+            series(|row, random| if (120..150).contains(&row) { 0.0 } else { 1.0 + 0.01 * random.normal() });
+        assert_eq!(stretch(&dead), Some((120, 149)), "a wire that broke");
+    }
+}

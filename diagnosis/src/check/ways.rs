@@ -1,0 +1,308 @@
+//! How else logs can be read: the other unit of time, of measurement, the other sign, the other column.
+
+use crate::observe::{Affine, Channel, Problem, Role, measure};
+use crate::ports::GAIN;
+use std::f64::consts::PI;
+
+/// What is otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Change {
+    /// Times are so many times as long.
+    Time(f64),
+    /// Places of channels whose values are times a factor and plus a summand.
+    Values(Vec<(usize, Affine)>),
+    /// The numbers of two channels' columns, each converted as the channel says.
+    Exchanged(usize, usize),
+}
+
+/// Another way to read a data set.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Way {
+    pub(super) change: Change,
+    pub(super) line: usize,
+    /// What is otherwise, after "only with".
+    pub(super) what: String,
+    /// What to write.
+    pub(super) add: String,
+}
+
+/// Units of time that loggers write, and their length in s.
+const TIMES: [(&str, f64); 6] =
+    [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
+/// Rows as near as this are none of a logger's, s.
+const NEAREST: f64 = 1e-6;
+/// Rows as far apart as this are none of a machine's: so many steps of the unit, or so long, s.
+const FARTHEST: (f64, f64) = (300.0, 3600.0);
+/// Pairs of columns that are tried; of more ports, names tell.
+const PAIRS: usize = 28;
+/// Units that logs are written in, beside the model's own and those with a prefix.
+const USUAL: [&str; 16] = [
+    "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
+    "g",
+];
+/// Prefixes that loggers put before the model's unit.
+const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
+/// Factors of a variable whose description names no unit.
+const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI];
+/// Conversions nearer than this are the same.
+const SAME: f64 = 1e-6;
+
+impl Way {
+    /// The data set read in this way.
+    pub(super) fn read(&self, problem: &Problem) -> Problem {
+        match &self.change {
+            Change::Time(factor) => {
+                let mut other = problem.clone();
+                let series = other.runs.iter_mut().flat_map(|run| &mut run.series);
+                series.flat_map(|series| &mut series.time).for_each(|time| *time *= factor);
+                other
+            }
+            Change::Values(by) => scaled(problem, by),
+            Change::Exchanged(a, b) => exchanged(problem, *a, *b),
+        }
+    }
+
+    /// Whether no gain that a machine has is so large or so small.
+    pub(super) fn is_extreme(&self) -> bool {
+        match &self.change {
+            Change::Time(_) | Change::Exchanged(..) => true,
+            Change::Values(by) => {
+                by.iter().any(|(_, affine)| !(GAIN.0..=GAIN.1).contains(&affine.scale.abs()))
+            }
+        }
+    }
+
+    /// The same way not quite: a factor that is a fifth smaller and a quarter larger, an offset by a thirtieth, a time by half. A gain, an offset or
+    /// another rate that the machine really has is met by these as well; a wrong unit or sign only by its own number.
+    pub(super) fn beside(&self, problem: &Problem) -> Vec<Problem> {
+        let all = [0.8, 1.25].map(|by| match &self.change {
+            Change::Time(factor) => Some(Change::Time(factor * if by < 1.0 { 0.5 } else { 2.0 })),
+            Change::Values(list) => Some(Change::Values(
+                list.iter()
+                    .map(|(place, affine)| {
+                        let shifted = (affine.scale - 1.0).abs() < SAME && affine.offset != 0.0;
+                        let offset = affine.offset * if shifted { 1.0 + (by - 1.0) / 7.0 } else { 1.0 };
+                        (*place, Affine { scale: affine.scale * if shifted { 1.0 } else { by }, offset })
+                    })
+                    .collect(),
+            )),
+            Change::Exchanged(..) => None,
+        });
+        let read = |change| Way { change, ..self.clone() }.read(problem);
+        all.into_iter().flatten().map(read).collect()
+    }
+}
+
+/// The same with channels' values times a factor and plus a summand.
+fn scaled(problem: &Problem, by: &[(usize, Affine)]) -> Problem {
+    let mut other = problem.clone();
+    for (place, affine) in by {
+        let channel = &mut other.channels[*place];
+        channel.noise = channel.noise.map(|sd| sd * affine.scale.abs());
+        for run in &mut other.runs {
+            run.series[*place].values.iter_mut().for_each(|value| *value = affine.apply(*value));
+        }
+    }
+    other
+}
+
+fn exchanged(problem: &Problem, a: usize, b: usize) -> Problem {
+    let mut other = problem.clone();
+    let (one, two) = (problem.channels[a].conversion, problem.channels[b].conversion);
+    for run in &mut other.runs {
+        run.series.swap(a, b);
+        let again = |values: &mut Vec<f64>, from: Affine, to: Affine| {
+            values.iter_mut().for_each(|value| *value = to.apply((*value - from.offset) / from.scale));
+        };
+        again(&mut run.series[a].values, two, one);
+        again(&mut run.series[b].values, one, two);
+    }
+    other
+}
+
+/// Units of time that are shorter than the one that is said, or longer; those that no machine is logged in are left out.
+pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
+    let Some(run) = problem.runs.first() else { return Vec::new() };
+    let row = problem.row();
+    let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
+    let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let farthest = if step.is_finite() { FARTHEST.0 * step } else { FARTHEST.1 };
+    let way = |(unit, seconds): &(&str, f64)| {
+        let factor = seconds / run.seconds;
+        let fits = if shorter {
+            factor < 1.0 - SAME && factor * row >= NEAREST
+        } else {
+            factor > 1.0 + SAME && factor * row <= farthest
+        };
+        fits.then(|| Way {
+            change: Change::Time(factor),
+            line: run.line,
+            what: format!("times in {unit}"),
+            add: format!("Add to each [[run]]: time = {{ unit = \"{unit}\" }}"),
+        })
+    };
+    TIMES.iter().filter_map(way).collect()
+}
+
+/// All but those of time, in the order in which they are told where several fit.
+pub(super) fn others(problem: &Problem) -> Vec<Way> {
+    let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
+    let all: Vec<usize> = (0..problem.channels.len()).collect();
+    let (inputs, outputs): (Vec<usize>, Vec<usize>) = all.iter().copied().partition(fed);
+    let mut ways: Vec<Way> = inputs.iter().map(|place| turned(problem, &[*place])).collect();
+    ways.extend(outputs.iter().map(|place| turned(problem, &[*place])));
+    ways.extend(all.iter().flat_map(|place| units(problem, *place)));
+    ways.extend(together(problem, &["deg", "deg/s"]));
+    ways.extend(together(problem, &["degC"]));
+    ways.extend(together(problem, &["K"]));
+    let pairs = |list: &[usize]| -> Vec<(usize, usize)> {
+        let from = |first: usize| list[first + 1..].iter().map(move |second| (list[first], *second));
+        (0..list.len()).flat_map(from).collect()
+    };
+    ways.extend(pairs(&all).into_iter().take(PAIRS).map(|(a, b)| columns(problem, a, b)));
+    // an axis the other way round: a position and its rate
+    ways.extend(pairs(&outputs).into_iter().take(PAIRS).map(|(a, b)| turned(problem, &[a, b])));
+    ways.extend(
+        [&inputs, &outputs].into_iter().filter(|list| list.len() > 2).map(|list| turned(problem, list)),
+    );
+    ways
+}
+
+/// Where to write it.
+fn written(channel: &Channel, line: &str) -> String {
+    format!(
+        "Write in the [[channel]] of {}, in place of what it says of unit, scale and offset: {line}",
+        channel.name
+    )
+}
+
+fn all_written<'a>(lines: impl Iterator<Item = (&'a Channel, String)>) -> String {
+    lines.map(|(channel, line)| written(channel, &line)).collect::<Vec<_>>().join(". ")
+}
+
+/// What to write in a channel for a conversion, if `unit` doesn't say it.
+fn numbers(conversion: Affine) -> String {
+    let offset =
+        if conversion.offset == 0.0 { String::new() } else { format!(" and offset = {}", conversion.offset) };
+    format!("scale = {}{offset}", conversion.scale)
+}
+
+fn then(before: Affine, by: Affine) -> Affine {
+    Affine { scale: by.scale * before.scale, offset: by.apply(before.offset) + 0.0 }
+}
+
+fn list(names: impl Iterator<Item = String>) -> String {
+    names.collect::<Vec<_>>().join(" and ")
+}
+
+/// The log's own numbers times a factor.
+fn times_log(channel: &Channel, factor: f64) -> Affine {
+    Affine { scale: factor, offset: channel.conversion.offset * (1.0 - factor) }
+}
+
+fn turned(problem: &Problem, places: &[usize]) -> Way {
+    let channels: Vec<&Channel> = places.iter().map(|place| &problem.channels[*place]).collect();
+    let signs = if places.len() > 1 { "signs" } else { "sign" };
+    let by = |channel: &Channel| times_log(channel, -1.0);
+    let lines = channels.iter().map(|channel| (*channel, numbers(then(channel.conversion, by(channel)))));
+    Way {
+        change: Change::Values(
+            places.iter().zip(&channels).map(|(place, channel)| (*place, by(channel))).collect(),
+        ),
+        line: channels[0].line,
+        what: format!("the {signs} of {} turned", list(channels.iter().map(|channel| named(channel)))),
+        add: all_written(lines),
+    }
+}
+
+fn named(channel: &Channel) -> String {
+    format!("{} (column {:?})", channel.name, channel.column)
+}
+
+/// From what is said of a channel to a unit of measurement.
+fn to_unit(problem: &Problem, place: usize, unit: &str) -> Option<Affine> {
+    let channel = &problem.channels[place];
+    let variable = problem.model.variable(channel.variable);
+    let own = channel.conversion;
+    let found = measure::conversion(unit, variable, problem.model.description(channel.variable.unit)).ok()?;
+    let found = if own.scale < 0.0 { Affine { scale: -found.scale, offset: found.offset } } else { found };
+    let by = Affine {
+        scale: found.scale / own.scale,
+        offset: found.offset - found.scale / own.scale * own.offset,
+    };
+    let same = (by.scale - 1.0).abs() < SAME && by.offset.abs() < SAME * own.scale.abs();
+    (!same).then_some(by)
+}
+
+fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
+    let channel = |place: &usize| &problem.channels[*place];
+    let lines = found.iter().map(|(place, by, unit)| {
+        let to = then(channel(place).conversion, *by);
+        let line = if to.scale < 0.0 { numbers(to) } else { format!("unit = \"{unit}\"") };
+        (channel(place), line)
+    });
+    let said = found.iter().map(|(place, _, unit)| format!("{} in {unit}", named(channel(place))));
+    Way {
+        change: Change::Values(found.iter().map(|(place, by, _)| (*place, *by)).collect()),
+        line: channel(&found[0].0).line,
+        what: list(said),
+        add: all_written(lines),
+    }
+}
+
+/// The units that one channel may be written in.
+fn units(problem: &Problem, place: usize) -> Vec<Way> {
+    let channel = &problem.channels[place];
+    let variable = problem.model.variable(channel.variable);
+    let way = |factor: &f64| {
+        let by = times_log(channel, *factor);
+        Way {
+            change: Change::Values(vec![(place, by)]),
+            line: channel.line,
+            what: format!("{} times {factor}", named(channel)),
+            add: written(channel, &numbers(then(channel.conversion, by))),
+        }
+    };
+    let Some(own) = variable.unit.as_deref().filter(|own| !own.is_empty()) else {
+        return FACTORS.iter().map(way).collect();
+    };
+    let prefixed: Vec<String> = PREFIXES.iter().map(|prefix| format!("{prefix}{own}")).collect();
+    let names = USUAL.into_iter().chain(prefixed.iter().map(String::as_str)).chain([own]);
+    let mut found: Vec<(usize, Affine, &str)> = Vec::new();
+    for name in names {
+        let Some(by) = to_unit(problem, place, name) else { continue };
+        let same = |(_, known, _): &(usize, Affine, &str)| {
+            (known.scale / by.scale - 1.0).abs() < SAME && (known.offset - by.offset).abs() < SAME
+        };
+        if !found.iter().any(same) {
+            found.push((place, by, name));
+        }
+    }
+    let is_known = |factor: &&f64| {
+        let same = |by: &Affine| by.offset == times_log(channel, **factor).offset;
+        found.iter().any(|(_, by, _)| (by.scale / **factor - 1.0).abs() < SAME && same(by))
+    };
+    let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
+    found.iter().map(|one| in_unit(problem, std::slice::from_ref(one))).chain(bare).collect()
+}
+
+/// All channels of one kind in another unit: all angles in degrees.
+fn together(problem: &Problem, names: &[&'static str]) -> Option<Way> {
+    let of =
+        |place: usize| names.iter().find_map(|name| Some((place, to_unit(problem, place, name)?, *name)));
+    let found: Vec<(usize, Affine, &str)> = (0..problem.channels.len()).filter_map(of).collect();
+    (found.len() > 1).then(|| in_unit(problem, &found))
+}
+
+fn columns(problem: &Problem, a: usize, b: usize) -> Way {
+    let (one, two) = (&problem.channels[a], &problem.channels[b]);
+    Way {
+        change: Change::Exchanged(a, b),
+        line: one.line,
+        what: format!("the columns of {} and {} exchanged", one.name, two.name),
+        add: format!(
+            "Write in the [[channel]] of {}: column = {:?}, in that of {}: column = {:?}",
+            one.name, two.column, two.name, one.column
+        ),
+    }
+}

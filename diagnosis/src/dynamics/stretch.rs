@@ -1,0 +1,211 @@
+//! How well the units at nominal parameters follow stretches of the logs: each from the start state that fits best, without process
+//! noise. Nothing else is fitted.
+
+use super::grid::Grid;
+use super::linearise::Engine;
+use super::machine::Machine;
+use super::schedule::Schedule;
+use super::worker::{Job, Worker};
+use crate::error::Error;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Which stretches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glance {
+    /// Over all runs.
+    pub stretches: usize,
+    /// Rows of each.
+    pub rows: usize,
+    /// Gauss-Newton steps of the start state.
+    pub rounds: usize,
+}
+
+/// What is left of one compared channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Left {
+    /// Sum of squares of measured less simulated.
+    pub error: f64,
+    /// Sum of squares about the mean of each stretch.
+    pub motion: f64,
+    /// Values.
+    pub count: f64,
+    /// Variance of the sensor.
+    pub variance: f64,
+}
+
+/// A state is moved by this share of its scale for a derivative.
+const MOVE: f64 = 1e-4;
+/// Damping of a step that made it worse, and what it grows by.
+const DAMPING: (f64, f64) = (0.1, 10.0);
+
+/// One stretch of a run.
+struct Stretch<'a> {
+    schedule: &'a Schedule,
+    grid: &'a Grid,
+    row: usize,
+    /// Values: place in what is simulated, channel, measured.
+    values: Vec<(usize, usize, f64)>,
+    intervals: usize,
+}
+
+impl Engine {
+    /// Of each compared channel; `None` where a unit fails or gives nothing finite.
+    pub fn followed(&self, glance: &Glance) -> Option<Vec<Left>> {
+        let machine = &self.machine;
+        let neutral = machine.neutral();
+        let schedules: Vec<Schedule> =
+            self.grids.iter().map(|grid| Schedule::new(machine, grid, &neutral)).collect();
+        let stretches = self.stretches(glance, &schedules);
+        let one = |stretch: &Stretch<'_>| {
+            self.with_worker(|worker| self.follow(worker, stretch, glance.rounds)).ok()
+        };
+        let parts: Vec<Option<Vec<Left>>> = stretches.par_iter().map(one).collect();
+        let mut sums: Vec<Left> =
+            self.sensors.iter().map(|sd| Left { variance: sd * sd, ..Left::default() }).collect();
+        for part in parts {
+            for (sum, part) in sums.iter_mut().zip(part?) {
+                sum.error += part.error;
+                sum.motion += part.motion;
+                sum.count += part.count;
+            }
+        }
+        Some(sums)
+    }
+
+    /// Evenly over the runs; from the begin of a run where nothing can be started later.
+    fn stretches<'a>(&'a self, glance: &Glance, schedules: &'a [Schedule]) -> Vec<Stretch<'a>> {
+        let runs = self.grids.len();
+        let whole = self.machine.whole;
+        let each = if whole { 1 } else { glance.stretches.div_ceil(runs) };
+        let taken = glance.stretches.min(runs).max(1);
+        let mut list = Vec::new();
+        for run in (0..taken).map(|part| part * runs / taken) {
+            let grid = &self.grids[run];
+            let last = grid.time.len() - 1;
+            let intervals = glance.rows.min(last).max(1);
+            let room = last - intervals;
+            let count = each.min(last / intervals).max(1);
+            for part in 0..count {
+                let row = if whole { 0 } else { (2 * part + 1) * room / (2 * count) };
+                list.push(Stretch {
+                    schedule: &schedules[run],
+                    grid,
+                    row,
+                    values: self.values(run, row, intervals),
+                    intervals,
+                });
+            }
+        }
+        list
+    }
+
+    /// What was measured in a stretch.
+    fn values(&self, run: usize, row: usize, intervals: usize) -> Vec<(usize, usize, f64)> {
+        let (grid, width) = (&self.grids[run], self.machine.channels.len());
+        let (mut values, mut at) = (Vec::new(), row);
+        let from = grid.samples.partition_point(|sample| sample.time < grid.time[row]);
+        for (sample, outlier) in grid.samples.iter().zip(&self.outliers[run]).skip(from) {
+            while at < row + intervals && grid.time[at] < sample.time {
+                at += 1;
+            }
+            if grid.time[at] < sample.time {
+                break;
+            }
+            if !outlier {
+                values.push(((at - row) * width + sample.channel, sample.channel, sample.value));
+            }
+        }
+        values
+    }
+
+    fn follow(&self, worker: &mut Worker, stretch: &Stretch<'_>, rounds: usize) -> Result<Vec<Left>, Error> {
+        let states = if self.machine.whole {
+            vec![0.0; self.machine.order()]
+        } else {
+            self.nominal_states(stretch.grid, stretch.row)
+        };
+        let mut here = (states.clone(), self.apart(worker, stretch, &states)?);
+        let free = !self.machine.whole && !states.is_empty();
+        let mut damping = 0.0;
+        for _ in 0..if free { rounds } else { 0 } {
+            let to = self.nearer(worker, stretch, &here, damping)?;
+            let square = |rest: &[f64]| rest.iter().map(|e| e * e).sum::<f64>();
+            match self.apart(worker, stretch, &to) {
+                Ok(rest) if square(&rest) <= square(&here.1) => {
+                    let settled = square(&here.1) - square(&rest) < 1e-3 * square(&rest);
+                    here = (to, rest);
+                    damping /= DAMPING.1;
+                    if settled {
+                        break;
+                    }
+                }
+                _ => damping = f64::max(DAMPING.0, damping) * DAMPING.1,
+            }
+        }
+        Ok(self.summed(stretch, &here.1))
+    }
+
+    /// The start state after a Gauss-Newton step.
+    fn nearer(
+        &self,
+        worker: &mut Worker,
+        stretch: &Stretch<'_>,
+        here: &(Vec<f64>, Vec<f64>),
+        damping: f64,
+    ) -> Result<Vec<f64>, Error> {
+        let (states, rest) = here;
+        let n = states.len();
+        let mut beside = states.clone();
+        let mut columns = DMatrix::zeros(rest.len(), n);
+        for state in 0..n {
+            let step = MOVE * self.scales[state];
+            beside[state] += step;
+            let there = self.apart(worker, stretch, &beside)?;
+            beside[state] = states[state];
+            // in units of the states' scales
+            for (row, (there, here)) in there.iter().zip(rest).enumerate() {
+                columns[(row, state)] = (here - there) / MOVE;
+            }
+        }
+        let mut gram = columns.tr_mul(&columns);
+        for state in 0..n {
+            gram[(state, state)] *= 1.0 + damping;
+            // what nothing shows stays where it is
+            gram[(state, state)] += 1e-6 * rest.len() as f64;
+        }
+        let score = columns.tr_mul(&DVector::from_column_slice(rest));
+        let Some(by) = crate::statistics::linear::solve(&gram, &score) else { return Ok(states.clone()) };
+        Ok((0..n).map(|state| states[state] + by[state] * self.scales[state]).collect())
+    }
+
+    /// Measured less simulated, in units of the sensors' deviations.
+    fn apart(&self, worker: &mut Worker, stretch: &Stretch<'_>, states: &[f64]) -> Result<Vec<f64>, Error> {
+        let machine: &Machine = &self.machine;
+        let Stretch { schedule, grid, row, intervals, .. } = *stretch;
+        let whole = schedule.job(grid.time[row], row, intervals, states);
+        let mut out = Vec::new();
+        worker.interval(machine, &Job { probe: true, reads: &[], ..whole }, &mut out)?;
+        let simulated = &out[machine.order()..];
+        let rest = |(place, channel, value): &(usize, usize, f64)| {
+            (value - simulated[*place]) / self.sensors[*channel]
+        };
+        Ok(stretch.values.iter().map(rest).collect())
+    }
+
+    fn summed(&self, stretch: &Stretch<'_>, rest: &[f64]) -> Vec<Left> {
+        let mut sums = vec![Left::default(); self.machine.channels.len()];
+        let mut means = vec![0.0; sums.len()];
+        for ((_, channel, value), rest) in stretch.values.iter().zip(rest) {
+            let sd = self.sensors[*channel];
+            sums[*channel].error += rest * rest * sd * sd;
+            sums[*channel].count += 1.0;
+            means[*channel] += value;
+        }
+        means.iter_mut().zip(&sums).for_each(|(mean, sum)| *mean /= sum.count.max(1.0));
+        for (_, channel, value) in &stretch.values {
+            sums[*channel].motion += (value - means[*channel]).powi(2);
+        }
+        sums
+    }
+}

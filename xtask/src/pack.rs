@@ -89,7 +89,11 @@ fn build(root: &Path, shells: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>>
     if shells.is_empty() {
         return Err("no unit: there is no folder fmus/*/fmu with a Cargo.toml".into());
     }
-    cargo::build_units(root, &shells::packages(shells)?, folder)
+    let mut libraries = Vec::new();
+    for packages in shells::calls(root, shells)? {
+        libraries.extend(cargo::build_units(root, &packages, folder)?);
+    }
+    Ok(libraries)
 }
 
 /// What the libraries say of themselves.

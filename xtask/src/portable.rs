@@ -19,10 +19,13 @@ pub fn add_built_in(root: &Path, fmus: &[PathBuf], platforms: &[Platform], build
     if platforms.is_empty() {
         return Ok(());
     }
-    let shells = shells::packages(&shells::folders(root)?)?;
+    let calls = shells::calls(root, &shells::folders(root)?)?;
     let inspect = cargo::build_program(root, "inspect")?;
     for &platform in platforms {
-        let libraries = cargo::build_units_for(platform, root, &shells, build)?;
+        let mut libraries = Vec::new();
+        for packages in &calls {
+            libraries.extend(cargo::build_units_for(platform, root, packages, build)?);
+        }
         let name = OsStr::new(platform.folder());
         let files = libraries.iter().map(|library| library.as_os_str());
         cargo::run_program(&inspect, &std::iter::once(name).chain(files).collect::<Vec<_>>())?;

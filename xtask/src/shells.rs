@@ -4,9 +4,14 @@ use crate::{Result, at};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The package names of shells by their folders.
-pub fn packages(folders: &[PathBuf]) -> Result<Vec<String>> {
-    folders.iter().map(|folder| package(&folder.join("Cargo.toml"))).collect()
+/// The package names of shells by their folders, in order, a list for each call of cargo: a call chooses one set of features for what its
+/// packages share, so the blank unit of containers has its own, and the others are the same bytes with it and without.
+pub fn calls(root: &Path, folders: &[PathBuf]) -> Result<Vec<Vec<String>>> {
+    let apart = folders.chunk_by(|_, next| *next != blank(root));
+    let packages = |folders: &[PathBuf]| {
+        folders.iter().map(|folder| package(&folder.join("Cargo.toml"))).collect::<Result<Vec<_>>>()
+    };
+    apart.map(packages).collect()
 }
 
 /// The folder of the blank unit that containers are made of: it holds the whole master, and is asked for seldom.

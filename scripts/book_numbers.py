@@ -49,7 +49,7 @@ def hidden_effect(folder):
     said = acroscope(folder, *command.split()).splitlines()
     found = json.loads((folder / "out" / "diagnose-hidden-effect" / "diagnosis.json").read_text())
     gap = found["gap"]
-    looks = re.search(r"The rest looks most like (.*?) \(in standard deviations", " ".join(found["story"])).group(1)
+    looks = re.search(r"The residual looks most like (.*?) \(in standard deviations", " ".join(found["story"])).group(1)
     return {
         "answer": console(f"acroscope {command}", said[: next(i for i, line in enumerate(said) if line.startswith("the gap")) + 1]),
         "looks-like": re.sub(r"([a-z]+\.\w+)", r"`\1`", looks),

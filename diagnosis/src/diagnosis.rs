@@ -100,9 +100,9 @@ pub struct Where {
 /// How far the gap closes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
-    /// Root mean square of the nominal model's rest.
+    /// Root mean square of the nominal model's residual.
     pub before: f64,
-    /// Of the amended model's rest.
+    /// Of the amended model's residual.
     pub after: f64,
     /// Of what noise alone leaves.
     pub floor: f64,
@@ -118,7 +118,7 @@ pub struct Gap {
     pub unit: String,
 }
 
-/// A rest that no candidate takes away.
+/// A residual that no candidate takes away.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Unknown {
     /// Where it shows.
@@ -193,7 +193,7 @@ pub struct Diagnosis {
     pub place: Vec<Where>,
     /// How the gap shrinks where it is largest.
     pub gap: Gap,
-    /// The rest that has no name.
+    /// The residual that has no name.
     pub unknown: Option<Unknown>,
     /// A labelled correction of that rest, which the amended scenario has in a residual unit.
     pub correction: Option<Correction>,
@@ -223,7 +223,7 @@ pub struct Diagnosis {
     /// Units of the model's variables.
     #[serde(skip)]
     pub units: BTreeMap<String, String>,
-    /// Pictures of the rest for the report.
+    /// Pictures of the residual for the report.
     #[serde(skip)]
     pub traces: Vec<Trace>,
     /// Measured, nominal and amended for the report.
@@ -231,7 +231,7 @@ pub struct Diagnosis {
     pub channels: Vec<Channel>,
 }
 
-/// A rest over time, before and after.
+/// A residual over time, before and after.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// What.
@@ -240,7 +240,7 @@ pub struct Trace {
     pub unit: String,
     /// The link whose torque it is.
     pub link: usize,
-    /// Time since the first run's begin (runs one after the other), nominal rest.
+    /// Time since the first run's begin (runs one after the other), nominal residual.
     pub before: Vec<(f64, f64)>,
     /// The same with the amended model.
     pub after: Vec<(f64, f64)>,

@@ -46,7 +46,7 @@ pub enum Error {
     NothingUsable {
         /// The data set.
         path: PathBuf,
-        /// Why each file was put aside.
+        /// Why each file was excluded.
         notices: Vec<Notice>,
     },
     /// An earlier diagnosis can't be read.
@@ -82,7 +82,7 @@ impl Error {
     }
 }
 
-/// Something in the data that was put aside or mended, with its place.
+/// Something in the data that was excluded or mended, with its place.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Notice {
     /// File, relative to the data set.

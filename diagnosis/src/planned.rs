@@ -1,12 +1,12 @@
 //! The next experiment as a picture: what drives it, and what would be measured if each member of the class were the truth.
 
+pub use crate::design::MEMBERS;
 use crate::error::Error;
 use report::thin::thin;
 use report::{Axis, Graph, Line, Page, Style};
 
-/// Members whose predictions are drawn, and signals, at most: more lines than that nobody tells apart.
-pub const MEMBERS: usize = 4;
-const SIGNALS: usize = 4;
+/// Signals that are drawn at most: more lines than those of the members nobody tells apart.
+const SIGNALS: usize = MEMBERS;
 /// Columns of a picture.
 const COLUMNS: usize = 600;
 

@@ -72,13 +72,13 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     }
     if diagnosis.unknown.is_some() && !diagnosis.effects.is_empty() {
         page.text(
-            "Beside a rest without a name a name is worth less: its probability is the share that it alone explains of that and of what \
+            "Beside a residual without a name a name is worth less: its probability is the share that it alone explains of that and of what \
              nothing explains, and its interval covers where it would stand if another name went.",
         );
     }
     page.heading("What this data would show");
     if diagnosis.minimum_detectable.is_empty() {
-        page.text("Beside a rest without a name nobody knows what would have been found.");
+        page.text("Beside a residual without a name nobody knows what would have been found.");
     }
     page.text("A candidate that is not named above is not excluded up to this distance from its off value.");
     page.table(&Table {

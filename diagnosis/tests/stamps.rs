@@ -67,7 +67,7 @@ fn every_log_of_another_motion_or_one_that_repeats_itself_is_left_as_it_is() {
     let other = |time: f64| wander(17.0 - 1.7 * time);
     let set = filmed("strangers", &wander, &other, 1.7e9).expect("pictures alone are usable");
     assert!(set.runs[0].plant.is_none() && set.runs[0].camera.is_some());
-    assert!(notice(&set.notices, "agree at no shift").message.contains("File put aside"));
+    assert!(notice(&set.notices, "agree at no shift").message.contains("File excluded"));
     let blind = filmed("blind", &wander, &|_| [f64::NAN; 2], 1.7e9).expect("angles alone are usable");
     assert!(blind.runs[0].plant.is_some() && !blind.pictures_apart, "{:?}", blind.notices);
     // every 2.1 s the same: 3.5 s late, or 1.4?

@@ -158,14 +158,14 @@ def main():
     parser.add_argument("--sets", type=Path, nargs="*", default=[], help="more sets, or folders of them with a manifest.toml")
     parser.add_argument("--file", nargs="*", default=[], help="only points of files whose path holds one of these")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--only-sets", action="store_true", help="tests are no judges")
+    parser.add_argument("--only-sets", action="store_true", help="tests are no judges (and aren't built)")
     parser.add_argument("--ways", default="0.25,4", help="what numbers are multiplied by (default 0.25,4)")
     arguments = parser.parse_args()
     record = HERE / "reach.json"
     if arguments.what == "reach":
         ablated = Ablated(ROOT, HERE / "copy", ROOT / "target")
         ablated.duplicate()
-        found, judge, programs = ablated.build(ablated.points())
+        found, judge, programs = ablated.build(ablated.points(), not arguments.only_sets)
         print(f"{len(found)} points", flush=True)
         folders = [ROOT / "out" / "blind" / "sets", ROOT / "examples" / "hidden-effect", *arguments.sets]
         judges = [*sets([f for f in folders if f.exists()], judge), *tests(programs, ablated.copy / "diagnosis")]

@@ -123,13 +123,14 @@ class Ablated(_mutants.Crate):
         (self.copy / self.folder / "examples").mkdir(exist_ok=True)
         (self.copy / self.folder / "examples" / "judge.rs").write_text(JUDGE)
 
-    def build(self, found):
-        """Builds tests and the judge without the points that are no Rust; answers with those left, and the programs."""
+    def build(self, found, tests=True):
+        """Builds the judge, and the tests if they are wanted, without the points that are no Rust; answers with those left, and the programs."""
         kept = found
+        what = ["test", "--no-run", "--lib", "--tests"] if tests else ["build"]
         for _ in range(12):
             self.write(kept, len(found))
             done = subprocess.run(
-                ["cargo", "test", "--release", "--no-run", "--lib", "--tests", "--examples", "--message-format", "json", "--quiet"],
+                ["cargo", *what, "--release", "--examples", "--message-format", "json", "--quiet"],
                 cwd=self.copy / self.folder, env=self.environment, capture_output=True, text=True,
             )  # fmt: skip
             messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]

@@ -9,6 +9,7 @@ use crate::dynamics::Engine;
 use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
+use crate::statistics::levels::{FAR, HALF, MORE, SLIGHT, SMALL};
 
 /// Numbers of this file.
 struct Policy {
@@ -44,15 +45,15 @@ const STRETCH: usize = 100;
 
 const POLICY: Policy = Policy {
     tells: 25.0,
-    stated: 1.5,
-    wrong: 0.02,
-    right: 0.1,
-    less: 0.1,
-    extreme: (0.5, 0.02),
+    stated: MORE,
+    wrong: SLIGHT,
+    right: SMALL,
+    less: SMALL,
+    extreme: (HALF, SLIGHT),
     exact: 2.0,
     slower: 2.0,
-    clear: 100.0,
-    same: 1.5,
+    clear: FAR * FAR,
+    same: MORE,
     short: Glance { stretches: 2, rows: 60, rounds: 3 },
     long: Glance { stretches: 8, rows: STRETCH, rounds: 5 },
 };

@@ -2,6 +2,7 @@
 
 use crate::observe::{Affine, Channel, Problem, Role, measure};
 use crate::ports::GAIN;
+use crate::statistics::levels::ROUNDING;
 use std::f64::consts::PI;
 
 /// What is otherwise.
@@ -30,7 +31,7 @@ pub(super) struct Way {
 const TIMES: [(&str, f64); 6] =
     [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
 /// Rows as near as this are none of a logger's, s.
-const NEAREST: f64 = 1e-6;
+const NEAREST: f64 = ROUNDING;
 /// Rows as far apart as this are none of a machine's: so many steps of the unit, or so long, s.
 const FARTHEST: (f64, f64) = (300.0, 3600.0);
 /// Pairs of columns that are tried; of more ports, names tell.
@@ -45,7 +46,7 @@ const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
 /// Factors of a variable whose description names no unit.
 const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI];
 /// Conversions nearer than this are the same.
-const SAME: f64 = 1e-6;
+const SAME: f64 = ROUNDING;
 
 impl Way {
     /// The data set read in this way.

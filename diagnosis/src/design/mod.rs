@@ -19,6 +19,7 @@ use crate::infer::likelihood::reduced;
 use crate::observe::{Hold, Problem, Scale};
 use crate::planned::{self, Planned, Predicted};
 use crate::search::class::Alternative;
+use crate::statistics::levels::DOUBTED;
 use crate::statistics::linear::{inverse, submatrix};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Simulation, UnitPath};
@@ -28,11 +29,11 @@ use waves::{Wave, brief, waves};
 /// Most rows of a simulated run.
 const ROWS: usize = 400;
 /// Most members of a class that are told apart.
-const MEMBERS: usize = 4;
+pub const MEMBERS: usize = 4;
 /// Experiments that are simulated with every member as the truth.
 const FINALISTS: usize = 2;
 /// Expected loss of deviance above which two members count as told apart: the class's own threshold.
-const TOLD: f64 = 9.0;
+const TOLD: f64 = DOUBTED * DOUBTED;
 
 /// What was found: the engine that found it, all parameters, noises, and the open class.
 pub struct Question<'a> {

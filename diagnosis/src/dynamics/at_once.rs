@@ -5,13 +5,14 @@ use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
 use crate::observe::Hold;
+use crate::statistics::levels::{ROWS, SMALL, STEP};
 
 /// Rows that are tried.
-const PROBES: usize = 5;
+const PROBES: usize = ROWS;
 /// An input moves by this share of its size.
-const MOVE: f64 = 1e-2;
+const MOVE: f64 = STEP;
 /// An output follows where it moves by more than this share of its noise for the input's whole size.
-const TELLS: f64 = 0.1;
+const TELLS: f64 = SMALL;
 
 impl Engine {
     /// The first output that follows a held input at once: names of output and input.

@@ -13,6 +13,7 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
+use crate::statistics::levels::{FAR, FINE, PART, ROUNDING, ROWS, STEP};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -20,17 +21,17 @@ use std::sync::Mutex;
 pub type Span = (f64, f64);
 
 /// A parameter's first step, as a share of its nominal value or of its range.
-const FIRST: f64 = 1e-3;
+const FIRST: f64 = FINE;
 /// What a step should change in a row, as a share of a channel's noise: far above rounding, far below where models bend.
-const TELLING: f64 = 1e-2;
+const TELLING: f64 = STEP;
 /// The prior of a start state is so many times wider than its motion.
-const WIDE: f64 = 10.0;
+const WIDE: f64 = FAR;
 /// Least process noise, as a share of the motion over one run: below it the sweep can't tell it from none.
-const LEAST: f64 = 1e-6;
+const LEAST: f64 = ROUNDING;
 /// A stated noise of 0 or a channel without scatter has at least this share of its size.
 const EXACT: f64 = 1e-7;
 /// Timestamps scatter by at most this share of the usual interval.
-const JITTER: f64 = 0.3;
+const JITTER: f64 = PART;
 
 /// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
 const BEGIN: [f64; 6] = [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5];
@@ -369,7 +370,7 @@ impl Engine {
 }
 
 /// Rows that are tried for a parameter's step.
-const PROBES: usize = 12;
+const PROBES: usize = ROWS;
 
 impl Linearise for Engine {
     fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {

@@ -7,9 +7,10 @@ use super::schedule::Schedule;
 use crate::error::Notice;
 use crate::infer::{Linearised, Noise, smooth};
 use crate::nuisance::{outliers, scatter};
+use crate::statistics::levels::HALF;
 
 /// A value comes back where the model leaves less than this share of its distance from its neighbours.
-const EXPLAINED: f64 = 0.5;
+const EXPLAINED: f64 = HALF;
 
 fn of_channel(grid: &Grid, channel: usize) -> Vec<usize> {
     (0..grid.samples.len()).filter(|place| grid.samples[*place].channel == channel).collect()

@@ -1,6 +1,7 @@
 //! A path to begin with: an extended Kalman filter over each run, with process noise as large as the motion itself.
 
 use super::linearise::Engine;
+use super::linearise::MOVE;
 use super::schedule::{Schedule, output_effects};
 use super::worker::{Job, Worker};
 use crate::error::Error;
@@ -8,9 +9,6 @@ use crate::infer::Noise;
 use crate::infer::fit::Path;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// Share of a scale by which a state is moved.
-const MOVE: f64 = 1e-4;
 
 impl Engine {
     /// Filtered states of every run.

@@ -2,6 +2,7 @@
 
 use super::machine::Machine;
 use crate::observe::{Hold, Run};
+use crate::statistics::levels::{FINE, SEVERAL};
 
 /// A value of a compared channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +42,7 @@ impl Course {
 }
 
 /// A held input jumps where it changes by more than so many times its usual change.
-const JUMP: f64 = 4.0;
+const JUMP: f64 = SEVERAL;
 
 impl Course {
     /// Times at which it jumps: at all where it seldom moves, by more than usual where it always does.
@@ -69,7 +70,7 @@ pub struct Grid {
 }
 
 /// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
-const SAME: f64 = 1e-3;
+const SAME: f64 = FINE;
 
 impl Grid {
     /// Of a run, between two times.

@@ -15,6 +15,7 @@ use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
 use crate::observe::OutputEffect;
+use crate::statistics::levels;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -55,9 +56,9 @@ pub struct Engine {
 
 /// Share of a scale by which a state is moved: rounding of a unit that answers to 1e-12 stays below 1e-7 of a column, bending
 /// over so small a move, too.
-const MOVE: f64 = 1e-4;
+pub(super) const MOVE: f64 = 1e-4;
 /// Rows of a task: enough to pay for handing it out.
-const TASK: usize = 32;
+const TASK: usize = levels::TASK;
 
 /// Differences of one row: a vector for the base and one for each direction.
 pub(super) struct RowParts {

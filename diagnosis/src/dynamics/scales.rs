@@ -4,9 +4,10 @@ use super::linearise::Engine;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
+use crate::statistics::levels::SAMPLE;
 
 /// Rows over which they are expected to show.
-const STRETCH: usize = 50;
+const STRETCH: usize = SAMPLE;
 
 impl Engine {
     /// The size of a state that nobody measures: what moves an output by as much as it moves, over a stretch of rows.

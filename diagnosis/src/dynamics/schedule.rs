@@ -6,6 +6,7 @@ use super::machine::{Machine, Role};
 use super::worker::Job;
 use crate::observe::{Hold, InputEffect, OutputEffect, Reading};
 use crate::ports::{input, output};
+use crate::statistics::levels::{FINE, ROUNDING};
 
 /// A value and where in the run the model gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +91,7 @@ pub fn output_effects(machine: &Machine, theta: &[f64]) -> Vec<output::Effects> 
 }
 
 /// A break this close to another, as a share of the interval, is the same.
-const SAME: f64 = 1e-6;
+const SAME: f64 = ROUNDING;
 
 impl Schedule {
     /// Of a run with these parameters.
@@ -205,7 +206,7 @@ impl Schedule {
 }
 
 /// An interval is cut into at most so many steps of a unit.
-const MOST_PARTS: f64 = 1000.0;
+const MOST_PARTS: f64 = 1.0 / FINE;
 
 /// For each row the times and channels that are read within its interval.
 type Moments = Vec<Vec<(f64, usize)>>;

@@ -2,7 +2,7 @@
 //! noise. Nothing else is fitted.
 
 use super::grid::Grid;
-use super::linearise::Engine;
+use super::linearise::{Engine, MOVE};
 use super::machine::Machine;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
@@ -34,8 +34,6 @@ pub struct Left {
     pub variance: f64,
 }
 
-/// A state is moved by this share of its scale for a derivative.
-const MOVE: f64 = 1e-4;
 /// Damping of a step that made it worse, and what it grows by.
 const DAMPING: (f64, f64) = (0.1, 10.0);
 

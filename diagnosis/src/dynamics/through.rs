@@ -11,16 +11,17 @@ use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
+use crate::statistics::levels::{FEW, FINE, ROUNDING, SAMPLE};
 use nalgebra::{DMatrix, DVector};
 
 /// Directions of the states that show less than this share of the clearest are left as they are: differences are good to 1e-6.
-const CLEAR: f64 = 1e-6;
+const CLEAR: f64 = ROUNDING;
 /// A horizon is long enough when every direction shows more than this share of the clearest.
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = FINE;
 /// Longest horizon, rows.
-const FARTHEST: usize = 40;
+const FARTHEST: usize = SAMPLE;
 /// Rounds of reading a state anew: each is quadratic.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = FEW;
 
 /// Pseudo-inverse of ∂O/∂x, rows weighed by the sensors, columns by the states' scales; and the share that shows least.
 fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> (DMatrix<f64>, f64) {

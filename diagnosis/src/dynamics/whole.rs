@@ -3,7 +3,7 @@
 //!
 //! What a channel shows beyond the model is then a state of its own, one a channel: a random walk with process noise, which is at
 //! its floor where the model explains the data. Search and verdict are those of linked states; an unlisted input is one that
-//! adds to this rest.
+//! adds to this residual.
 
 use super::grid::Grid;
 use super::linearise::{Chord, Engine};
@@ -13,10 +13,11 @@ use super::worker::Job;
 use crate::error::Error;
 use crate::infer::fit::Path;
 use crate::infer::{Linearised, Measured};
+use crate::statistics::levels::SAMPLE;
 use rayon::prelude::*;
 
 /// Rows over which a unit is watched after a fresh start.
-const WATCHED: usize = 30;
+const WATCHED: usize = SAMPLE;
 
 /// One state for each channel: what it shows beyond the model.
 pub(super) fn states(machine: &Machine) -> Vec<State> {

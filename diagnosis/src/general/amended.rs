@@ -11,6 +11,7 @@ use super::table::{self, Feed};
 use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
+use crate::statistics::levels::FEW;
 use orchestrator::scenario::UnitEntry;
 use orchestrator::time::Rational;
 use orchestrator::{Scenario, Simulation, UnitPath};
@@ -22,7 +23,7 @@ const SIGNAL_EFFECTS: &str = "signal_effects.fmu";
 /// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
 const FINE: f64 = 20.0;
 /// So many times as fine at most, for the delay to be a multiple of the step.
-const FINEST: i64 = 3;
+const FINEST: i64 = FEW as i64;
 
 /// Effects of one port: name of the parameter in the signal unit, and value.
 type AtPort = BTreeMap<&'static str, f64>;

@@ -18,16 +18,17 @@ use crate::infer::{Linearised, Noise, Sizes, smooth};
 use crate::observe::{Hold, InputEffect, Scale};
 use crate::ports::input::Effects;
 use crate::search::trials::interval;
+use crate::statistics::levels::{FINE, HALF};
 use orchestrator::Kind;
 
 /// Correlation times that are tried, in rows.
 const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An input stands for the unlisted one where it gains at least this share of its deviance.
-const ENOUGH: f64 = 0.5;
+const ENOUGH: f64 = HALF;
 /// Linearisations about the course.
 const ROUNDS: usize = 4;
 /// Step of an input, as a share of its size.
-const STEP: f64 = 1e-3;
+const STEP: f64 = FINE;
 
 /// The unlisted input at a declared one.
 #[derive(Debug, Clone)]

@@ -10,14 +10,15 @@ use crate::error::Error;
 use crate::infer::fit::{At, Options, fit};
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
+use crate::statistics::levels::{DOUBTED, ROWS};
 use rayon::prelude::*;
 
 /// Rows of a window at first; halved where a window can't be followed.
 const WINDOW: usize = 200;
 /// Windows shorter than this say nothing of a model.
-const SHORTEST: usize = 12;
+const SHORTEST: usize = ROWS;
 /// A window is as good as followed when this many values for each start state are compared.
-const ENOUGH: f64 = 3.0;
+const ENOUGH: f64 = DOUBTED;
 
 /// Sums of one channel over windows.
 #[derive(Debug, Clone, Copy, Default)]

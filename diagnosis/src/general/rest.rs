@@ -8,6 +8,7 @@ use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
 use crate::search::trials::interval;
+use crate::statistics::levels::FEW;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -21,7 +22,7 @@ const FOLLOWS: f64 = 0.25;
 /// Each further term must take away at least this share.
 const FURTHER: f64 = 0.05;
 /// Terms of a shape, at most.
-const TERMS: usize = 3;
+const TERMS: usize = FEW;
 /// An event is a stretch where the course is above this share of its largest value.
 const EVENT: f64 = 0.35;
 

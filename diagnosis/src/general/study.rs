@@ -13,12 +13,13 @@ use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
+use crate::statistics::levels::PART;
 use crate::watch::{Listener, Watch};
 use orchestrator::{UnitPath, nearest};
 use std::time::Instant;
 
 /// Of a single run the last share is left out.
-const LAST: f64 = 0.3;
+const LAST: f64 = PART;
 
 /// What a search over some rows found.
 pub struct Studied {

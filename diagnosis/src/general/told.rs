@@ -7,17 +7,15 @@ use crate::error::Error;
 use crate::infer::likelihood::reduced;
 use crate::observe::{Problem, Scale};
 use crate::provenance::{Provenance, Used};
+use crate::statistics::levels::{HALF, WITHIN};
 use crate::statistics::linear::{inverse, submatrix};
 use std::collections::BTreeMap;
-
-/// 95 % of a normal distribution lie within so many standard deviations.
-const WITHIN: f64 = 1.959_963_984_540_054;
 
 /// No name is worth more.
 const SURE: f64 = 0.999;
 /// Most that a name is worth beside an unlisted input: what that imitates is not told apart. Of the maker's first set with pulses
 /// that nobody lists, two of two names beside them were wrong.
-const BESIDE: f64 = 0.5;
+const BESIDE: f64 = HALF;
 
 /// What was found, in the order found.
 pub fn effects(problem: &Problem, studied: &Studied) -> Vec<Effect> {

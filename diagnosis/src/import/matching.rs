@@ -4,11 +4,12 @@ use super::sheet::{Header, Sheet};
 use super::{Match, instance};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
+use crate::statistics::levels::HALF;
 use orchestrator::fmu::{Causality, Variable};
 use orchestrator::{Fmu, Kind};
 
 /// Least likeness of names.
-const ALIKE: f64 = 0.5;
+const ALIKE: f64 = HALF;
 /// What a fitting unit of measurement adds to it.
 const FITS: f64 = 0.2;
 

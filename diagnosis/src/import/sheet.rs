@@ -4,11 +4,12 @@
 use super::Time;
 use crate::error::Error;
 use crate::observe::measure;
+use crate::statistics::levels::SEVERAL;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
 
 /// Rows further apart than this many usual distances have a gap between them.
-pub(super) const GAP: f64 = 3.0;
+pub(super) const GAP: f64 = SEVERAL;
 /// Seconds since 1970 that no run lasts.
 const EPOCH: f64 = 1e8;
 const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];

@@ -3,6 +3,7 @@
 use super::sheet::{GAP, Sheet};
 use super::{Match, Time, instance};
 use crate::observe::{Affine, measure};
+use crate::statistics::levels::STEP;
 use orchestrator::fmu::{Causality, Description, Initial, Variable};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, MemoryRecorder, Place, Quiet, Scenario, Simulation, UnitPath};
@@ -13,7 +14,7 @@ const TELLS: f64 = 0.6;
 /// lacks something may well be off by a fifth, units of measurement differ by more.
 const UNIT: (f64, f64) = (0.9, 0.3);
 /// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
-const TURN: f64 = 0.01;
+const TURN: f64 = STEP;
 /// Inputs whose signs are tried; beyond that all are taken as they are.
 const INPUTS: usize = 4;
 /// Rows that are tried.

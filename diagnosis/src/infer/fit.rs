@@ -9,6 +9,7 @@ use super::linearised::Linearised;
 use super::noise::Noise;
 use super::smooth::smooth;
 use crate::error::Error;
+use crate::statistics::levels::{FEW, FINE, SLIGHT};
 use crate::statistics::linear::{Reduced, inverse, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -46,10 +47,15 @@ pub struct Options {
     pub noises: usize,
 }
 
+impl Options {
+    /// Rounds are quadratic near the end. 0.02 of deviance is a hundredth of a standard deviation squared of one parameter; verdicts ask
+    /// for hundreds of times it.
+    pub const USUAL: Self = Self { rounds: 8, enough: SLIGHT, settled: FINE, damped: FEW, noises: 10 };
+}
+
 impl Default for Options {
     fn default() -> Self {
-        // 0.05 of deviance is a fortieth of a standard deviation squared of one parameter; verdicts ask for hundreds of times it
-        Self { rounds: 8, enough: 0.05, settled: 1e-3, damped: 4, noises: 10 }
+        Self::USUAL
     }
 }
 

@@ -8,21 +8,23 @@ use super::gradient::{Slope, gradient};
 use super::linearised::Linearised;
 use super::noise::Noise;
 use super::sweep::{Kept, sweep, sweep_columns};
+use crate::statistics::levels::{self, MORE, SLIGHT};
+use crate::statistics::linear::RANK_TOLERANCE;
 use crate::statistics::linear::{Reduced, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Step of a difference in a logarithm. The deviance is smooth and exact to 1e-9, so this is far from rounding and short
 /// against 1, over which it bends.
-const STEP: f64 = 0.01;
+const STEP: f64 = levels::STEP;
 /// Least curvature that is believed: a size that tells of nothing moves by its gradient alone.
 const FLAT: f64 = 1.0;
 /// Shares of the process noise with which its search is begun, too.
 const LESS: [f64; 3] = [0.1, 1e-2, 1e-4];
 /// Longest move of a logarithm at once: a factor of 4.5.
-const LONGEST: f64 = 1.5;
+const LONGEST: f64 = MORE;
 /// A search ends when a round gains less deviance than this; an effect must gain hundreds of times that.
-const ENOUGH: f64 = 0.02;
+const ENOUGH: f64 = SLIGHT;
 /// Rounds of a search. Six sizes settle in ten.
 const ROUNDS: usize = 30;
 
@@ -56,7 +58,7 @@ enum Which {
 }
 
 /// A channel's noise is at most so much more than its least.
-const WIDEST: f64 = 1e9;
+const WIDEST: f64 = 1.0 / RANK_TOLERANCE;
 
 impl Sizes {
     /// Whether an equation's process noise stays at its least.

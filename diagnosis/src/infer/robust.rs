@@ -7,12 +7,13 @@
 use super::linearised::Linearised;
 use super::noise::Noise;
 use super::sweep::sweep_scores;
+use crate::statistics::levels::SAMPLE;
 use crate::statistics::linear::inverse;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Stretches of all runs together: enough to know a deviation to a sixth, each long against what an input remembers.
-const STRETCHES: usize = 20;
+const STRETCHES: usize = SAMPLE;
 
 /// The covariance of parameters by their columns; nothing where the data say nothing of one.
 pub fn sandwich(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Option<DMatrix<f64>> {

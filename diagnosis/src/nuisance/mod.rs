@@ -1,6 +1,8 @@
 //! Parameters of the log that are nobody's fault: noise, quantisation, timestamps. Estimated with everything else, never
 //! candidates.
 
+use crate::statistics::levels::{self, MIDDLE};
+
 pub mod outliers;
 
 /// What the values of one channel say of its noise, without any model.
@@ -21,9 +23,7 @@ pub struct Scatter {
 /// Highest order of differences that is tried: beyond it they amplify noise as fast as they damp motion.
 const ORDERS: usize = 5;
 /// A log looks rounded where fewer of its values are different than this share.
-const ROUNDED: f64 = 0.5;
-/// Half of a normal distribution lies within so many standard deviations.
-const HALF: f64 = 0.674_489_750_196_082;
+const ROUNDED: f64 = levels::HALF;
 
 /// Looks at all runs of one channel.
 pub fn scatter(runs: &[&[f64]]) -> Scatter {
@@ -44,7 +44,8 @@ pub fn scatter(runs: &[&[f64]]) -> Scatter {
             noise = noise.min((sum / count as f64 / weight).sqrt());
             let mut sizes: Vec<f64> = differences.iter().flatten().map(|v| v.abs()).collect();
             let middle = sizes.len() / 2;
-            quiet = quiet.min(*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / HALF / weight.sqrt());
+            quiet =
+                quiet.min(*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MIDDLE / weight.sqrt());
         }
     }
     let noise = if noise.is_finite() { noise } else { size };

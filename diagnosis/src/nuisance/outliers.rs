@@ -4,16 +4,18 @@
 //! differ and than the channel scatters. What an input did at the same time may have caused it, and stays.
 //! Rousseeuw, Croux, J. Am. Stat. Assoc. 88 (1993) 1273 (scales that outliers don't move).
 
+use crate::statistics::levels::{self, FEW, MIDDLE, SEVERAL, SLIGHT};
+
 /// So many robust deviations beyond its neighbours: of 1e6 values of normal noise none is.
-const FAR: f64 = 8.0;
+const FAR: f64 = levels::FAR;
 /// And so many times as far as the neighbours are from each other: an edge lies one time away.
-const ALONE: f64 = 3.0;
+const ALONE: f64 = SEVERAL;
 /// Longest stretch.
-const LONGEST: usize = 3;
+const LONGEST: usize = FEW;
 /// What an input did may show for so many rows.
 const RINGS: usize = 5;
 /// More than this share of a channel is no accident but the way it behaves.
-const SELDOM: f64 = 0.02;
+const SELDOM: f64 = SLIGHT;
 
 /// Places of the outliers in one run of a channel. `scale` is [`scale`] of the channel; `driven` says whether an input moved
 /// between two times, [`RINGS`] rows before included.
@@ -56,7 +58,7 @@ pub fn scale(runs: &[&[f64]], quantum: f64) -> f64 {
     let mut all: Vec<f64> = runs.iter().flat_map(|run| run.windows(3).map(away)).collect();
     all.sort_by(f64::total_cmp);
     let median = all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY);
-    (1.4826 * median).max(quantum)
+    (median / MIDDLE).max(quantum)
 }
 
 #[cfg(test)]
@@ -93,5 +95,34 @@ mod tests {
         assert_eq!(found(edge, |_, _| false), Vec::<usize>::new());
         let often = |values: &mut Vec<f64>| values.iter_mut().step_by(20).for_each(|value| *value += 2.0);
         assert_eq!(found(often, |_, _| false), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn value_each_level_of_an_outlier_stands_where_it_does() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        // values that lie so far off, so many in a row and so often, on a line that rises by so much over such a stretch
+        let places = |by: f64, length: usize, often: usize, rise: f64| {
+            let mut values: Vec<f64> = time.iter().map(|t| rise * t / (length + 1) as f64).collect();
+            for k in 0..often {
+                (0..length).for_each(|row| values[20 + 20 * k + row] = values[19 + 20 * k] + by);
+            }
+            outliers(&time, &values, 1.0, |_, _| false).len()
+        };
+        // ten robust deviations
+        assert_eq!([9.9, 10.1].map(|by| places(by, 1, 1, 0.0)), [0, 1]);
+        // beyond the later neighbour by three times as much as that lies off the first
+        assert_eq!([39.0, 41.0].map(|by| places(by, 1, 1, 10.0)), [0, 1]);
+        // two at most are an accident, of 100
+        assert_eq!([2, 3].map(|often| places(50.0, 1, often, 0.0)), [2, 0]);
+        // a stretch of three, of more values than these
+        let long: Vec<f64> = (0..1000).map(f64::from).collect();
+        let stretch = |length: usize| {
+            let values: Vec<f64> = long
+                .iter()
+                .map(|t| if (500.0..500.0 + length as f64).contains(t) { 50.0 } else { 0.0 })
+                .collect();
+            outliers(&long, &values, 1.0, |_, _| false).len()
+        };
+        assert_eq!([3, 4].map(stretch), [3, 0]);
     }
 }

@@ -5,11 +5,12 @@
 
 use super::Series;
 use crate::error::{Error, Notice};
+use crate::statistics::levels::SMALL;
 use orchestrator::nearest;
 use std::path::{Path, PathBuf};
 
 /// Rows out of order from which on the file is refused, as a share and as a number: its times are not what they are said to be.
-const DISORDER: (f64, usize) = (0.1, 2);
+const DISORDER: (f64, usize) = (SMALL, 2);
 
 /// A log with its columns as text.
 #[derive(Debug)]

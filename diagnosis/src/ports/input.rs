@@ -49,7 +49,7 @@ const CUTS: f64 = 8.0;
 /// Times that differ by less than this share are the same: a delay of whole rows, rounded.
 const SAME_TIME: f64 = 1e-12;
 /// After so many time constants a lag has settled to 1e-7.
-const SETTLED: f64 = 16.0;
+const SETTLED: f64 = 2.0 * CUTS;
 
 /// What reaches the unit.
 pub fn arriving(course: &Course, effects: &Effects) -> Lines {

@@ -9,9 +9,10 @@ pub mod output;
 
 use crate::dynamics::machine::{Machine, Parameter, Role};
 use crate::observe::{InputEffect, OutputEffect, Problem, Scale};
+use crate::statistics::levels::SMALL;
 
 /// A delay or lag is looked for up to this share of the shortest run.
-const LATEST: f64 = 0.1;
+const LATEST: f64 = SMALL;
 /// A gain of less than a twentieth or more than twenty is a broken wire or a wrong unit.
 pub const GAIN: (f64, f64) = (0.05, 20.0);
 

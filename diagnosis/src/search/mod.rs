@@ -10,6 +10,7 @@ pub mod screen;
 pub mod trials;
 pub mod walk;
 
+use crate::statistics::levels::DOUBTED;
 pub use walk::{Search, Visited};
 
 /// One search in so many data sets of which the model lacks nothing may find something.
@@ -23,7 +24,7 @@ const LEFT: f64 = 0.01;
 /// Process noise must gain so many times what chance gives: two honest integrators differ by what long logs show.
 const INTEGRATORS: f64 = 2.0;
 /// The truth fits worse than the best of its class by more than this in 0.27 % of data sets: three standard deviations, squared.
-const CLASS: f64 = 9.0;
+const CLASS: f64 = DOUBTED * DOUBTED;
 
 /// Numbers of the search; `tests/policy_any.rs` holds them against the null distribution, and fails when one moves.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,6 +7,7 @@
 //! Testing*, Wiley 1993.
 
 use super::random::Random;
+use crate::statistics::levels::CERTAIN;
 use nalgebra::{DMatrix, DVector};
 
 const DRAWS: usize = 4000;
@@ -14,7 +15,7 @@ const SEED: u64 = 0x0ac0_b075;
 
 /// No threshold below this, in standard deviations. Draws know noise only; two right renderers or integrators differ
 /// by a few thousandths of a pixel or a hundredth of a milliradian, which long data show.
-const LEAST: f64 = 4.5;
+const LEAST: f64 = CERTAIN;
 
 /// A statistic per column: score over its standard deviation.
 #[derive(Debug, Clone)]

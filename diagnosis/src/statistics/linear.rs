@@ -7,13 +7,14 @@
 //! (screening, leaving runs out, the bootstrap) is sums of these over blocks.
 //! Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, section 2.4 and 4.2.
 
+use crate::statistics::levels::FINE;
 use multiversion::multiversion;
 use nalgebra::{DMatrix, DVector};
 
 /// Below this share of its own length, what is left of a column after projection is rounding.
-const RANK_TOLERANCE: f64 = 1e-9;
+pub const RANK_TOLERANCE: f64 = 1e-9;
 /// Prior size that leaves a discrepancy as good as free, for a cell of `heft` 1.
-const FREE: f64 = 1e3;
+const FREE: f64 = 1.0 / FINE;
 
 /// One set of rows that share nuisances.
 #[derive(Debug, Clone)]
@@ -124,7 +125,7 @@ struct Basis {
 
 /// A column that keeps this share of its length is orthogonal to rounding after one pass (Kahan's criterion; Parlett, *The
 /// Symmetric Eigenvalue Problem*, SIAM 1998, section 6.9).
-const KEPT: f64 = 0.7;
+const KEPT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 impl Basis {
     /// Gram-Schmidt, each column twice where it needs that, which is as good as Householder here and leaves dependent columns

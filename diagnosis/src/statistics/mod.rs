@@ -1,5 +1,6 @@
 //! Statistics that know nothing of robots: projection, tests, random signs.
 
 pub mod bootstrap;
+pub mod levels;
 pub mod linear;
 pub mod random;

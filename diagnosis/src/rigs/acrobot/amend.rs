@@ -1,4 +1,4 @@
-//! The nominal scenario with what was found switched on, and the residual unit where a rest has no name.
+//! The nominal scenario with what was found switched on, and the residual unit where a residual has no name.
 
 use crate::diagnosis::Effect;
 use crate::error::Error;

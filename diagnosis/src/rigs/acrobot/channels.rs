@@ -98,10 +98,11 @@ const fn told(file: File, column: &'static str, unit: &'static str, measures: Me
     Channel { file, column, unit, measures, noise: None }
 }
 
-/// By how much centroids and areas of two right renderers differ at one place on the lattice, px: they cut the rim's pixels
+/// By how much centroids of two right renderers differ at one place on the lattice, px: they cut the rim's pixels
 /// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
-const CENTROIDS_APART: f64 = 0.006;
-const AREAS_APART: f64 = 0.06;
+pub const CENTROIDS_APART: f64 = 0.006;
+/// And areas.
+pub const AREAS_APART: f64 = 0.06;
 /// The same of an angle, rad: a link is 160 px long.
 pub const ANGLES_APART: f64 = 5e-5;
 

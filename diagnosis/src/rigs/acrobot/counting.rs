@@ -23,7 +23,7 @@ pub fn losses(data: &DataSet, interval: f64) -> Option<Losses> {
 }
 
 fn of(camera: &Table, interval: f64) -> (f64, f64) {
-    // where rows of the file were put aside, frames are not lost
+    // where rows of the file were excluded, frames are not lost
     let broken: Vec<(f64, f64)> = camera.broken().collect();
     let whole = camera.time.windows(2).filter(|pair| !broken.contains(&(pair[0], pair[1])));
     let lost: f64 = whole.map(|pair| ((pair[1] - pair[0]) / interval).round().max(1.0) - 1.0).sum();

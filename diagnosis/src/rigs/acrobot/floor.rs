@@ -4,17 +4,18 @@
 //! it was fitted to. So it is what the data set states, or what scatters where nothing but the data speak:
 //! - Torques that were read off a log: what its noise gives them.
 //! - Angles and rates of a plant: after a free start state and free torques in each part of each window.
-//! - A picture: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames. Whatever a lens, a mount or a delay does
-//!   to a picture changes slowly with these; noise doesn't.
+//! - An image: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames. Whatever a lens, a mount or a delay does
+//!   to an image changes slowly with these; noise doesn't.
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::bare;
 
 /// Below this share of its length a regressor depends on others.
-const DEPENDENT: f64 = 1e-6;
+const DEPENDENT: f64 = ROUNDING;
 
 /// For each signal the standard deviation that noise gives a row. `nominal` is the model that nothing was fitted to; of `last` only
 /// the scatter within windows counts, in which everything is free.
@@ -46,14 +47,14 @@ fn of_torques(nominal: &Evaluation, signal: usize) -> Option<f64> {
     (count > 0.0).then(|| f64::sqrt(square / count))
 }
 
-/// A row of a picture: when, in which state, and what is left of it.
+/// A row of an image: when, in which state, and what is left of it.
 struct Row {
     time: f64,
     state: [f64; 4],
     rest: f64,
 }
 
-/// The scatter of a picture's signal about smooth functions of pose, rates and time; `None` where there are too few frames.
+/// The scatter of an image's signal about smooth functions of pose, rates and time; `None` where there are too few frames.
 fn local(nominal: &Evaluation, signal: usize) -> Option<f64> {
     let (mut rows, mut runs): (Vec<Row>, Vec<usize>) = (Vec::new(), Vec::new());
     for block in &nominal.blocks {

@@ -66,7 +66,7 @@ pub enum Compared {
 }
 
 impl Compared {
-    /// Of a picture: angles where no circle was logged.
+    /// Of an image: angles where no circle was logged.
     fn of_picture(blocks: &[Block]) -> Self {
         if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
     }
@@ -118,7 +118,7 @@ pub struct Shifted<'a> {
 }
 
 /// The gap of one study by cross-validation (values are fitted without each fold in turn; the effects were chosen with all), and what is
-/// compared. `free` are its continuous active candidates. Where a plant follows poses that were read off pictures, both are looked
+/// compared. `free` are its continuous active candidates. Where a plant follows poses that were read off images, both are looked
 /// at: what a lens leaves shows in pixels, what a plant leaves in torques.
 pub fn widest(
     study: &Study,
@@ -143,7 +143,7 @@ pub fn above(gap: &Gap) -> f64 {
     if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
 }
 
-/// Whether signals are both the picture's and a plant's.
+/// Whether signals are both the image's and a plant's.
 pub fn chained(signals: &[Signal]) -> bool {
     ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
 }
@@ -159,7 +159,7 @@ fn crossed(study: &Study, free: &[usize], runs: &[String], of: Compared) -> Gap 
 }
 
 /// Whether effects (`free` are the continuous ones) leave more torque on runs left out than none at all, and not by chance. Angles may
-/// be met better by chance, where stamps scatter, but then the motion's torques aren't.
+/// be met better by chance, where timestamps scatter, but then the motion's torques aren't.
 pub fn widened(study: &Study, free: &[usize], gap: &Gap) -> bool {
     if gap.closed.is_none_or(|closed| closed >= -POLICY.gap_widened) {
         return false;
@@ -177,7 +177,7 @@ pub(crate) fn measures(blocks: &[Block], signals: &Range<usize>) -> bool {
     cells.flat_map(|cell| &cell.signal).any(|signal| signals.contains(signal))
 }
 
-/// Sum of squares of a picture's rows, and their number.
+/// Sum of squares of an image's rows, and their number.
 fn squares(blocks: &[Block], shifted: &Shifted<'_>, signals: &Range<usize>) -> (f64, f64) {
     let (mut sum, mut count) = (0.0, 0.0);
     for (index, block) in blocks.iter().enumerate() {

@@ -7,7 +7,7 @@
 //! 4. `selection` names, one effect at a time; `pipeline` goes the whole way.
 //! 5. `check` doubts what was found: is the residual noise, do names only stand for something else, do clocks drift, do runs differ;
 //!    `gap` is how far it closed above the `floor`, `amend` writes the better model.
-//! 6. `correction` fits labelled torques to a rest that has no name, for the residual unit.
+//! 6. `correction` fits labelled torques to a residual that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
 //! 8. `linked` follows the plant with its states linked from row to row, the engine of any unit, where windows leave a class open.
 //! 9. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.

@@ -113,7 +113,7 @@ impl Model {
 
     fn without_residual(&self, data: &DataSet) -> Option<Notice> {
         let message = format!(
-            "{} holds the correction of an earlier rest ({}); it is left out of the comparison, and fitted anew if a rest remains",
+            "{} holds the correction of an earlier residual ({}); it is left out of the comparison, and fitted anew if a residual remains",
             data.manifest.scenario,
             self.left_out.join(", ")
         );

@@ -1,4 +1,4 @@
-//! Where simulation and data disagree: in which signals, when, in which states; and the rest over time for the report.
+//! Where simulation and data disagree: in which signals, when, in which states; and the residual over time for the report.
 
 use crate::diagnosis::{Trace, Where};
 use crate::rigs::acrobot::gap::measures;
@@ -78,10 +78,10 @@ fn region(worst: &mut [(f64, [f64; 4])]) -> String {
     )
 }
 
-/// Which signal of a picture is shown, if it was measured: the tip goes furthest.
+/// Which signal of an image is shown, if it was measured: the tip goes furthest.
 const SHOWN: [usize; 8] = [4, 5, 2, 3, 10, 9, 0, 1];
 
-/// Rests over time for the report, of the signal that is blamed: torque on a link, or a coordinate in the picture.
+/// Residuals over time for the report, of the signal that is blamed: torque on a link, or a coordinate in the image.
 pub fn trace(study: &Study, torque: bool, blamed: &str) -> Trace {
     let measured = |signal: &usize| measures(&study.last.blocks, &(*signal..*signal + 1));
     let named = COLUMNS.iter().position(|name| blamed.ends_with(&format!(".{name}"))).filter(measured);
@@ -118,7 +118,7 @@ pub fn trace(study: &Study, torque: bool, blamed: &str) -> Trace {
     Trace {
         title: match torque {
             true => format!("Torque that the model lacks {}", ["on link 1", "at the joint"][link]),
-            false => format!("In the picture, {}: measured - rendered", COLUMNS[shown]),
+            false => format!("In the image, {}: measured - rendered", COLUMNS[shown]),
         },
         unit: match torque {
             true => "N·m",

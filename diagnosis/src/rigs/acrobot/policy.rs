@@ -1,16 +1,18 @@
 //! Numbers that several rooms share, each with its reason. What one file alone decides by stands in that file.
 
+use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, MORE, ROWS, SLIGHT, SMALL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
-    /// Standard errors from which what images show is named, a noise, too, and a clock drifts: at 3x the minimum detectable effect no
-    /// right effect had less than 6.9 on five seeds, and a vignetting that wasn't there had 3.1.
+    /// Standard errors from which what images show is named, a noise, too, and a clock drifts.
     pub clear: f64,
-    /// Fall of the deviance that the log's own faults and a torque that lacks must bring: a chi-squared mixture of one degree gives it
-    /// once in 10⁵.
+    /// Fall of the deviance that the log's own faults and a torque that lacks must bring: as much as one value that is certain, and
+    /// chance, on one side, once in 300 000.
     pub evidence: f64,
-    /// Fall of the deviance that values of their own in each run must bring: by chance, of two or three runs and some thirty
-    /// candidates, once in 10⁵.
+    /// Fall of the deviance that values of their own in each run must bring: half as much again, since any of some
+    /// thirty candidates may have them.
     pub runs_apart: f64,
     /// By how much a clock must explain more than an effect that its sensitivity resembles (deviance): forwards it looks just like a
     /// delay.
@@ -18,13 +20,23 @@ pub struct Policy {
     /// Times the median's squares from which a fit, a block or a torque is of no noise: a circle that was mistaken, a fall, a window
     /// that nothing holds to the log.
     pub wild: f64,
-    /// Rows from which a log tells anything: more than four start values and what is asked of them.
+    /// Rows from which a log tells anything.
     pub rows: usize,
     /// Steps of a log, as many times the usual one, from which a row is missing in between; and for which a torque is held after its last.
     pub steps: f64,
     /// Rows this far to either side of a time tell the state there, s: an arm of the paper's size moves along a cubic for that long.
     pub around: f64,
-    /// Step of a motion that is handed on, s: the cubic between is good to 1e-8 rad.
+    /// An angle whose sine it is, rad.
+    pub small_angle: f64,
+    /// Standard deviation of a pose read off an image and smoothed by the plant, of good encoders, too, rad.
+    pub read: f64,
+    /// Of an angle of which nothing is stated, and of a motion that needed slack torques, rad.
+    pub guess: f64,
+    /// So many rows tell a curvature from noise.
+    pub curved: usize,
+    /// Most windows or frames that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
+    pub most: usize,
+    /// Most time between states at which the unit is asked, and step of a motion that is handed on, s: the cubic between is good to 1e-8 rad.
     pub motion_step: f64,
     /// How well a fitted motion is known beside its noise, as a share of the encoder's standard deviation.
     pub motion_share: f64,
@@ -37,7 +49,7 @@ pub struct Policy {
     pub least_motion: f64,
     /// Share of the disagreement below which a signal isn't listed.
     pub listed: f64,
-    /// Neighbouring frames of a fit, which has seven numbers.
+    /// Neighbouring frames of a fit, which has seven values.
     pub floor_frames: usize,
     /// Fits that tell a scatter.
     pub floor_fits: usize,
@@ -46,7 +58,7 @@ pub struct Policy {
     /// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
     pub gap_widened: f64,
     pub gap_clearly: f64,
-    /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), 2 ln 140.
+    /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), and 2 ln 140 is 9.9.
     pub excluded: f64,
     /// Rows at the beginning of a log from which its rates are read, s: an arm hardly falls meanwhile.
     pub replay_first: f64,
@@ -56,26 +68,31 @@ pub struct Policy {
 
 /// Those in force.
 pub const POLICY: Policy = Policy {
-    clear: 4.5,
-    evidence: 20.0,
-    runs_apart: 30.0,
-    clock_behind: 10.0,
-    wild: 10.0,
-    rows: 12,
-    steps: 1.5,
+    clear: CERTAIN,
+    evidence: CERTAIN * CERTAIN,
+    runs_apart: MORE * CERTAIN * CERTAIN,
+    clock_behind: DOUBTED * DOUBTED,
+    wild: FAR,
+    rows: ROWS,
+    steps: MORE,
     around: 0.03,
-    motion_step: 1.0 / 120.0,
-    motion_share: 0.5,
+    small_angle: 0.1,
+    read: 2e-4,
+    guess: 1e-3,
+    curved: 7,
+    most: 640,
+    motion_step: 0.008,
+    motion_share: HALF,
     same_time: 5e-7,
-    fallen: 1.5,
+    fallen: MORE,
     least_motion: 0.02,
-    listed: 0.02,
-    floor_frames: 12,
-    floor_fits: 3,
-    gap_above: 1.05,
-    gap_widened: 0.1,
+    listed: SLIGHT,
+    floor_frames: ROWS,
+    floor_fits: FEW,
+    gap_above: 1.0 + SMALL,
+    gap_widened: SMALL,
     gap_clearly: 2.0,
-    excluded: 10.0,
-    replay_first: 0.1,
-    replay_rows: 4,
+    excluded: DOUBTED * DOUBTED,
+    replay_first: PREROLL,
+    replay_rows: FEW,
 };

@@ -73,7 +73,7 @@ fn without_controller(scenario: &mut Scenario) {
     }
 }
 
-/// Angles and rates at a time, by a line through the first rows after it: of encoders, or of the links in the pictures.
+/// Angles and rates at a time, by a line through the first rows after it: of encoders, or of the links in the images.
 fn state(run: &Run, begin: f64) -> Option<[f64; 4]> {
     let logged: Option<Vec<(f64, [f64; 2])>> = run.plant.as_ref().and_then(|log| {
         let (q1, q2) = (log.column("q1")?, log.column("q2")?);

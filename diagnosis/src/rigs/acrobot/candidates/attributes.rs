@@ -78,6 +78,7 @@ pub fn place(list: &[Candidate], attribute: Attribute) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::channels::CHANNELS;
     use std::fs;
     use std::path::{Path, PathBuf};
 
@@ -92,11 +93,10 @@ mod tests {
         }
     }
 
-    #[test]
-    fn no_candidate_is_named_outside_the_list() {
+    /// Each line of code that is no test, comment or list: where it stands, and its texts in quotes.
+    fn quoted(each: &mut dyn FnMut(String, &str)) {
         let mut files = Vec::new();
         sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
-        let mut named = Vec::new();
         for path in files {
             // the list itself; tests may say what they hide
             if path.ends_with("candidates/list.rs") || path.ends_with("tests.rs") {
@@ -105,16 +105,52 @@ mod tests {
             let text = fs::read_to_string(&path).expect("a source");
             let code = text.split("#[cfg(test)]").next().unwrap_or_default();
             for (line, words) in code.lines().enumerate().filter(|(_, line)| !line.trim().starts_with("//")) {
-                for entry in LIST.iter().filter(|entry| words.contains(&format!("\"{}\"", entry.name))) {
-                    named.push(format!("{}:{}: {}", path.display(), line + 1, entry.name));
-                }
+                let texts = words.split('"').skip(1).step_by(2);
+                texts.for_each(|text| each(format!("{}:{}", path.display(), line + 1), text));
             }
         }
+    }
+
+    #[test]
+    fn no_candidate_is_named_outside_the_list() {
+        let mut named = Vec::new();
+        quoted(&mut |place, text| {
+            if LIST.iter().any(|entry| entry.name == text) {
+                named.push(format!("{place}: {text}"));
+            }
+        });
         assert!(
             named.is_empty(),
             "attributes of candidates/list.rs say what code wants to know:\n{}",
             named.join("\n")
         );
+    }
+
+    #[test]
+    fn every_variable_that_code_names_is_a_channel_or_wiring() {
+        // files of a run; what a run is driven by and told to do; an event and a clock that a recording is read by
+        const WIRING: [&str; 8] = [
+            "plant.csv",
+            "camera.csv",
+            "controller.csv",
+            "controller.z_desired",
+            "plant.tolerance",
+            "plant.contact",
+            "controller.frame",
+            "camera.frame_index",
+        ];
+        let mut others = Vec::new();
+        quoted(&mut |place, text| {
+            let Some((unit, variable)) = text.split_once('.') else { return };
+            let names = ["plant", "camera", "controller"].contains(&unit)
+                && !variable.is_empty()
+                && variable.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            let channel = CHANNELS.iter().any(|channel| channel.column == variable);
+            if names && !channel && !WIRING.contains(&text) && !place.contains("/parameters.rs:") {
+                others.push(format!("{place}: {text}"));
+            }
+        });
+        assert!(others.is_empty(), "parameters.rs names the rig's own parameters:\n{}", others.join("\n"));
     }
 
     #[test]

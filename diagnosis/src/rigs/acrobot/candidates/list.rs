@@ -96,7 +96,7 @@ const THOUSANDTH: &[f64] = &[0.001];
 /// Everything that docs/units.md ("What a diagnosis may name") lists.
 ///
 /// Plant steps move a window's end by some milliradians at most: it grows by e^(7 · 0.6), and columns must not bend.
-/// Lens steps move the edge of the picture by two to five pixels: well above the pixel lattice, which is not noise.
+/// Lens steps move the edge of the image by two to five pixels: well above the pixel lattice, which is not noise.
 #[rustfmt::skip]
 pub const LIST: &[Entry] = &[
     is(&[Friction], twin("damp_roll", load("plant.b_roll", &[5e-4], FAST, "viscous friction of the first link (rolling)"))),
@@ -141,5 +141,5 @@ pub const LIST: &[Entry] = &[
     // below 0 only to tell a clock that is off: no camera is that quick
     is(&[ImageDelay], real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results")),
     is(&[LostFrames], real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames")),
-    is(&[SensorNoise], real("camera.sigma", Side::Scatter, &[8.0], (0.0, 200.0), "noise of the sensor")),
+    is(&[SensorNoise], real("camera.sigma", Side::Scatter, &[8.0], (0.0, 100.0), "noise of the sensor")),
 ];

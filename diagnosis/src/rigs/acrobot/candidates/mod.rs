@@ -16,17 +16,17 @@ use crate::rigs::acrobot::model::Model;
 pub enum Side {
     /// Between commanded torque and motion.
     Plant,
-    /// Between motion and the picture.
+    /// Between motion and the image.
     Camera,
     /// In the plant log's timestamps: a nuisance that is found like an effect and never named.
     Clock,
     /// In the zeros of the plant log's angles: a nuisance, too.
     Zero,
-    /// In the stamps of pictures, where they have a clock of their own: a nuisance in the place of a delay.
+    /// In the timestamps of images, where they have a clock of their own: a nuisance in the place of a delay.
     Stamps,
-    /// In the count of pictures.
+    /// In the count of images.
     Count,
-    /// In the scatter of the picture's signals.
+    /// In the scatter of the image's signals.
     Scatter,
 }
 

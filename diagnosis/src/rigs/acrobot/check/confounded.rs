@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn value_a_form_that_others_mend_is_an_imitation() {
-        // k2 withheld in noisy pictures, as seen: k1 with a scale and s2
+        // k2 withheld in noisy images, as seen: k1 with a scale and s2
         let (gram, sizes) = effects([567.3, -114.7, -48.0], [0.96, -0.74, -0.59]);
         let told = mended(&gram, &sizes, &NAMES).expect("two that resemble k1 add 1.4 %");
         assert!(told.starts_with("k1 comes nearest") && told.contains("scale and s2"), "{told}");
@@ -115,5 +115,26 @@ mod tests {
         assert_eq!(cancelled(&gram, &sizes, &NAMES, &[true, true, false]), None);
         let (gram, sizes) = effects([100.0, 95.0, 1.0], [0.99, 0.0, 0.0]);
         assert_eq!(cancelled(&gram, &sizes, &NAMES, &[false; 3]), None);
+    }
+
+    #[test]
+    fn value_each_level_of_an_imitation_stands_where_it_does() {
+        // 100 standard deviations of the first, so many of a second that resembles it by so much, none of the third
+        let form = |second: f64, alike: f64| {
+            let (gram, sizes) = effects([100.0, second, 0.0], [alike, 0.0, 0.0]);
+            mended(&gram, &sizes, &NAMES).is_some()
+        };
+        // it adds 0.018 and 0.022 of the squares: 0.02 is a slight share
+        assert!(form(17.0, 0.5) && !form(19.0, 0.5));
+        // it resembles the first by more than 0.3
+        assert!(form(12.0, 0.32) && !form(12.0, 0.28));
+        // or is itself less than 0.01 of all
+        assert!(form(9.5, 0.0) && !form(10.5, 0.0));
+        // of two of one size 0.09 and 0.11 are left together: 0.1 is a small share
+        let left = |alike: f64| {
+            let (gram, sizes) = effects([100.0, -100.0, 0.0], [alike, 0.0, 0.0]);
+            cancelled(&gram, &sizes, &NAMES, &[false; 3]).is_some()
+        };
+        assert!(left(0.91) && !left(0.89));
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     }
 }
 
-/// Clocks that drift apart: by how much the log's, or the picture's delay, moves along the runs.
+/// Clocks that drift apart: by how much the log's, or the image's delay, moves along the runs.
 pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
     let clock = candidates.iter().position(|candidate| candidate.side == Side::Clock);
     let delay = place(candidates, Attribute::ImageDelay);

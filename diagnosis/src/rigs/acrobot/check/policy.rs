@@ -1,11 +1,14 @@
 //! Numbers that doubts of what was found decide by, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::{FEW, MORE, PART, SEVERAL, SLIGHT, SMALL, STEP};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
     /// Lacking torque over what noise alone gives.
     pub torque_ratio: f64,
-    /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a rest, where a block has
+    /// Variance of block means over what independent rows would give: 0.7 to 1.6 in sets without a residual, where a block has
     /// so many rows. At a measured motion the means of more rows show more of the motion's own error, which rows share.
     pub means: f64,
     pub rows: f64,
@@ -16,7 +19,7 @@ pub struct Check {
     pub cancelled: f64,
     /// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
     /// clearly there, and resemble it by more than that (a correlation). Seen: 0.014 and 0.67 to 0.96 where k1 imitated k2 in noisy
-    /// pictures.
+    /// images.
     pub mended: f64,
     pub resembles: f64,
     /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
@@ -26,12 +29,12 @@ pub struct Check {
 
 /// Those in force.
 pub const CHECK: Check = Check {
-    torque_ratio: 1.4,
-    means: 2.5,
-    rows: 6.0,
-    imitators: 3,
-    cancelled: 0.1,
-    mended: 0.04,
-    resembles: 0.4,
-    slight: 0.005,
+    torque_ratio: MORE,
+    means: SEVERAL,
+    rows: POLICY.curved as f64,
+    imitators: FEW,
+    cancelled: SMALL,
+    mended: SLIGHT,
+    resembles: PART,
+    slight: STEP,
 };

@@ -12,7 +12,7 @@ use crate::rigs::acrobot::residual::{Block, Signal};
 use crate::rigs::acrobot::selection::{Evaluation, STAMPS, Study, lacking};
 use crate::statistics::linear::bare;
 
-/// For each signal, variance of the block means of a model's rest over what independent rows would give, and the rows of a block; beside
+/// For each signal, variance of the block means of a model's residual over what independent rows would give, and the rows of a block; beside
 /// torques of a size that is accounted for (N·m).
 fn block_means(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> Vec<(f64, f64)> {
     let mut means = vec![(0.0, 0.0, 0.0, 0.0); signals.len()];
@@ -51,7 +51,7 @@ pub(super) fn doubt(found: &Found<'_>, _: Option<&Unknown>) -> Judgement {
 /// The residual in words, if it is more than noise.
 fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let stamps = STAMPS * study.explained;
-    // what scattering stamps of the torque do goes on from row to row, too
+    // what scattering timestamps of the torque do goes on from row to row, too
     let accounted = if study.last.discrepancy_sd <= stamps { study.last.discrepancy_sd } else { 0.0 };
     let nearest = nearest(study, candidates);
     if torque {

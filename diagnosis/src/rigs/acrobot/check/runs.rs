@@ -1,4 +1,4 @@
-//! Runs that differ: a rest that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
+//! Runs that differ: a residual that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
 //! no effect of the machine, so it is told with the rest and not named.
 
 use super::{Found, Judgement};
@@ -8,7 +8,7 @@ use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
 
-/// A rest that runs differ by is told so, where no clock drifts.
+/// A residual that runs differ by is told so, where no clock drifts.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     let Some(left) = so_far.filter(|_| found.torque && found.drift.is_none()) else { return Judgement::Keep };
     let differ = differing(&found.study.last, &found.study.active, found.list, found.runs);

@@ -21,7 +21,7 @@ pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
     }
 }
 
-/// Simple variables on which a rest may depend.
+/// Simple variables on which a residual may depend.
 fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'static str, f64)> {
     let [q1, q2, dq1, dq2] = *state;
     let (bend, slip) = (q2 - q1, dq2 - dq1);
@@ -125,7 +125,7 @@ pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, Strin
         (&["v"], "linear in v"),
         (&["u", "v"], "with the square of the distance from the centre"),
         (&["dq2"], "with the motion: a matter of time, the same all along"),
-        (&["dq2", "v"], "with motion times height in the picture: rows exposed one after the other"),
+        (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
         (&["dq2", "time"], "with motion times time: clocks that drift apart"),
     ];
     let mut rows: Vec<(f64, [f64; 7])> = Vec::new();

@@ -16,7 +16,7 @@ const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 pub struct Fitted {
     /// Entry, coefficient and its standard deviation.
     pub terms: Vec<(usize, f64, f64)>,
-    /// Rest before, after (on runs left out), and what noise alone gives, N·m.
+    /// Residual before, after (on runs left out), and what noise alone gives, N·m.
     pub gap: (f64, f64, f64),
     /// What is left of torques of a usual size, as gaps of effects are measured, N·m.
     pub usual: f64,
@@ -26,7 +26,7 @@ pub struct Fitted {
     pub left: Vec<(usize, f64, f64, [f64; 2])>,
 }
 
-/// The rest that the terms are chosen against.
+/// The residual that the terms are chosen against.
 struct Rest<'a> {
     evaluation: Evaluation,
     folds: Folds,

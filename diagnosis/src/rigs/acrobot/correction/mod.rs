@@ -1,4 +1,4 @@
-//! A rest that no listed effect takes away, as labelled torques of the residual unit: the last step of a diagnosis
+//! A residual that no listed effect takes away, as labelled torques of the residual unit: the last step of a diagnosis
 //! whose verdict is `unknown`.
 //!
 //! The rest of the plant's cut is a torque. What simple functions of angle and rate would give along the measured
@@ -20,6 +20,7 @@ use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::levels::WITHIN;
 use nalgebra::DVector;
 use orchestrator::UnitPath;
 use serde::Serialize;
@@ -95,7 +96,7 @@ impl Correction {
         Gap { after: self.usual, closed, ..gap.clone() }
     }
 
-    /// The rest in words: where effects were withdrawn, what they had left says little of it.
+    /// The residual in words: where effects were withdrawn, what they had left says little of it.
     pub fn told(&self, unknown: Unknown) -> Unknown {
         let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
         let joint = first.name.ends_with("_joint");
@@ -117,7 +118,7 @@ impl Correction {
         Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
 
-    /// The same picture of the rest, with the amended model.
+    /// The same graph of the residual, with the amended model.
     pub fn drawn(&self, trace: Trace) -> Trace {
         let (mut base, mut run, mut begin, mut end) = (0.0, usize::MAX, 0.0, 0.0);
         let points = self.left.iter().map(|(of, from, to, torque)| {
@@ -210,7 +211,7 @@ pub fn offer(
         terms.push(Term {
             name: format!("{name}.{}", entry.coefficient),
             value,
-            ci95: [value - 1.96 * error, value + 1.96 * error],
+            ci95: [value - WITHIN * error, value + WITHIN * error],
             measure: entry.measure.clone(),
             phrase: entry.phrase.clone(),
         });

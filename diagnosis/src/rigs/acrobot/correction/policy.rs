@@ -1,5 +1,7 @@
 //! Numbers that a correction is offered by, each with its reason.
 
+use crate::statistics::levels::{DOUBTED, SLIGHT, STEP};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offered {
@@ -8,10 +10,10 @@ pub struct Offered {
     pub certain: f64,
     /// Share of what is left above the floor, on runs left out, that a term must take away.
     pub worth: f64,
-    /// Share of the first rest that a term must amount to: torques between rows are about as exact beside large ones, which are held over steps.
+    /// Share of the first residual that a term must amount to: torques between rows are about as exact beside large ones, which are held over steps.
     /// A drag of 0.18 N·m came with a spring of 0.0015 N·m.
     pub exact: f64,
 }
 
 /// Those in force.
-pub const CORRECTION: Offered = Offered { certain: 3.0, worth: 0.02, exact: 0.01 };
+pub const CORRECTION: Offered = Offered { certain: DOUBTED, worth: SLIGHT, exact: STEP };

@@ -76,7 +76,7 @@ fn draw(scenario: &mut Scenario, name: &str) {
         )
     };
     let mut graph = toml::Table::new();
-    graph.insert("title".into(), toml::Value::String("Correction of a rest without a name".into()));
+    graph.insert("title".into(), toml::Value::String("Correction of a residual without a name".into()));
     graph.insert("y".into(), toml::Value::String("τ in N·m".into()));
     let lines = vec![line("roll", "on link 1", "dashed"), line("joint", "at the joint", "solid")];
     graph.insert("lines".into(), toml::Value::Array(lines));

@@ -78,7 +78,7 @@ pub fn unwrapped(values: &mut [f64]) -> Option<(usize, usize)> {
     (count > 0).then_some((first, count))
 }
 
-/// Angles in degrees show by their range together with their speed, or by the picture. Range alone doesn't do: a free arm
+/// Angles in degrees show by their range together with their speed, or by the image. Range alone doesn't do: a free arm
 /// turns over many times.
 pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> Option<(usize, String)> {
     for (name, falling) in ["q1", "q2"].into_iter().zip(falling) {
@@ -98,7 +98,7 @@ pub fn in_degrees(plant: &Table, camera: Option<&Table>, falling: [f64; 2]) -> O
             .collect();
         if let Some(times) = as_far(plant.column(name)?, &seen) {
             let message =
-                format!("{name} moves {times:.0} times as far as the picture shows (are these degrees?)");
+                format!("{name} moves {times:.0} times as far as the image shows (are these degrees?)");
             return Some((plant.line[0], message));
         }
     }
@@ -118,13 +118,13 @@ pub fn degrees(log: &Table, name: &str, falling: f64) -> Option<(usize, String)>
         brief(values[row].abs() / TAU),
         brief(speed)
     );
-    (speed > LOGS.degree_ratio * falling).then_some((row, message))
+    (speed > degree_ratio() * falling).then_some((row, message))
 }
 
 /// How many times as far as another an angle moves, if that is more than any error of either.
 pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
     let times = spread(angle) / spread(other);
-    (spread(other) > POLICY.least_motion && times > LOGS.degree_ratio).then_some(times)
+    (spread(other) > POLICY.least_motion && times > degree_ratio()).then_some(times)
 }
 
 fn spread(values: &[f64]) -> f64 {
@@ -145,4 +145,41 @@ pub fn speed(time: &[f64], values: &[f64]) -> f64 {
         .collect();
     rates.sort_by(f64::total_cmp);
     rates.get(rates.len().saturating_sub(1) * 19 / 20).copied().unwrap_or(0.0)
+}
+
+/// Degrees are 57 times radians; halfway on a logarithmic scale.
+fn degree_ratio() -> f64 {
+    1.0_f64.to_degrees().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 values that spread evenly over so much between their 5th and 95th hundredth.
+    fn spread_over(size: f64) -> Vec<f64> {
+        (0..100).map(|row| f64::from(row) * size / 89.0).collect()
+    }
+
+    #[test]
+    fn value_degrees_are_more_than_seven_and_a_half_times_radians() {
+        let told =
+            |times: f64, motion: f64| as_far(&spread_over(times * motion), &spread_over(motion)).is_some();
+        assert_eq!([7.5, 7.6].map(|times| told(times, 1.0)), [false, true]);
+        // of a motion of a fiftieth of a radian nothing is said
+        assert_eq!([0.019, 0.021].map(|motion| told(57.3, motion)), [false, true]);
+    }
+
+    #[test]
+    fn value_an_angle_of_six_turns_that_moves_faster_than_gravity_moves_it_is_in_degrees() {
+        let told = |largest: f64, speed: f64| {
+            let q1: Vec<f64> = (0..100).map(|row| largest * (f64::from(row) / 99.0)).collect();
+            let time = q1.iter().map(|angle| angle / speed).collect();
+            degrees(&Table::new(time, vec![("q1".into(), q1)]), "q1", 7.0).is_some()
+        };
+        // 6 turns are 37.7 rad
+        assert_eq!([37.6, 37.8].map(|largest| told(largest, 100.0)), [false, true]);
+        // 7.57 times 7 rad/s
+        assert_eq!([52.0, 54.0].map(|speed| told(100.0, speed)), [false, true]);
+    }
 }

@@ -1,8 +1,8 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
 use super::angles::{far_apart, glitches, typical_gap, unwrapped};
-use super::pictures::{pictures, tells_poses};
-use super::stamps::{self, Moved};
+use super::images::{pictures, tells_poses};
+use super::timestamps::{self, Moved};
 use super::{Run, TORN, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
@@ -37,14 +37,14 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
         (&mut run.plant, "plant.csv", POLICY.rows),
     ] {
         if let Some((line, why)) = table.as_ref().and_then(|table| unusable(table, fewest)) {
-            let message = format!("{why}; file put aside");
+            let message = format!("{why}; file excluded");
             notices.push(Notice { file: format!("{}/{file}", run.name), line, message });
             *table = None;
         }
     }
     let name = run.name.clone();
     let file = |file: &str| format!("{name}/{file}");
-    let moved = stamps::joined(run, notices);
+    let moved = timestamps::joined(run, notices);
     if let Some(controller) = &mut run.controller
         && controller.column("tau").is_none()
         && controller.column("tau_1").is_some()
@@ -57,26 +57,26 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
     if let Some(controller) = &run.controller
         && controller.column("tau").is_none()
     {
-        let message = "column `tau` is missing; the plant can't be driven, file put aside".to_owned();
+        let message = "column `tau` is missing; the plant can't be driven, file excluded".to_owned();
         notices.push(Notice { file: file("controller.csv"), line: 1, message });
         run.controller = None;
     }
     if let Some(controller) = &run.controller
         && controller.column("tau").is_some_and(|tau| tau.iter().all(|torque| torque.is_nan()))
     {
-        let message = "column `tau` holds no number; the plant can't be driven, file put aside".to_owned();
+        let message = "column `tau` holds no number; the plant can't be driven, file excluded".to_owned();
         notices.push(Notice { file: file("controller.csv"), line: 1, message });
         run.controller = None;
     }
     if let Some(plant) = &run.plant {
         let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());
         if let Some(name) = missing {
-            let message = format!("column `{name}` is missing; the plant's log is put aside");
+            let message = format!("column `{name}` is missing; the plant's log is excluded");
             notices.push(Notice { file: file("plant.csv"), line: 1, message });
             run.plant = None;
         } else if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < POLICY.rows) {
             let message = format!(
-                "`{name}` is measured in {} rows ({} or more are needed); file put aside",
+                "`{name}` is measured in {} rows ({} or more are needed); file excluded",
                 measured(plant, name),
                 POLICY.rows
             );
@@ -85,7 +85,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
         } else if let Some(apart) = far_apart(plant, falling) {
             let message = format!(
                 "rows are {apart} s apart, and the arm falls in between; time is in seconds (are these milliseconds?); \
-                 file put aside"
+                 file excluded"
             );
             notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
             run.plant = None;
@@ -98,7 +98,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             {
                 let message = format!(
                     "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({TORN} s or less \
-                     are needed); file put aside, poses are read off the picture"
+                     are needed); file excluded, poses are read off the image"
                 );
                 notices.push(Notice { file: file("plant.csv"), line: 0, message });
                 run.plant = None;
@@ -177,7 +177,7 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
     }
     let seen = match run.camera {
         Some(_) => {
-            "only the picture can be judged, and a clock of this log that is off would pass for the camera's delay"
+            "only the image can be judged, and a clock of this log that is off would pass for the camera's delay"
         }
         None => "the run says nothing",
     };

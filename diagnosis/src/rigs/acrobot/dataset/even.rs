@@ -1,13 +1,14 @@
-//! Logs of an even clock whose stamps scatter: the ticks that rows were taken at.
+//! Logs of an even clock whose timestamps scatter: the ticks that rows were taken at.
 
 use super::{DataSet, Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::statistics::levels::{PART, SLIGHT};
 
 /// Scatter about the ticks that is worth a look, as a share of the interval, and beyond which there are no ticks.
-const SCATTER: (f64, f64) = (0.02, 0.4);
+const SCATTER: (f64, f64) = (SLIGHT, PART);
 
-/// Even times through stamps that scatter about them, and by how much they do, s.
+/// Even times through timestamps that scatter about them, and by how much they do, s.
 fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     if time.len() < LOGS.even_rows {
         return None;
@@ -32,7 +33,7 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
 }
 
 impl DataSet {
-    /// The same data with the rows of plant and controller at even times, where stamps scatter about such; `None` where none do.
+    /// The same data with the rows of plant and controller at even times, where timestamps scatter about such; `None` where none do.
     pub fn evened(&self) -> Option<Self> {
         let mut even = self.clone();
         let mut told = Vec::new();

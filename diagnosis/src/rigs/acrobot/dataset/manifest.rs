@@ -86,7 +86,7 @@ impl Manifest {
         self.set.get(name).and_then(number).unwrap_or(usual)
     }
 
-    /// Width and height of the picture, px: those of `[set]`, or the camera's own.
+    /// Width and height of the image, px: those of `[set]`, or the camera's own.
     pub fn picture(&self) -> (f64, f64) {
         (self.number(parameters::WIDTH, 512.0), self.number(parameters::HEIGHT, 512.0))
     }
@@ -96,7 +96,7 @@ impl Manifest {
         1.0 / self.number(parameters::FRAME_RATE, 30.0)
     }
 
-    /// Height of circle 1, the drum's centre, over the middle of the picture, px; `None` where the mount is turned.
+    /// Height of circle 1, the drum's centre, over the middle of the image, px; `None` where the mount is turned.
     pub fn ground(&self) -> Option<f64> {
         let turned = [name(Attribute::CameraRoll), parameters::MOUNT]
             .iter()

@@ -1,35 +1,36 @@
 //! A measured data set (docs/data-set.md) as the residuals want it: per run three ordered tables.
 //!
-//! Loading never judges the model. Bad rows, files and runs are put aside with a [`Notice`]; only a manifest that
+//! Loading never judges the model. Bad rows, files and runs are excluded with a [`Notice`]; only a manifest that
 //! can't be read, or nothing usable at all, is an error.
 
 mod angles;
 mod check;
 mod even;
+mod images;
 mod manifest;
-mod pictures;
 mod policy;
-mod stamps;
 pub mod stated;
 mod table;
+mod timestamps;
 
+use crate::statistics::levels::FAR;
 pub use angles::{in_degrees, typical_gap};
+pub use images::angle_in_degrees;
 pub use manifest::Manifest;
-pub use pictures::angle_in_degrees;
-pub use stamps::directions;
 pub use table::Table;
+pub use timestamps::directions;
 
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::channels::{File, columns};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
-use stamps::Moved;
 use std::path::{Path, PathBuf};
+use timestamps::Moved;
 
 /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
 /// cubic does.
-pub const TORN: f64 = 0.08;
+pub const TORN: f64 = FAR * POLICY.motion_step;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]
@@ -113,13 +114,13 @@ impl Run {
         q2.iter().position(|angle| angle.abs() >= contact - LOGS.near)
     }
 
-    /// Until when the machine is seen to move, s: up to where the links touch, or it leaves what the encoders log and pictures show.
+    /// Until when the machine is seen to move, s: up to where the links touch, or it leaves what the encoders log and images show.
     pub fn moves_until(&self, contact: f64) -> f64 {
         if let Some(plant) = &self.plant {
             let row = self.touches(contact).unwrap_or(plant.len().saturating_sub(1));
             return plant.time.get(row).copied().unwrap_or(f64::INFINITY);
         }
-        let seen = self.camera.as_ref().map(stamps::directions).unwrap_or_default();
+        let seen = self.camera.as_ref().map(timestamps::directions).unwrap_or_default();
         let touches = |(_, [_, link]): &&(f64, [f64; 2])| link.abs() >= contact - LOGS.seen;
         seen.iter().find(touches).or(seen.last()).map_or(f64::INFINITY, |(time, _)| *time)
     }
@@ -149,13 +150,13 @@ pub struct DataSet {
     pub manifest: Manifest,
     /// Usable runs, in the manifest's order.
     pub runs: Vec<Run>,
-    /// What was put aside.
+    /// What was excluded.
     pub notices: Vec<Notice>,
     /// The clocks of plant logs were found to be off, by more than any actuator lags or each by a time of its own.
     pub clocks_apart: bool,
-    /// Rows of plant logs may be stamped late by this much, s: as far as their stamps scatter.
+    /// Rows of plant logs may be stamped late by this much, s: as far as their timestamps scatter.
     pub late_by_hand: f64,
-    /// Nothing but the motion tells how late pictures are in some run: a delay of theirs can't be told from their clock.
+    /// Nothing but the motion tells how late images are in some run: a delay of theirs can't be told from their clock.
     pub pictures_apart: bool,
 }
 
@@ -234,7 +235,7 @@ impl DataSet {
         log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
     }
 
-    /// Puts all pictures aside, and with them the runs that hold nothing else.
+    /// Puts all images aside, and with them the runs that hold nothing else.
     ///
     /// # Errors
     /// Nothing is left.
@@ -242,7 +243,7 @@ impl DataSet {
         for run in &mut self.runs {
             if run.camera.take().is_some() {
                 let file = format!("{}/camera.csv", run.name);
-                self.notices.push(Notice { file, line: 0, message: format!("put aside: {why}") });
+                self.notices.push(Notice { file, line: 0, message: format!("excluded: {why}") });
             }
         }
         self.runs.retain(|run| run.plant.is_some());

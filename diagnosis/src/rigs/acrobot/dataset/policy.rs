@@ -1,5 +1,10 @@
 //! Numbers that the reading of logs decides by, each with its reason.
 
+use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
+use crate::rigs::acrobot::plausibility::time::EPOCH;
+use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
@@ -7,13 +12,11 @@ pub struct Logs {
     pub few_bare: usize,
     /// Links that touch may give way by this, or be logged a little off, rad.
     pub touching: f64,
-    /// Links this near to their stop may touch it, rad, by encoders and in pictures, which a lens bends.
+    /// Links this near to their stop may touch it, rad, by encoders and in images, which a lens bends.
     pub near: f64,
     pub seen: f64,
     /// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
     pub largest_angle: f64,
-    /// Degrees are 57 times radians; halfway on a logarithmic scale.
-    pub degree_ratio: f64,
     /// A torque is held from its row to the next: one row is a log of it.
     pub fewest_torques: usize,
     /// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
@@ -24,21 +27,20 @@ pub struct Logs {
     pub below: f64,
     /// Fewest rows that show a clock.
     pub even_rows: usize,
-    /// How well ticks must be known, s: a plant's log tells its clock to some 20 µs, and a line through few stamps would be off by more.
+    /// How well ticks must be known, s: a plant's log tells its clock to some 20 µs, and a line through few timestamps would be off by more.
     pub known: f64,
     /// Correlation of the scatter from row to row beyond which the clock itself wanders, or rows were lost.
     pub wanders: f64,
-    /// A mount that is turned by more than this moves what lies at the edge of a picture by more than a check of heights allows, rad.
+    /// A mount that is turned by more than this moves what lies at the edge of an image by more than a check of heights allows, rad.
     pub turned: f64,
-    /// So many pictures of a run tell where circle 1 rolls.
+    /// So many images of a run tell where circle 1 rolls.
     pub first: usize,
     /// A circle this near to that height is on the line, and circle 1 this far from it is not, px: lenses bend that line by less,
     /// and a mount that is turned by 40 degrees inclines it by 16 px for each radian that the arm rolls.
     pub on_line: f64,
     pub off_line: f64,
-    /// Step of the search, s, and of its end.
+    /// Step of the search, s; a tenth of it in the end.
     pub step: f64,
-    pub fine: f64,
     /// Logs that are longer together than this (s), maybe for one absurd stamp, are not searched.
     pub longest: f64,
     /// Rows that are compared in the search.
@@ -53,28 +55,26 @@ pub struct Logs {
 
 /// Those in force.
 pub const LOGS: Logs = Logs {
-    few_bare: 20,
-    touching: 0.2,
-    near: 0.02,
-    seen: 0.05,
-    largest_angle: 12.0 * std::f64::consts::PI,
-    degree_ratio: 7.6,
+    few_bare: SAMPLE,
+    touching: POLICY.small_angle,
+    near: POLICY.least_motion,
+    seen: POLICY.small_angle,
+    largest_angle: 6.0 * std::f64::consts::TAU,
     fewest_torques: 1,
-    latest: 1e10,
-    absurd: 1000.0,
-    below: 0.2,
-    even_rows: 50,
+    latest: EPOCH.end,
+    absurd: FAR * FAR * FAR,
+    below: PART,
+    even_rows: SAMPLE,
     known: 2.5e-5,
-    wanders: 0.3,
-    turned: 0.1,
-    first: 15,
+    wanders: PART,
+    turned: POLICY.small_angle,
+    first: ROWS,
     on_line: 5.0,
-    off_line: 40.0,
+    off_line: PLAUSIBLE.near,
     step: 0.02,
-    fine: 0.002,
     longest: 7200.0,
-    stamps_rows: 300,
-    agrees: 0.2,
-    clearly: 3.0,
-    few: 3,
+    stamps_rows: POLICY.most,
+    agrees: PART,
+    clearly: SEVERAL,
+    few: FEW,
 };

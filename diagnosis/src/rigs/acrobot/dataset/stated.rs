@@ -130,7 +130,7 @@ impl Stated {
         }
     }
 
-    /// Turns the logs of a run into ours. `size` is the picture's width and height in px.
+    /// Turns the logs of a run into ours. `size` is the image's width and height in px.
     pub fn apply(&self, run: &mut Run, size: (f64, f64)) {
         let Run { camera, controller, plant, .. } = run;
         for log in [camera.as_mut(), controller.as_mut(), plant.as_mut()].into_iter().flatten() {

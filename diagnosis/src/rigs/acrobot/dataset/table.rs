@@ -136,7 +136,7 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
     let headers = reader.headers().ok()?.clone();
     if headers.get(0) != Some("time") {
         let found = headers.get(0).unwrap_or("").to_owned();
-        notes.add(1, format!("the first column must be `time` in s, found `{found}`; file put aside"));
+        notes.add(1, format!("the first column must be `time` in s, found `{found}`; file excluded"));
         return None;
     }
     let mut table = Table::default();

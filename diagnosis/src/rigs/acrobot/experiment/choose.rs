@@ -5,9 +5,10 @@ use super::catalogue::Experiment;
 use super::separation::Losses;
 use crate::diagnosis::Separation;
 use crate::rigs::acrobot::experiment::policy::DESIGN;
+use crate::statistics::levels::DOUBTED;
 
 /// Expected loss above which two members count as told apart: odds of 1 to 90.
-pub const TOLD: f64 = 9.0;
+pub const TOLD: f64 = DOUBTED * DOUBTED;
 
 /// An experiment of the catalogue with what simulating it gave.
 pub struct Tried {
@@ -80,7 +81,7 @@ impl Tried {
         (-steps, i64::from(self.entry.cost) + i64::from(self.times > 1.0), -self.worst().2)
     }
 
-    /// Makes the losses smaller where simulating the runs at hand promises more than their data gave: a pair that
+    /// Makes the losses smaller where simulating the runs at hand predicts more than their data gave: a pair that
     /// they did not tell apart loses no more than `most` there.
     pub fn discount(&mut self, same: &Losses, most: f64) {
         for (row, same) in self.losses.iter_mut().zip(same) {

@@ -66,7 +66,7 @@ impl<'a> Cuts<'a> {
     }
 
     /// A column. In the plant it is a tangent: secants over whole sizes bend with the motion that runs away, each its
-    /// own way, and promise to tell members apart that no fit would. In the picture it is a secant over a step of some
+    /// own way, and predict to tell members apart that no fit would. In the image it is a secant over a step of some
     /// pixels, since the lattice is no part of a prediction. What has separate values only, or a saturation, is moved by
     /// its whole `size`.
     pub fn probe(&self, candidate: usize, x: f64, size: f64) -> Probe {
@@ -145,7 +145,7 @@ fn torque_columns(
     Ok(())
 }
 
-/// Angles as they are read off the frames: where only the plant is in question, what else the picture shows needs no
+/// Angles as they are read off the frames: where only the plant is in question, what else the image shows needs no
 /// rendering.
 fn read(trial: &Trial, model: &Model) -> DataSet {
     let mut data = trial.data.clone();

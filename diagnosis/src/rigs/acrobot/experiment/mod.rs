@@ -58,7 +58,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// Of a signal in an experiment with or without encoders: without, an angle is one read off the picture.
+    /// Of a signal in an experiment with or without encoders: without, an angle is one read off the image.
     fn of(&self, name: &str, encoders: bool) -> f64 {
         let read = !encoders && name.starts_with("plant.");
         let stated = self.stated.get(name).filter(|_| !read);
@@ -147,7 +147,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     }
     // what can't be simulated can't be checked either
     let same = first_look(question, &AGAIN, likely).ok().flatten();
-    // the tolerance of renderers does not become less with more pictures
+    // the tolerance of renderers does not become less with more images
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
     let weigh = |one: &mut Tried| {
         same.iter().for_each(|same| one.discount(&same.losses, CLASS));
@@ -206,7 +206,7 @@ const LOGGED: [(&str, &str, &str); 7] = [
     ("camera", "v3", "px"),
 ];
 
-/// The experiment as a picture: what drives the arm with the best guess, and what each member would give.
+/// The experiment as graphs: what drives the arm with the best guess, and what each member would give.
 fn planned(question: &Question<'_>, entry: &'static Experiment) -> Result<Planned, Error> {
     let prepared = prepare(question.data, question.model, entry)?;
     let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;

@@ -7,12 +7,13 @@ use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
+use crate::statistics::levels::{MORE, SMALL};
 use orchestrator::Scenario;
 use orchestrator::scenario::Shape;
 use std::f64::consts::{PI, TAU};
 
 /// Torque at the joint and at the first link, as shares of the second link's weight: swings of half a radian to one.
-const SHARES: [f64; 2] = [0.1, 0.15];
+const SHARES: [f64; 2] = [SMALL, MORE * SMALL];
 
 /// What the inputs get over time.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,5 +1,11 @@
 //! Numbers that the next experiment is chosen by, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::statistics::levels::{FEW, SEVERAL, STEP};
+use std::f64::consts::FRAC_PI_2;
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Design {
@@ -7,7 +13,7 @@ pub struct Design {
     pub caution: f64,
     /// Certainties that differ by less are equal; the cheaper experiment is taken then.
     pub equal: f64,
-    /// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS`.
+    /// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS` from 17 on.
     pub enough: f64,
     /// A lab records as many times what it did before, but no more.
     pub longest: f64,
@@ -18,7 +24,8 @@ pub struct Design {
     /// Noise of what was not logged before: good encoders in rad, a torque cell in N·m.
     pub encoder: f64,
     pub torque: f64,
-    /// Without a picture in the loop a run of this length, s, is enough: it is logged at a higher rate.
+    /// Without an image in the loop a run of this length, s, is enough: it is logged at a higher rate. One of it stands for all
+    /// where poses must be read off frames that are rendered again.
     pub short: f64,
     /// A repeated z_desired is given in straight lines of this length, s.
     pub thinned: f64,
@@ -26,33 +33,30 @@ pub struct Design {
     pub held: f64,
     /// Beyond this an arm hangs rather than stands, rad.
     pub hanging: f64,
-    /// Frames that are rendered for a prediction: enough to visit the picture, few enough to be quick.
+    /// Frames that are rendered for a prediction: enough to visit the image, few enough to be quick.
     pub frames: usize,
     /// A tangent in the plant is taken over this share of the step at which a candidate is looked for: far above the
     /// integrator's 1e-9, far below where a window bends.
     pub tangent: f64,
-    /// Where poses must be read off frames that are rendered again, a run of this length stands for all, s.
-    pub chained: f64,
     /// Rows of the encoders per second where none were logged before.
     pub encoder_rate: f64,
 }
 
 /// Those in force.
 pub const DESIGN: Design = Design {
-    caution: 4.0,
-    equal: 0.01,
+    caution: SEVERAL,
+    equal: STEP,
     enough: 17.0,
     longest: 5.0,
     finalists: 2,
-    truths: 3,
-    encoder: 2e-4,
-    torque: 1e-2,
+    truths: FEW,
+    encoder: POLICY.read,
+    torque: 0.01,
     short: 10.0,
-    thinned: 0.1,
-    held: 0.01,
-    hanging: 1.6,
+    thinned: PREROLL,
+    held: WINDOWS.near,
+    hanging: FRAC_PI_2,
     frames: 100,
-    tangent: 0.01,
-    chained: 8.0,
+    tangent: STEP,
     encoder_rate: 30.0,
 };

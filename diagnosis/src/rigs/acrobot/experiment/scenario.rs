@@ -8,6 +8,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Entry, LIST, Motion, name};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::statistics::levels::SMALL;
 use orchestrator::scenario::{Placed, Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Scenario};
 
@@ -126,7 +127,7 @@ fn here() -> Place {
 }
 
 fn points(profile: Profile) -> Vec<(f64, f64)> {
-    const STEP: f64 = 0.1;
+    const STEP: f64 = SMALL;
     match profile {
         Profile::Points(points) => points.to_vec(),
         Profile::Sweep { size, from, to } => (0..=(LENGTH / STEP) as usize)

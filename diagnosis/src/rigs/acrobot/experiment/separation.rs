@@ -131,9 +131,9 @@ impl<'a> Bench<'a> {
         let chained = !logs.encoders
             && self.question.members.iter().any(|m| self.list[m.candidate].side == Side::Camera);
         let length = prepared.scenario.stop.to_f64();
-        if chained && length > DESIGN.chained {
-            prepared.scenario.set_stop(&DESIGN.chained.to_string()).map_err(refused)?;
-            prepared.repeats *= length / DESIGN.chained;
+        if chained && length > DESIGN.short {
+            prepared.scenario.set_stop(&DESIGN.short.to_string()).map_err(refused)?;
+            prepared.repeats *= length / DESIGN.short;
         }
         let trial = simulate(&prepared, &values, self.question.data, self.question.units)?;
         Ok((point, trial, prepared.repeats))

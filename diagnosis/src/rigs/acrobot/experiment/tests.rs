@@ -53,7 +53,7 @@ fn law_a_loss_below_nine_separates_nobody_and_is_said_so() {
 fn law_what_the_data_at_hand_did_not_give_is_discounted() {
     let mut one = pair("swing", 100.0);
     one.discount(&vec![vec![0.0, 45.0], vec![2.0, 0.0]], 4.5);
-    // the first direction promised ten times too much, the second was within what chance does
+    // the first direction predicted ten times too much, the second was within what chance does
     assert_eq!(one.losses, vec![vec![0.0, 10.0], vec![100.0, 0.0]]);
 }
 
@@ -171,7 +171,7 @@ fn value_delays_without_encoders_ask_for_the_joint_angles() {
     let class = [("plant.tau_delay", 0.004), ("camera.T_delay", 0.004), ("plant.T_act", 0.004)];
     let next = proposed(&data, &model, &class);
     assert!(next.what.contains("joint angles"), "{next:?}");
-    // a camera that is late and an actuator that is late look the same in any picture of any motion
+    // a camera that is late and an actuator that is late look the same in any image of any motion
     let of = |name: &str| next.separation.iter().find(|line| line.experiment == name).expect("simulated");
     assert!(of("faster steps").loss.is_some_and(|loss| loss < choose::TOLD), "{next:?}");
     assert!(next.leaves_open.iter().flatten().all(|name| name != "camera.T_delay"), "{next:?}");

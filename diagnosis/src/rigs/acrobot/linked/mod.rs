@@ -106,4 +106,4 @@ impl<'a> Linked<'a> {
 }
 
 /// As usual, with time to come to an end: a fit that stops on its way must not speak against its effect.
-const OPTIONS: Options = Options { rounds: 16, enough: 0.05, settled: 1e-3, damped: 4, noises: 10 };
+const OPTIONS: Options = Options { rounds: 2 * Options::USUAL.rounds, ..Options::USUAL };

@@ -1,15 +1,19 @@
 //! Numbers of the linked states, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::selection::HOPELESS;
+use crate::statistics::levels::{CERTAIN, FAR, ROWS, SEVERAL};
+
 /// When they are asked, and of how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
-    /// Deviance that process noise may gain beside the best member: as much as one effect more, 4.5 standard deviations squared. Beyond
+    /// Deviance that process noise may gain beside the best member: as much as one effect more. Beyond
     /// it the model lacks something, and the wrong member may be what stands in for it.
     pub quiet: f64,
     /// Loss by windows up to which linked states are asked, four times what ends a class: at that, theta_2 was called theta_1 alone,
     /// and T_act tau_delay.
     pub near: f64,
-    /// Rows of all runs together, beyond which each run gives its first part: half a minute at 200 Hz, the longest that tests log.
+    /// Rows of all runs together, beyond which each run gives its first part: half a minute at 200 Hz.
     pub most: usize,
     /// Fewer rows in one piece tell of no motion.
     pub fewest: usize,
@@ -18,4 +22,10 @@ pub struct Policy {
 }
 
 /// These.
-pub const LINKED: Policy = Policy { quiet: 20.25, near: 24.0, most: 6000, fewest: 12, torn: 5.0 };
+pub const LINKED: Policy = Policy {
+    quiet: CERTAIN * CERTAIN,
+    near: 2.0 * HOPELESS,
+    most: FAR as usize * POLICY.most,
+    fewest: ROWS,
+    torn: SEVERAL,
+};

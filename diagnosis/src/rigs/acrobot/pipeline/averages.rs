@@ -1,4 +1,4 @@
-//! Values of the plant that pictures alone tell, averaged over several linearisations: poses are read off frames that are rendered near by, and
+//! Values of the plant that images alone tell, averaged over several linearisations: poses are read off frames that are rendered near by, and
 //! where on the pixel lattice those lie is chance. A torque's bias of 0.00123 N·m wanted 0.0011 to 0.0012 from one linearisation to the next, where
 //! noise alone makes 0.00002.
 

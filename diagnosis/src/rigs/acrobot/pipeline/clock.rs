@@ -7,12 +7,13 @@ use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::steadiness;
+use crate::statistics::levels::DOUBTED;
 
-/// Standard errors by which a clock must miss the time that the picture asks for, not to be taken for it.
-pub(super) const MISSES: f64 = 3.0;
+/// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
+pub(super) const MISSES: f64 = DOUBTED;
 
-/// The plant log's clock, s late, that explains what the picture alone would have called a delay: logs of plant and torque know
-/// their clock to some ten microseconds only, a picture its delay to some microseconds.
+/// The plant log's clock, s late, that explains what the image alone would have called a delay: logs of plant and torque know
+/// their clock to some ten microseconds only, an image its delay to some microseconds.
 fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     let Compared { parts, point, .. } = compared;
     let clock = own_clock(list)?;
@@ -34,7 +35,7 @@ fn own_clock(list: &[Candidate]) -> Option<usize> {
     list.iter().position(|candidate| candidate.side == Side::Clock)
 }
 
-/// By how much a picture is late, s, and the standard error of that.
+/// By how much an image is late, s, and the standard error of that.
 fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)> {
     let late = |other: &&Alternative| other.candidate == delay && other.loss < CLASS;
     let (effect, by) = part.classes.iter().find_map(|(effect, class)| {
@@ -66,7 +67,7 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
     if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
-        // the pictures' clock is free, so that of an exposure its blur alone is known
+        // the images' clock is free, so that of an exposure its blur alone is known
         let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
         let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
         let doubt = place(list, Exposure).and_then(|index| Some((index, beside(index)?.sqrt())));
@@ -227,7 +228,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
     })
 }
 
-/// The delay by which pictures come early, and by how much, s: below zero there is none.
+/// The delay by which images come early, and by how much, s: below zero there is none.
 fn early(list: &[Candidate], point: &[f64]) -> Option<(usize, f64)> {
     let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
     (point[delay] < 0.0).then(|| (delay, -point[delay]))

@@ -123,7 +123,7 @@ impl Conclusion {
             drift: logs.drift.as_ref(),
             gap: &gap,
         });
-        // beside a rest without a name nobody knows what would have been found
+        // beside a residual without a name nobody knows what would have been found
         if judged.model_stands {
             detectable(part, list, &free, &logs.doubts, &mut self.smallest);
         }
@@ -173,7 +173,7 @@ impl Conclusion {
         let Logs { data, model, list, .. } = logs;
         let mut point = point.to_vec();
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
-        // a rest that no effect gives scatters, too
+        // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
             scattered(parts, list, &mut self.effects, &mut self.smallest);
         } else {

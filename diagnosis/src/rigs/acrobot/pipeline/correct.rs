@@ -1,4 +1,4 @@
-//! Where the plant's rest has no name: a labelled correction for the amended model.
+//! Where the plant's residual has no name: a labelled correction for the amended model.
 
 use super::*;
 use crate::rigs::acrobot::candidates::Entry;
@@ -41,7 +41,7 @@ pub(super) fn correct(
         Ok(beside.correction)
     });
     found.unwrap_or_else(|error| {
-        let message = format!("no correction of the rest is offered: {error}");
+        let message = format!("no correction of the residual is offered: {error}");
         notices.push(Notice { file: "amended.toml".into(), line: 0, message });
         None
     })
@@ -55,7 +55,7 @@ fn withdrawable(named: &[usize]) -> Vec<Vec<usize>> {
     all.into_iter().chain(singles).collect()
 }
 
-/// Where a rest is large, selection may have taken an effect for a part of it. Without such effects a correction has
+/// Where a residual is large, selection may have taken an effect for a part of it. Without such effects a correction has
 /// fewer numbers in all and leaves no more, or as many and leaves far less.
 fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
     let terms = |offer: &Offer| offer.correction.as_ref().map_or(0, |correction| correction.terms.len());
@@ -67,7 +67,7 @@ fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
         withdrawn.iter().any(|name| name == entry.name)
             && correction.terms.iter().any(|term| says(term, entry))
     };
-    // friction in another form is a listed effect, and no rest that an effect stood for
+    // friction in another form is a listed effect, and no residual that an effect stood for
     let friction = |term: &Term| LIST.iter().any(|entry| entry.is(Attribute::Friction) && says(term, entry));
     let listed = correction.terms.iter().all(friction);
     let (now, before) = (terms(without), withdrawn.len() + terms(beside));
@@ -76,7 +76,7 @@ fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
     !listed && !LIST.iter().any(twin) && (fewer || better)
 }
 
-/// The cut on which the rest was judged, at its beginning.
+/// The cut on which the residual was judged, at its beginning.
 fn cut(
     data: &DataSet,
     model: &Model,

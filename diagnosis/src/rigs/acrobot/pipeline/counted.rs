@@ -4,9 +4,10 @@ use super::*;
 use crate::diagnosis::Effect;
 use crate::rigs::acrobot::counting::losses;
 use crate::rigs::acrobot::selection::ALPHA;
+use crate::statistics::levels::WITHIN;
 use std::collections::BTreeMap;
 
-/// The sensor's noise, where the picture scatters as no nominal sensor does.
+/// The sensor's noise, where the image scatters as no nominal sensor does.
 pub(super) fn scattered(
     parts: &[Part],
     list: &[Candidate],
@@ -17,7 +18,7 @@ pub(super) fn scattered(
     for noise in parts.iter().filter_map(|part| part.noise) {
         smallest.insert(candidate.name.to_owned(), noise.detectable);
         if noise.clear {
-            let ci95 = [(noise.value - 1.96 * noise.error).max(0.0), noise.value + 1.96 * noise.error];
+            let ci95 = [(noise.value - WITHIN * noise.error).max(0.0), noise.value + WITHIN * noise.error];
             effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - ALPHA));
         }
     }

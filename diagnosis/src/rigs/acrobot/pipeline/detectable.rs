@@ -29,7 +29,7 @@ pub(super) fn detectable(
         } else {
             let columns = last.probes.iter().zip(&part.study.screen.errors).zip(&differs);
             let own = columns.filter(|((probe, error), _)| probe.candidate == *index && error.is_finite());
-            // what a picture shows must be more than right renderers differ by
+            // what an image shows must be more than right renderers differ by
             let own = own.map(|((probe, error), differs)| match candidate.side {
                 Side::Camera => (probe, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
                 _ => (probe, *error),

@@ -5,6 +5,7 @@ use super::*;
 use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::ALPHA;
+use crate::statistics::levels::WITHIN;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
 pub(super) type Swap = (usize, usize, f64);
@@ -30,7 +31,7 @@ pub(super) fn part_effects(
         let place = free.iter().position(|other| *other == index)?;
         let doubt = doubt(doubts, index).hypot(doubt(&part.rough, index));
         let own = errors[place]?.hypot(systematic[place].sqrt()).hypot(doubt);
-        Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / 1.96)))
+        Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
     };
     let mut taken = part.study.active.clone();
     part.classes

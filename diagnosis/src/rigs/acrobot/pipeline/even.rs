@@ -1,4 +1,4 @@
-//! Whether stamps that scatter are to be believed: rows may have been taken so unevenly, or stamped so badly. The motion knows.
+//! Whether timestamps that scatter are to be believed: rows may have been taken so unevenly, or stamped so badly. The motion knows.
 
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;

@@ -184,7 +184,7 @@ impl Judge<'_> {
         first: &First<'_>,
         kept: &mut Vec<Channel>,
     ) -> Result<Vec<Sums>, Error> {
-        // as the search compared them: where no torque was logged beside the angles, pictures stand at the poses of the logs alone
+        // as the search compared them: where no torque was logged beside the angles, images stand at the poses of the logs alone
         let led_by_logs = first.parts.iter().all(|part| !part.torque);
         let mut motions = if led_by_logs { logged_poses(self.data) } else { None };
         let mut all = Vec::new();
@@ -209,7 +209,7 @@ impl Judge<'_> {
         self.list.iter().map(|candidate| candidate.off).collect()
     }
 
-    /// Torques that the plant lacks, and the motion for the pictures.
+    /// Torques that the plant lacks, and the motion for the images.
     #[allow(clippy::type_complexity)] // a motion for each run, and how well it is known
     fn plant(
         &self,

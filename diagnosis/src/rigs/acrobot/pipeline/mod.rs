@@ -1,4 +1,4 @@
-//! The workflow from a folder to a [`Diagnosis`]: plant first, then picture, then what both say together.
+//! The workflow from a folder to a [`Diagnosis`]: plant first, then image, then what both say together.
 
 mod averages;
 mod camera;
@@ -69,7 +69,7 @@ struct Part {
     torque: bool,
     /// What torques found before the plant could follow the log.
     coarse: Vec<usize>,
-    /// What the scatter of the picture says of the sensor.
+    /// What the scatter of the image says of the sensor.
     noise: Option<Noise>,
     /// By how much some values differ from one linearisation to the next.
     rough: Vec<(usize, f64)>,
@@ -103,7 +103,7 @@ pub fn diagnose(
     let mut list = candidates(&model, &options.without, &|cuts| saturations(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {
-        // the picture has a mount of its own, and knows the angles
+        // the image has a mount of its own, and knows the angles
         list.retain(|candidate| candidate.side != Side::Zero);
     }
     if !data.runs.iter().any(Run::logs_the_torque) {
@@ -118,7 +118,7 @@ pub fn diagnose(
     data.late_by_hand = PIPELINE.late_by_hand * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
     if !seen || data.pictures_apart {
         // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
-        // within what stamps scatter by
+        // within what timestamps scatter by
         let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
         clocks.for_each(|clock| clock.range.1 = clock.range.1.min(data.late_by_hand));
     }

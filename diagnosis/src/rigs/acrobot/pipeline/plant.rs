@@ -78,7 +78,7 @@ pub(super) fn logged_poses(data: &DataSet) -> Option<(Vec<Logged>, f64)> {
     as_logged(data, &mut motions).map(|sigma| (motions, sigma))
 }
 
-/// The motions for the pictures, and how well they are known, rad; `None` where there are no pictures. `sigma` is that of the angles. Call
+/// The motions for the images, and how well they are known, rad; `None` where there are no images. `sigma` is that of the angles. Call
 /// after `linearise` at the same point.
 pub(super) fn pose_of(
     data: &DataSet,
@@ -134,7 +134,7 @@ fn hinted(
     Ok(None)
 }
 
-/// Motions of runs with pictures whose plant nothing drives, as encoders have them; answers how well they are known, rad.
+/// Motions of runs with images whose plant nothing drives, as encoders have them; answers how well they are known, rad.
 fn as_logged(data: &DataSet, motions: &mut [Logged]) -> Option<f64> {
     let bare = |run: &Run| run.controller.is_none() && run.camera.is_some();
     let mut worst = None;

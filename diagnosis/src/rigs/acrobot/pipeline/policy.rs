@@ -1,11 +1,15 @@
 //! Numbers that the workflow decides by, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::statistics::levels::{FAR, FEW, HALF, MORE, PART, SLIGHT, SMALL, WITHIN};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pipeline {
     /// By how much logs may be off whose clocks are doubted, s: what setting them right by the motion leaves is the camera's delay.
     pub any: f64,
-    /// Standard deviations of the stamps' scatter by which a log may be late: where a computer stamps its rows, never early but late,
+    /// Standard deviations of the timestamps' scatter by which a log may be late: where a computer stamps its rows, never early but late,
     /// those of a uniform scatter are late by 1.7 in the mean, of half a normal one by 1.3.
     pub late_by_hand: f64,
     /// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
@@ -14,7 +18,7 @@ pub struct Pipeline {
     pub hints: usize,
     /// How well it is known where the model needed slack torques to follow the log, rad.
     pub coarse_motion: f64,
-    /// So many effects that explain a picture aren't one blur alone, which may scatter like noise.
+    /// So many effects that explain an image aren't one blur alone, which may scatter like noise.
     pub sensor_alone: usize,
     /// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
     pub sensor_few: usize,
@@ -61,30 +65,30 @@ pub struct Pipeline {
 
 /// Those in force.
 pub const PIPELINE: Pipeline = Pipeline {
-    any: 0.06,
+    any: PREROLL,
     late_by_hand: 2.0,
-    mostly_slack: 0.5,
-    hints: 3,
-    coarse_motion: 1e-3,
+    mostly_slack: HALF,
+    hints: FEW,
+    coarse_motion: POLICY.guess,
     sensor_alone: 2,
     sensor_few: 2,
     looks: 6,
-    off: 0.5,
-    doubted: 1.96,
+    off: HALF,
+    doubted: WITHIN,
     blurred: 2.0,
     same: 5e-4,
-    close: 0.1,
-    rounds: 3,
-    first: 0.2,
-    never_reached: 100.0,
+    close: SMALL,
+    rounds: FEW,
+    first: PART,
+    never_reached: FAR * FAR,
     imitated: 0.05,
     beside: 0.6,
-    interval_alone: 0.99,
+    interval_alone: 1.0 - SLIGHT,
     readings: 2.0,
-    far_less: 0.7,
-    singles: 3,
-    far_above: 10.0,
-    ran_away: 1.5,
+    far_less: 1.0 - PART,
+    singles: FEW,
+    far_above: FAR,
+    ran_away: MORE,
     parts: 2,
-    screened: 4,
+    screened: FEW,
 };

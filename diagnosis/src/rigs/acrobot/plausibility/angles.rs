@@ -1,4 +1,4 @@
-//! Angles in degrees, and encoders beside pictures: both show the same motion, whatever torque is said to have driven it.
+//! Angles in degrees, and encoders beside images: both show the same motion, whatever torque is said to have driven it.
 
 use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, angle_in_degrees, directions, in_degrees};
@@ -30,29 +30,29 @@ type Way = (&'static str, &'static str, fn(f64, f64) -> (f64, f64));
 
 /// Offsets are no matter: a mount may be turned by any angle.
 const WAYS: [Way; 8] = [
-    ("angles_sign = -1", "angles are counted against the picture", |q1, q2| (-q1, -q2)),
+    ("angles_sign = -1", "angles are counted against the image", |q1, q2| (-q1, -q2)),
     ("q2 = \"relative\"", "q2 is link 2 against link 1", |q1, q2| (q1, q1 + q2)),
     ("links = \"swapped\"", "q1 and q2 are exchanged", |q1, q2| (q2, q1)),
-    ("q1_sign = -1", "q1 is counted against the picture", |q1, q2| (-q1, q2)),
-    ("q2_sign = -1", "q2 is counted against the picture", |q1, q2| (q1, -q2)),
+    ("q1_sign = -1", "q1 is counted against the image", |q1, q2| (-q1, q2)),
+    ("q2_sign = -1", "q2 is counted against the image", |q1, q2| (q1, -q2)),
     (
         "q2_sign = -1\nq2 = \"relative\"",
-        "q2 is link 2 against link 1, counted against the picture",
+        "q2 is link 2 against link 1, counted against the image",
         |q1, q2| (q1, q1 - q2),
     ),
     (
         "angles_sign = -1\nq2 = \"relative\"",
-        "angles are counted against the picture, and q2 against link 1",
+        "angles are counted against the image, and q2 against link 1",
         |q1, q2| (-q1, -q1 - q2),
     ),
     (
         "angles_sign = -1\nlinks = \"swapped\"",
-        "q1 and q2 are exchanged and counted against the picture",
+        "q1 and q2 are exchanged and counted against the image",
         |q1, q2| (-q2, -q1),
     ),
 ];
 
-/// Encoders that count otherwise than the picture shows.
+/// Encoders that count otherwise than the image shows.
 pub(super) fn against_pictures(facts: &Facts<'_>) -> Option<Finding> {
     facts.runs.iter().find_map(|run| {
         let pairs = pairs(run)?;
@@ -64,13 +64,13 @@ pub(super) fn against_pictures(facts: &Facts<'_>) -> Option<Finding> {
         Some(Finding {
             file: format!("{}/plant.csv", run.name),
             line: 0,
-            sentence: format!("q1 and q2 don't move as the links do in the pictures, unless {words}"),
+            sentence: format!("q1 and q2 don't move as the links do in the images, unless {words}"),
             add: (*add).into(),
         })
     })
 }
 
-/// Directions of the links in a picture, and the angles logged then, rad.
+/// Directions of the links in an image, and the angles logged then, rad.
 type Pair = ([f64; 2], [f64; 2]);
 
 fn pairs(run: &Run) -> Option<Vec<Pair>> {
@@ -89,7 +89,7 @@ fn pairs(run: &Run) -> Option<Vec<Pair>> {
     Some(both.collect::<Vec<_>>()).filter(|pairs| pairs.len() >= PLAUSIBLE.frames)
 }
 
-/// Share of the motion in the picture that is left beside the angles, counted so; `None` where little moves.
+/// Share of the motion in the image that is left beside the angles, counted so; `None` where little moves.
 fn left(pairs: &[Pair], way: fn(f64, f64) -> (f64, f64)) -> Option<f64> {
     let spread = |value: &dyn Fn(&Pair) -> f64| {
         let mean = pairs.iter().map(value).sum::<f64>() / pairs.len() as f64;
@@ -104,7 +104,7 @@ fn left(pairs: &[Pair], way: fn(f64, f64) -> (f64, f64)) -> Option<f64> {
     ((motion / pairs.len() as f64).sqrt() > POLICY.least_motion).then(|| (rest / motion).sqrt())
 }
 
-/// A log of angles as pictures show them, for what only the motion can tell.
+/// A log of angles as images show them, for what only the motion can tell.
 pub(super) fn seen(camera: &Table) -> Table {
     let seen = directions(camera);
     let column = |link: usize| seen.iter().map(|(_, pair)| pair[link]).collect();

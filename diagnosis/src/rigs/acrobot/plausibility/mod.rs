@@ -7,7 +7,7 @@
 mod angles;
 pub mod motion;
 mod pixels;
-mod policy;
+pub(crate) mod policy;
 pub mod time;
 
 use crate::rigs::acrobot::dataset::Run;
@@ -34,9 +34,9 @@ pub struct Facts<'a> {
     pub falling: [f64; 2],
     /// Nominal time between frames, s.
     pub interval: f64,
-    /// Width and height of the picture, px.
+    /// Width and height of the image, px.
     pub size: (f64, f64),
-    /// Height of circle 1 over the middle of the picture, px; `None` where the mount is turned.
+    /// Height of circle 1 over the middle of the image, px; `None` where the mount is turned.
     pub ground: Option<f64>,
     /// `[log]` says what is known of gaps.
     pub gaps_stated: bool,
@@ -46,7 +46,7 @@ pub struct Facts<'a> {
 pub type Check = fn(&Facts<'_>) -> Option<Finding>;
 
 /// The checks, in the order in which one thing hides another: nothing of a motion can be said in a wrong unit of time, nor of
-/// encoders beside pictures that stand on their head.
+/// encoders beside images that stand on their head.
 pub const CHECKS: &[Check] = &[
     time::unit,
     pixels::origin,

@@ -87,7 +87,7 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
     }))
 }
 
-/// Angles as pictures show them, where no encoder logged any.
+/// Angles as images show them, where no encoder logged any.
 fn stand_in(run: &mut Run) {
     if run.plant.is_none() {
         run.plant = run.camera.as_ref().map(angles::seen).filter(|log| !log.is_empty());

@@ -1,9 +1,12 @@
 //! Numbers by which logs are doubted before any fit, each with its reason.
 
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SMALL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausible {
-    /// Share of a motion that may be left where pictures and encoders agree, and from which on they surely don't.
+    /// Share of a motion that may be left where images and encoders agree, and from which on they surely don't.
     pub agrees: f64,
     pub differs: f64,
     /// Frames that are compared at least.
@@ -32,18 +35,18 @@ pub struct Plausible {
 
 /// Those in force.
 pub const PLAUSIBLE: Plausible = Plausible {
-    agrees: 0.25,
-    differs: 0.6,
-    frames: 30,
-    better: 0.35,
-    clearly: 0.8,
-    noise: 3.0,
+    agrees: PART,
+    differs: HALF,
+    frames: SAMPLE,
+    better: PART,
+    clearly: 1.0 - PART,
+    noise: DOUBTED,
     near: 60.0,
-    other_unit: 300.0,
+    other_unit: FAR * FAR,
     pause: 1.0,
-    times: 15.0,
-    hole: 0.3,
-    hole_times: 10.0,
-    go_on: 5,
-    regular: 0.9,
+    times: FAR,
+    hole: RESIDUAL.length,
+    hole_times: FAR,
+    go_on: FEW,
+    regular: 1.0 - SMALL,
 };

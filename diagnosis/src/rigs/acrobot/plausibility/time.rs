@@ -6,7 +6,7 @@ use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
 
 /// Seconds since 1970 of anything that is logged today.
-const EPOCH: std::ops::Range<f64> = 1e9..1e10;
+pub const EPOCH: std::ops::Range<f64> = 1e9..1e10;
 
 /// Times in milliseconds, or less.
 pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
@@ -119,4 +119,78 @@ pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
         long && !broken.contains(&(pair[0], pair[1])) && inside(pair[0], pair[1]) >= PLAUSIBLE.go_on
     };
     torque.time.windows(2).enumerate().filter(hole).map(|(row, pair)| (row, pair[0], pair[1])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A log of zeros with rows at these times.
+    fn log(time: impl Iterator<Item = f64>) -> Table {
+        let time: Vec<f64> = time.collect();
+        let q1 = vec![0.0; time.len()];
+        Table::new(time, vec![("q1".into(), q1)])
+    }
+
+    /// 200 rows so far apart, with a hole so long after half of them.
+    fn broken(gap: f64, hole: f64) -> Table {
+        log((0..200).map(|row| f64::from(row) * gap + if row < 100 { 0.0 } else { hole - gap }))
+    }
+
+    fn run(plant: Option<Table>, controller: Option<Table>, camera: Option<Table>) -> Run {
+        Run { name: "run-01".into(), camera, controller, plant }
+    }
+
+    #[test]
+    fn value_logs_pause_for_a_second_and_for_ten_rows() {
+        let pauses = |gap: f64, hole: f64| pauses_of(&run(Some(broken(gap, hole)), None, None)).len();
+        assert_eq!([0.95, 1.05].map(|hole| pauses(0.01, hole)), [0, 1]);
+        assert_eq!([1.9, 2.1].map(|hole| pauses(0.2, hole)), [0, 1]);
+    }
+
+    #[test]
+    fn value_a_torque_is_missing_for_a_stretch_and_ten_rows_while_three_others_go_on() {
+        let holes = |gap: f64, hole: f64, others: f64| {
+            let plant = log((0..4000).map(|row| f64::from(row) * others));
+            torque_holes_of(&run(Some(plant), Some(broken(gap, hole)), None)).len()
+        };
+        assert_eq!([0.29, 0.31].map(|hole| holes(0.01, hole, 0.01)), [0, 1]);
+        assert_eq!([0.48, 0.52].map(|hole| holes(0.05, hole, 0.01)), [0, 1]);
+        // from 0.99 s on: rows each 0.12 s lie there twice, each 0.09 s three times
+        assert_eq!([0.12, 0.09].map(|others| holes(0.01, 0.31, others)), [0, 1]);
+    }
+
+    #[test]
+    fn value_a_torque_that_is_logged_where_it_changes_misses_nothing() {
+        // so many of 100 rows come a tenth of the usual time after the one before: more than a tenth, and no clock wrote them
+        let holes = |early: u32| {
+            let odd = (0..100)
+                .map(|row| f64::from(row) * 0.01 - if row % 2 == 1 && row < 2 * early { 0.009 } else { 0.0 });
+            let torque = log(odd.chain((0..100).map(|row| 1.5 + f64::from(row) * 0.01)));
+            let plant = log((0..300).map(|row| f64::from(row) * 0.01));
+            torque_holes_of(&run(Some(plant), Some(torque), None)).len()
+        };
+        // each makes two of 199 gaps odd
+        assert_eq!([9, 11].map(holes), [1, 0]);
+    }
+
+    #[test]
+    fn value_rows_in_which_an_arm_falls_and_frames_a_hundred_times_as_slow_are_in_other_units() {
+        let told = |plant: Option<f64>, camera: Option<f64>| {
+            let each = |gap: Option<f64>| gap.map(|gap| log((0..50).map(|row| f64::from(row) * gap)));
+            let runs = [run(each(plant), None, each(camera))];
+            let facts = Facts {
+                runs: &runs,
+                falling: [7.0, 7.0],
+                interval: 0.04,
+                size: (640.0, 480.0),
+                ground: None,
+                gaps_stated: false,
+            };
+            unit(&facts).is_some()
+        };
+        // an arm that grows by e^7 in a second falls in 1.5 / 7 s
+        assert_eq!([0.21, 0.22].map(|gap| told(Some(gap), None)), [false, true]);
+        assert_eq!([3.9, 4.1].map(|gap| told(None, Some(gap))), [false, true]);
+    }
 }

@@ -1,6 +1,6 @@
-//! Without an encoder: commanded torque in, picture out.
+//! Without an encoder: commanded torque in, image out.
 //!
-//! The picture of each frame is turned into a pose (two angles from six coordinates, through the camera unit), and
+//! The image of each frame is turned into a pose (two angles from six coordinates, through the camera unit), and
 //! two things are compared: what of the six coordinates the pose leaves over (the lens), and whether the poses, taken
 //! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
@@ -23,10 +23,10 @@ fn candidates_step(candidates: &[Candidate]) -> f64 {
     candidates.first().and_then(|candidate| candidate.steps.first()).copied().unwrap_or(1.0)
 }
 
-/// Picture and torque.
+/// Image and torque.
 #[derive(Clone)]
 pub struct Chain {
-    /// The picture with free poses.
+    /// The image with free poses.
     pub image: ImageCut,
     plant: PlantCut,
     candidates: Arc<Vec<Candidate>>,
@@ -36,7 +36,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// `None` where no run has both a picture and a torque.
+    /// `None` where no run has both an image and a torque.
     ///
     /// # Errors
     /// A unit lacks a variable or failed.
@@ -78,8 +78,8 @@ impl Chain {
         Ok(Some(chain))
     }
 
-    /// Puts the frames where the plant that was fitted to them has them, if that is within what a picture can tell:
-    /// a pose read off one picture follows the pixel lattice, and rendered there, areas come out a little wrong.
+    /// Puts the frames where the plant that was fitted to them has them, if that is within what an image can tell:
+    /// a pose read off one image follows the pixel lattice, and rendered there, areas come out a little wrong.
     fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
         let motions = self.plant.motion_now(point, POLICY.motion_step)?;
         let (delay, interval) = (self.image.delay(point), self.image.interval());
@@ -112,7 +112,7 @@ impl Chain {
         cell.signal.iter().zip(&cell.time).map(place).collect()
     }
 
-    /// Poses of all frames from the picture, and how each probe would move them.
+    /// Poses of all frames from the image, and how each probe would move them.
     fn poses(&mut self, blocks: &[Block], probes: &[Probe]) -> Poses {
         let runs = 1 + self.image.frames.iter().map(|frame| frame.run).max().unwrap_or(0);
         let mut poses = Poses::new(runs);
@@ -180,7 +180,7 @@ impl Chain {
 
 impl Cut for Chain {
     fn name(&self) -> &'static str {
-        "torque in, picture out"
+        "torque in, image out"
     }
 
     fn signals(&self) -> &[Signal] {

@@ -5,10 +5,11 @@
 use super::trajectory::{Motion, State};
 use crate::rigs::acrobot::dataset::{Run, TORN};
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::MIDDLE;
 
 /// The motion of a run as its encoders have it, and how well it is known (rad): what rows scatter by about the cubic through
 /// their neighbours, which holds noise and what a spline misses. `None` without angles close enough to each other, or where they
-/// cover no picture.
+/// cover no image.
 pub fn motion(run: &Run) -> Option<(Motion, f64)> {
     let log = run.plant.as_ref()?;
     let (q1, q2) = (log.column("q1")?, log.column("q2")?);
@@ -27,7 +28,7 @@ pub fn motion(run: &Run) -> Option<(Motion, f64)> {
     let mut misses: Vec<f64> = stretches.iter().flat_map(|stretch| misses(stretch)).collect();
     misses.sort_by(f64::total_cmp);
     // of a normal distribution
-    let sigma = misses.get(misses.len() / 2)? / 0.6745;
+    let sigma = misses.get(misses.len() / 2)? / MIDDLE;
     let splined = |stretch: &Vec<(f64, [f64; 2])>| {
         let times: Vec<f64> = stretch.iter().map(|row| row.0).collect();
         let rates = [0, 1].map(|angle| rates(stretch, angle));

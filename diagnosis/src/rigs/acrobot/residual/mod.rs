@@ -6,9 +6,9 @@
 //! - [`plant`]: commanded torque in, motion out, in short windows with free start states (multiple shooting).
 //! - [`weak`]: accelerations at measured states, read as torques, for logs that the model misses by far more than
 //!   their noise.
-//! - [`image`]: motion in, picture out, frame by frame.
-//! - [`chain`]: commanded torque in, picture out, where no encoder was logged.
-//! - [`logged`]: the motion for a picture straight from encoders, where no torque was logged.
+//! - [`image`]: motion in, image out, frame by frame.
+//! - [`chain`]: commanded torque in, image out, where no encoder was logged.
+//! - [`logged`]: the motion for an image straight from encoders, where no torque was logged.
 
 mod actuator;
 pub mod chain;
@@ -18,7 +18,7 @@ pub mod logged;
 mod nuisances;
 pub mod picture;
 pub mod plant;
-mod policy;
+pub(crate) mod policy;
 mod settings;
 mod smooth;
 pub mod torque;
@@ -69,7 +69,7 @@ pub struct Block {
     pub to: f64,
     /// Sets of rows that share nuisances.
     pub cells: Vec<Cell>,
-    /// Mean state (q1, q2, dq1, dq2) over the block, for saying where a rest sits.
+    /// Mean state (q1, q2, dq1, dq2) over the block, for saying where a residual sits.
     pub state: [f64; 4],
 }
 

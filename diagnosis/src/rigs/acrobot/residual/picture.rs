@@ -1,4 +1,4 @@
-//! Pictures through the camera unit: what it would find in frames taken at given poses.
+//! Images through the camera unit: what it would find in frames taken at given poses.
 //!
 //! Each frame is a communication interval of its own. A tiny step first puts the arm where the exposure could begin,
 //! so that frames need not follow one another; the rest of the interval is the cubic between two states.
@@ -11,6 +11,7 @@ use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, n
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::{self, FINE};
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -29,9 +30,9 @@ pub const AREAS: Range<usize> = places(&CHANNELS, Measures::Area);
 /// And of the angles.
 pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
 /// Share of a frame's interval that the tiny step takes.
-const JUMP: f64 = 1e-3;
+const JUMP: f64 = FINE;
 /// Frames that one instance makes in a row.
-const CHUNK: usize = 48;
+const CHUNK: usize = levels::TASK;
 
 /// A frame to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +64,7 @@ pub struct Studio {
     half_width: f64,
     fixed: Vec<Setting>,
     noiseless: Setting,
-    /// One setting of the seed for each picture that is averaged.
+    /// One setting of the seed for each image that is averaged.
     seeds: Vec<Setting>,
 }
 
@@ -109,7 +110,7 @@ impl Studio {
         self.interlaced
     }
 
-    /// Half the width of a frame, px: what one unit of u0 and v0 moves the picture by.
+    /// Half the width of a frame, px: what one unit of u0 and v0 moves the image by.
     pub fn half_width(&self) -> f64 {
         self.half_width
     }

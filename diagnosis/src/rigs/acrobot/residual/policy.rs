@@ -1,11 +1,14 @@
 //! Numbers by which torques and poses are read off logs, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::{DOUBTED, HALF, SAMPLE, SEVERAL, SMALL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// Three standard deviations of an angle read off a picture, rad.
+    /// Three standard deviations of an angle read off an image, rad.
     pub near: f64,
-    /// Lattice of such an angle, rad: a twentieth of a pixel over the length of a link.
+    /// Lattice of such an angle, rad: a thirtieth of a pixel over the length of a link.
     pub place: f64,
     /// Length of a stretch, s; at least so many rows; the next one begins half of it later.
     pub length: f64,
@@ -25,31 +28,29 @@ pub struct Residual {
     /// most √n, and none below 4.5 counts.
     pub short: f64,
     pub blocks: f64,
-    pub short_block: f64,
     /// Longest step between readings, s.
     pub step: f64,
     /// Fewest rows of a stretch.
     pub fewest: usize,
-    /// Pictures of a frame that are averaged where the sensor is noisy.
+    /// Images of a frame that are averaged where the sensor is noisy.
     pub averaged: i32,
 }
 
 /// Those in force.
 pub const RESIDUAL: Residual = Residual {
-    near: 3e-3,
-    place: 3e-4,
+    near: DOUBTED * POLICY.guess,
+    place: POLICY.read,
     length: 0.3,
-    grid: 0.008,
-    around_rows: 7,
-    seen: 1.1,
-    torn_share: 0.06,
-    first_guess: 1e-3,
-    outlying: 4.0,
+    grid: POLICY.motion_step,
+    around_rows: POLICY.curved,
+    seen: 1.0 + SMALL,
+    torn_share: SMALL,
+    first_guess: POLICY.guess,
+    outlying: SEVERAL,
     block: 1.0,
     short: 30.0,
-    blocks: 40.0,
-    short_block: 0.15,
-    step: 0.004,
-    fewest: 6,
+    blocks: SAMPLE as f64,
+    step: HALF * POLICY.motion_step,
+    fewest: POLICY.curved,
     averaged: 4,
 };

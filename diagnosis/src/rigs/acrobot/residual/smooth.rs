@@ -98,7 +98,7 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
 struct Log {
     time: Vec<f64>,
     angles: [Vec<f64>; 2],
-    /// By how much the stamps may scatter, s: an angle is off by its rate times that.
+    /// By how much the timestamps may scatter, s: an angle is off by its rate times that.
     late: f64,
 }
 

@@ -8,13 +8,14 @@ use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use orchestrator::fmu::Instance;
 
 /// Time before the scored rows of a window, s: longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
 
 /// A torque that is logged more often than this (s) is averaged.
-pub const DENSE: f64 = 0.0045;
+pub const DENSE: f64 = RESIDUAL.step;
 
 /// Tolerance of the plant's integrator, per second: after a second of a wild arm 1e-9 rad are wrong, far below any encoder. A
 /// tenth of it takes 1.2 times as long, and the unit's own, a hundredth, 1.8 times.

@@ -24,7 +24,9 @@ use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::{self, HALF, MIDDLE};
 use crate::statistics::linear::Cell;
+use crate::statistics::linear::RANK_TOLERANCE;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use orchestrator::Value;
 use rayon::prelude::*;
@@ -32,14 +34,14 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Nodes that one instance is asked at after it was set up.
-const CHUNK: usize = 64;
+const CHUNK: usize = levels::TASK;
 /// How many of the latest answers are kept: a linearisation with all candidates and the fits around it.
 const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
 
 /// An angle between the links that none reaches, rad.
-const FAR: f64 = 1e9;
+const FAR: f64 = 1.0 / RANK_TOLERANCE;
 
 /// For each stretch ∫φ q̈ dt.
 type Given = Arc<Vec<Vector2<f64>>>;
@@ -56,7 +58,7 @@ pub struct Weak {
     signals: Vec<Signal>,
     inputs: [u32; 6],
     outputs: [u32; 2],
-    /// Torque that the scatter of the torques' stamps gives, N·m.
+    /// Torque that the scatter of the torques' timestamps gives, N·m.
     explained: f64,
     contact: u32,
 }
@@ -246,7 +248,7 @@ impl Cut for Weak {
         let mut blocks: Vec<Block> = Vec::new();
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
         let length = if covered < RESIDUAL.short {
-            (covered / RESIDUAL.blocks).clamp(RESIDUAL.short_block, RESIDUAL.block)
+            (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block)
         } else {
             RESIDUAL.block
         };
@@ -301,7 +303,7 @@ fn count_less(blocks: &mut [Block]) {
         let mut sizes: Vec<f64> =
             blocks.iter().flat_map(|block| &block.cells).map(|cell| cell.residual[signal].abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / 0.6745;
+        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / MIDDLE;
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
             cell.sigma[signal] *= (cell.residual[signal].abs() / (RESIDUAL.outlying * typical)).max(1.0);
         }

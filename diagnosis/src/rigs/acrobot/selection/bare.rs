@@ -38,7 +38,7 @@ impl Bare {
     pub(super) fn is_forlorn(&self, effect: usize, index: usize, temper: f64) -> bool {
         let hit = |index: usize| self.found.hits.iter().find(|hit| hit.candidate == index);
         let gain = |index: usize| hit(index).map_or(0.0, |hit| hit.gain);
-        // against what the effect's own columns promise from here: a large effect gives more than that
+        // against what the effect's own columns predict from here: a large effect gives more than that
         let (promised, missed) = (gain(effect), gain(effect) - gain(index));
         missed > HOPELESS * temper && missed > SELECTION.forlorn * promised
     }

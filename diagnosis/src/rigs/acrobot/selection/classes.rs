@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
-pub(super) const HOPELESS: f64 = 12.0;
+pub const HOPELESS: f64 = 2.0 * CLASS;
 /// Loss up to which the data can't tell: odds of 1 to 20. Two candidates that data tell apart by x standard deviations lose
 /// x² ± 2x; the wrong one is left alone where that comes out below -6, at most once in 140 (below -3.2, once in 27).
 pub const CLASS: f64 = 6.0;
@@ -183,14 +183,14 @@ impl Seat<'_> {
     }
 }
 
-/// Whether a candidate's picture changes otherwise with each step.
+/// Whether a candidate's image changes otherwise with each step.
 fn blurs(candidate: &Candidate) -> bool {
     candidate.nonlinear && candidate.side == Side::Camera
 }
 
 /// Whether two candidates are compared by their columns at one and the same pose: where one of them changes the
-/// picture, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
-/// times only, and a plant leaves pictures alone. A saturation's column is that of another level.
+/// image, fits differ by what the pixel lattice does; less than columns err by where only angles were logged. A delay shifts
+/// times only, and a plant leaves images alone. A saturation's column is that of another level.
 fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usize) -> bool {
     let pictured = |index: usize| {
         let candidate = &candidates[index];
@@ -205,7 +205,7 @@ fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usi
         && smooth(index)
 }
 
-/// Whether a candidate's column promised a good part of what a discrete effect then gave.
+/// Whether a candidate's column predicted a good part of what a discrete effect then gave.
 fn resembled(steps: &[Step], effect: usize, index: usize) -> bool {
     let Some(step) = steps.iter().find(|step| step.accepted == Some(effect)) else { return true };
     let fall = step.deviance.0 - step.deviance.1;
@@ -351,7 +351,7 @@ fn linear_loss(
     columns
         .filter_map(|(other, _)| {
             let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
-            // the rest itself also has an opinion: what each would still take of it
+            // the residual itself also has an opinion: what each would still take of it
             let asks = |along: f64, column: usize| size * along + last.total.score[column];
             let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;

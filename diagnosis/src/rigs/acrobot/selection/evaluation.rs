@@ -6,12 +6,13 @@ use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Probe, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::statistics::levels::{FEW, FINE};
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
-const SAME: f64 = 1e-3;
+const SAME: f64 = FINE;
 
 /// Which blocks are left out together: runs, or thirds of a single run.
 #[derive(Debug, Clone)]
@@ -27,7 +28,7 @@ pub struct Folds {
 impl Folds {
     /// Runs where there are two or more; else the run is divided.
     pub fn new(blocks: &[Block]) -> Self {
-        const PARTS: usize = 3;
+        const PARTS: usize = FEW;
         let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
         // a cut's signals may have blocks of their own, each over all runs
         runs.sort_unstable();
@@ -186,7 +187,7 @@ impl Evaluation {
         self.places(&[candidate]).iter().all(|place| self.total.gram[(*place, *place)] > 0.0)
     }
 
-    /// The fall of the deviance that a straight step of some active values promises.
+    /// The fall of the deviance that a straight step of some active values predicts.
     pub fn predicted_decrease(&self, free: &[usize]) -> Option<f64> {
         let places = self.places(free);
         let score = subvector(&self.total.score, &places);

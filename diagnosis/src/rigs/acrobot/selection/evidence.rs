@@ -5,10 +5,11 @@ use super::evaluation::{Evaluation, Folds};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::statistics::levels::SEVERAL;
 use crate::statistics::linear::Sized;
 
-/// A lacking torque up to this many times what the stamps' scatter gives is theirs: lateness has a long tail.
-pub const STAMPS: f64 = 3.0;
+/// A lacking torque up to this many times what the timestamps' scatter gives is theirs: lateness has a long tail.
+pub const STAMPS: f64 = SEVERAL;
 
 /// Fall of the deviance that a torque of its own in each part of each window brings.
 pub fn discrepancy(evaluation: &Evaluation) -> f64 {
@@ -20,7 +21,7 @@ pub fn discrepancy(evaluation: &Evaluation) -> f64 {
     cells.map(Sized::of).map(|cell| cell.deviance(0.0) - cell.deviance(size)).sum()
 }
 
-/// Whether a torque lacks. `explained` is what the scatter of the stamps gives, N·m; `pictured` where poses are read off pictures.
+/// Whether a torque lacks. `explained` is what the scatter of the timestamps gives, N·m; `pictured` where poses are read off images.
 pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured: bool) -> bool {
     let enough = if pictured {
         let parts = torques(&evaluation.blocks, &[], &[], &folds.of).len() as f64;

@@ -19,7 +19,7 @@ mod together;
 mod tolerance;
 mod trials;
 
-pub use classes::{Alternative, CLASS, alternatives};
+pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
 pub use evaluation::{Evaluation, Folds, all_probes};
 pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
@@ -45,7 +45,7 @@ pub struct Step {
     pub dropped: Vec<usize>,
     /// Deviance before and after.
     pub deviance: (f64, f64),
-    /// Mean square of the whitened rest before and after.
+    /// Mean square of the whitened residual before and after.
     pub rest: (f64, f64),
     /// Held-out squares before and after.
     pub held_out: (f64, f64),

@@ -1,5 +1,10 @@
 //! Numbers that the search decides by, each with its reason.
 
+use crate::infer::fit::Options;
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::plant::PUSH;
+use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, FINE, HALF, MORE, PART, SEVERAL, SLIGHT, SMALL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Selection {
@@ -7,8 +12,7 @@ pub struct Selection {
     pub excited: f64,
     /// The same where torques are compared: nothing was integrated, so that far less than noise is still no rounding.
     pub excited_torque: f64,
-    /// How many of the screen's best are refitted, and how good they must be against the best.
-    pub shortlist: usize,
+    /// How good the screen's best must be against the very best to be refitted, as many as there may be effects.
     pub worth: f64,
     /// The same where a column says little.
     pub bent_worth: f64,
@@ -18,26 +22,26 @@ pub struct Selection {
     /// windows by more than their columns say.
     pub doubted: f64,
     pub trials_alike: f64,
-    /// A share of the rest beyond which an effect is large: columns bend, and what is missing counts as noise, so that
-    /// fits are compared. Below it, pictures are compared by their columns at one and the same pose: the deviances of fits
-    /// differ by what the pixel lattice does when the picture moves under it.
+    /// A share of the residual beyond which an effect is large: columns bend, and what is missing counts as noise, so that
+    /// fits are compared. Below it, images are compared by their columns at one and the same pose: the deviances of fits
+    /// differ by what the pixel lattice does when the image moves under it.
     pub large: f64,
     /// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
     pub sparse: f64,
     pub sparse_trials: usize,
-    /// A step that brings so many times what its columns promise (twice, where the deviance falls along a straight line) is followed by
+    /// A step that brings so many times what its columns predict (twice, where the deviance falls along a straight line) is followed by
     /// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
     pub refit_straight: f64,
     pub stretch: f64,
     /// Most linearisations of a fit.
     pub rounds: usize,
-    /// A step that promises less fall of the sum of squares than this ends the fit.
+    /// A step that predicts less fall of the sum of squares than this ends the fit.
     pub settled: f64,
-    /// One that promised less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
-    /// one that promises no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
+    /// One that predicted less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
+    /// one that predicts no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
     /// nothing there.
     pub refused: f64,
-    /// Damping of the first step after a refused one: half as long. Where pictures are compared, three quarters: poses take up a part
+    /// Damping of the first step after a refused one: half as long. Where images are compared, three quarters: poses take up a part
     /// of each step there, and a saturation without encoders was found by such steps only.
     pub shorter: f64,
     pub shorter_seen: f64,
@@ -47,7 +51,7 @@ pub struct Selection {
     pub doubt: f64,
     /// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
     pub fine: f64,
-    /// So many times what the next step promises, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
+    /// So many times what the next step predicts, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
     pub reach: f64,
     /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
     pub follows: f64,
@@ -63,7 +67,7 @@ pub struct Selection {
     pub search_most: usize,
     /// So many may be accepted and turn out superfluous at once.
     pub vain: usize,
-    /// What a step of the active values promises at most where they are settled, a standard error, and how often they are settled
+    /// What a step of the active values predicts at most where they are settled, a standard error, and how often they are settled
     /// again.
     pub unsettled: f64,
     pub again: usize,
@@ -82,13 +86,13 @@ pub struct Selection {
     pub lattice: f64,
     /// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
     pub together_most: usize,
-    /// The share of what an effect promises that another may miss to be fitted.
+    /// The share of what an effect predicts that another may miss to be fitted.
     pub forlorn: f64,
     /// Columns of which less than this share is apart are alike enough for a fit to decide.
     pub classes_alike: f64,
     /// The same for an exposure, whose column is that of another blur: slow motion showed 0.05 apart of a delay that was one.
     pub alike_bent: f64,
-    /// To what share of itself a picture's column is known along what tells it from another: the smooth surface through a
+    /// To what share of itself an image's column is known along what tells it from another: the smooth surface through a
     /// lattice's errors. Fits are no better judges of two that differ by less.
     pub column: f64,
     /// To what share of itself a short exposure's blur is known, which is all that tells it from a delay.
@@ -99,7 +103,7 @@ pub struct Selection {
     pub classes_far: f64,
     /// Deviance of a frame that a camera would have lost and the data have: nobody loses less than one in a hundred, 2 ln 100.
     pub unseen: f64,
-    /// Evidence for a lacking torque by poses read off pictures, and at least so much for each part of a window: the lattice leads poses a little astray
+    /// Evidence for a lacking torque by poses read off images, and at least so much for each part of a window: the lattice leads poses a little astray
     /// all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.
     pub pictured_evidence: f64,
     pub pictured_each: f64,
@@ -110,55 +114,54 @@ pub struct Selection {
 
 /// Those in force.
 pub const SELECTION: Selection = Selection {
-    excited: 0.02,
-    excited_torque: 1e-4,
-    shortlist: 6,
-    worth: 0.5,
-    bent_worth: 0.15,
-    further: 2.5,
-    doubted: 0.3,
-    trials_alike: 0.8,
-    large: 0.1,
-    sparse: 16.0,
-    sparse_trials: 4,
-    refit_straight: 1.5,
-    stretch: 3.0,
-    rounds: 8,
-    settled: 0.02,
+    excited: SLIGHT,
+    excited_torque: FINE,
+    worth: HALF,
+    bent_worth: SMALL,
+    further: SEVERAL,
+    doubted: PART,
+    trials_alike: 1.0 - PART,
+    large: SMALL,
+    sparse: CERTAIN * CERTAIN,
+    sparse_trials: FEW,
+    refit_straight: MORE,
+    stretch: SEVERAL,
+    rounds: Options::USUAL.rounds,
+    settled: SLIGHT,
     refused: 1.0,
     shorter: 1.0,
-    shorter_seen: 0.3,
-    runaway: 30.0,
-    doubt: 5.0,
-    fine: 1.5e-4,
-    reach: 5.0,
-    follows: 0.2,
+    shorter_seen: PART,
+    runaway: SEVERAL * FAR,
+    doubt: CERTAIN,
+    fine: POLICY.read,
+    reach: SEVERAL,
+    follows: PART,
     apart: 1.25,
-    levels: 30.0,
-    beside: 1.1,
+    levels: SEVERAL * FAR,
+    beside: 1.0 + SMALL,
     beyond: 2,
-    switched_far: 8.0,
+    switched_far: FAR,
     search_most: 6,
-    vain: 4,
+    vain: FEW,
     unsettled: 1.0,
-    again: 3,
-    keep: 2.6,
-    settle: 3,
-    moved: 0.2,
-    idle: 1e-3,
+    again: FEW,
+    keep: DOUBTED,
+    settle: FEW,
+    moved: PART,
+    idle: FINE,
     better: 2.0,
-    lattice: 0.02,
+    lattice: SLIGHT,
     together_most: 16,
-    forlorn: 0.3,
-    classes_alike: 0.03,
-    alike_bent: 0.15,
+    forlorn: PART,
+    classes_alike: SLIGHT,
+    alike_bent: SMALL,
     column: 0.0025,
     blur: 0.2,
-    classes_straight: 50.0,
-    classes_far: 20.0,
-    unseen: 9.0,
-    pictured_evidence: 200.0,
-    pictured_each: 0.5,
+    classes_straight: FAR * FAR,
+    classes_far: CERTAIN * CERTAIN,
+    unseen: DOUBTED * DOUBTED,
+    pictured_evidence: FAR * CERTAIN * CERTAIN,
+    pictured_each: HALF,
     sizes: 15,
-    smallest: 2e-4,
+    smallest: PUSH,
 };

@@ -115,7 +115,7 @@ fn fitted(
 }
 
 /// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
-/// one, less what they promise.
+/// one, less what they predict.
 pub(super) fn own_fit(
     cut: &mut Tracked,
     candidates: &[Candidate],
@@ -136,7 +136,7 @@ pub(super) fn own_fit(
     Ok((fit.point[effect], fit.deviance()))
 }
 
-/// A fit with nuisances settled, but for pictures: made anew, they would differ by the lattice.
+/// A fit with nuisances settled, but for images: made anew, they would differ by the lattice.
 pub(super) fn settled(cut: &mut Tracked, fit: Evaluation) -> Result<Evaluation, Error> {
     if cut.policy().lattice { Ok(fit) } else { Evaluation::at(cut, &fit.point, &[]) }
 }
@@ -167,7 +167,7 @@ fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<P
     free.iter().map(derivative).collect()
 }
 
-/// A step within the bounds and the fall it promises; an active value that a bound stops is left there and the
+/// A step within the bounds and the fall it predicts; an active value that a bound stops is left there and the
 /// others are solved for again.
 fn propose(
     best: &Evaluation,

@@ -7,7 +7,7 @@ use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
-/// What a column of one candidate promises.
+/// What a column of one candidate predicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
     /// Index of the candidate.

@@ -317,7 +317,7 @@ pub fn look(
     if cut.policy().free_pose { Evaluation::at(cut, point, &probes) } else { Ok(first) }
 }
 
-/// Mean square of the whitened rest.
+/// Mean square of the whitened residual.
 fn rest(evaluation: &Evaluation) -> f64 {
     evaluation.total.square / evaluation.total.freedom.max(1.0)
 }

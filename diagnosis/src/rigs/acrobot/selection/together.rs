@@ -8,6 +8,7 @@ use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::statistics::linear::RANK_TOLERANCE;
 use crate::statistics::linear::{inverse, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 const EACH: f64 = POLICY.clear * POLICY.clear;
 
 /// Share of a column's square by which two that do the same are told apart.
-const SINGULAR: f64 = 1e-10;
+const SINGULAR: f64 = RANK_TOLERANCE;
 
 /// Effects and a point for a fit to begin with.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,7 @@ pub(super) fn pays(fall: f64, more: f64, left: f64) -> bool {
     fall > more * EACH + more.signum() * SELECTION.lattice * left
 }
 
-/// What all linear effects of the picture say together, if those that are needed are others than the active ones.
+/// What all linear effects of the image say together, if those that are needed are others than the active ones.
 pub(super) fn together(
     last: &Evaluation,
     candidates: &[Candidate],

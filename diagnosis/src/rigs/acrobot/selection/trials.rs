@@ -79,7 +79,7 @@ impl Trials<'_> {
     }
 
     /// What shows in a few windows only, a saturation or a short delay, has a small statistic over all blocks. Where more than noise
-    /// remains of a plant and nothing else is named, the likeliest is taken with which the rest is noise, if runs left out agree.
+    /// remains of a plant and nothing else is named, the likeliest is taken with which the residual is noise, if runs left out agree.
     pub(super) fn sparse(&self, cut: &mut Tracked, refused: &[usize]) -> Result<Option<Accepted>, Error> {
         let (explained, pictured) = (cut.policy().explained, cut.policy().lattice);
         let driven = !pictured || cut.policy().free_pose;
@@ -200,7 +200,7 @@ impl Trials<'_> {
     }
 }
 
-/// Whether a clock is off by no more than stamps that scatter let it be; without a scatter there is no such doubt, and of a clock that
+/// Whether a clock is off by no more than timestamps that scatter let it be; without a scatter there is no such doubt, and of a clock that
 /// is known to be off it isn't the question.
 pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
     candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
@@ -232,7 +232,7 @@ pub(super) fn shortlist(
         }
     };
     hits.retain(|hit| worth(hit) >= least(hit) * best);
-    hits.truncate(SELECTION.shortlist);
+    hits.truncate(SELECTION.search_most);
     hits
 }
 

@@ -1,4 +1,4 @@
-//! The diagnosis told: shape of the rest, hypothesis, number, what remains.
+//! The diagnosis told: shape of the residual, hypothesis, number, what remains.
 
 use crate::diagnosis::{Effect, Gap, Unknown};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -34,7 +34,7 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
         let looked = if best.is_empty() { "no candidate".into() } else { best.join(", ") };
         match step.accepted {
             Some(index) => lines.push(format!(
-                "The rest looks most like {looked} (in standard deviations; by chance the best of all would look so \
+                "The residual looks most like {looked} (in standard deviations; by chance the best of all would look so \
                  with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
                 step.p_value,
                 list[index].name,
@@ -72,13 +72,13 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
     lines
 }
 
-/// How the rest falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+/// How the residual falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
 fn fall((before, after): (f64, f64)) -> String {
     let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
     if before == after {
         return String::new();
     }
-    format!(": the rest's mean square goes from {before} to {after} of the noise in use")
+    format!(": the residual's mean square goes from {before} to {after} of the noise in use")
 }
 
 /// What torques found before the plant could follow the log.
@@ -111,7 +111,7 @@ pub fn of_widened(gap: &Gap) -> String {
     )
 }
 
-/// What is offered for a rest without a name, in a sentence.
+/// What is offered for a residual without a name, in a sentence.
 pub fn of_correction(correction: Option<&Correction>) -> String {
     let Some(correction) = correction else {
         return "No torque that is a simple function of angles and rates takes a fair part of it away on runs left out, so \
@@ -127,7 +127,7 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         [] => String::new(),
         names => format!(
             "A correction alone does as well or better with no more numbers, so {} is not named: that stood for a part of the \
-             rest. ",
+             residual. ",
             names.join(", ")
         ),
     };

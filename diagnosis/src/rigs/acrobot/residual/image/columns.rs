@@ -1,4 +1,4 @@
-//! What moving a candidate, or the arm, does to the picture: secants over steps of some pixels, smooth over poses.
+//! What moving a candidate, or the arm, does to the image: secants over steps of some pixels, smooth over poses.
 
 use super::surface::{Surface, Terms};
 use super::*;
@@ -13,12 +13,12 @@ use nalgebra::{Matrix3, Vector3};
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
 const DITHER: [f64; 2] = [0.02, 0.01];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
-/// How far the picture is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
+/// How far the image is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
 /// that a secant has there would not average out.
 const PHASES: [(f64, f64); 4] = [(0.125, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.375, -0.375)];
 
 impl ImageCut {
-    /// Change of the picture with each angle.
+    /// Change of the image with each angle.
     pub(super) fn turned(
         &self,
         settings: &[Setting],
@@ -83,7 +83,7 @@ impl ImageCut {
             .collect()
     }
 
-    /// Change of the picture per unit of a candidate.
+    /// Change of the image per unit of a candidate.
     pub(super) fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
         let key = (probe.candidate, probe.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
@@ -130,7 +130,7 @@ impl ImageCut {
         Ok(column)
     }
 
-    /// Change of the picture per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
+    /// Change of the image per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
     /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
     fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
@@ -207,7 +207,7 @@ impl ImageCut {
         Ok(here)
     }
 
-    /// The same camera with its picture moved by so many pixels.
+    /// The same camera with its image moved by so many pixels.
     pub(super) fn shifted(&self, settings: &[Setting], by: (f64, f64)) -> Result<Vec<Setting>, Error> {
         let (bench, half) = (self.studio.bench(), self.studio.half_width());
         let mut all = settings.to_vec();
@@ -221,7 +221,7 @@ impl ImageCut {
     }
 }
 
-/// Rounds of poses beside the frames', to either side, each with the picture moved elsewhere on the lattice.
+/// Rounds of poses beside the frames', to either side, each with the image moved elsewhere on the lattice.
 fn sides(rounds: u64) -> impl Iterator<Item = (u64, f64, (f64, f64))> {
     let sides = (0..rounds).flat_map(|round| [(round, 1.0), (round, -1.0)]);
     sides.zip(PHASES.into_iter().cycle()).map(|((round, side), phase)| (round, side, phase))

@@ -2,7 +2,7 @@
 //!
 //! Fields alternate, so that within a run timestamps tell them apart; which come first, no log says. Centroids sit elsewhere on
 //! the lattice in a field of even rows than in one of odd ones, by tenths of a pixel along v, and from one field to the next
-//! that changes its sign: nothing smooth does, whatever effect is in it. But only where the model has the picture on the right
+//! that changes its sign: nothing smooth does, whatever effect is in it. But only where the model has the image on the right
 //! place of the lattice: the question is put at every linearisation.
 
 use super::*;

@@ -1,4 +1,4 @@
-//! Which of a log's pictures are compared, and what of each: any of the camera's outputs will do where a motion was logged; where
+//! Which of a log's images are compared, and what of each: any of the camera's outputs will do where a motion was logged; where
 //! none was, two circles must tell a pose, or angles that the rig's own vision read.
 
 use super::*;
@@ -6,7 +6,7 @@ use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS, CENTROIDS};
 use std::f64::consts::{PI, TAU};
 
 /// Coordinates of circles 2 and 3: where circle 1 is then, the angles say.
-const JOINT_AND_TIP: std::ops::Range<usize> = 2..6;
+const JOINT_AND_TIP: std::ops::Range<usize> = CENTROIDS.start + 2..CENTROIDS.end;
 
 /// All frames that say something, at no pose yet.
 pub(super) fn frames(data: &DataSet, motion: bool) -> Vec<Frame> {

@@ -1,7 +1,7 @@
-//! The picture's cut: measured motion in, centroids and areas out.
+//! The image's cut: measured motion in, centroids and areas out.
 //!
 //! The frames are rendered again at the measured pose, through the camera unit itself, since the pixel lattice is
-//! not noise: against ideal centroids a distortion-free picture shows several effects at 16 standard deviations and
+//! not noise: against ideal centroids a distortion-free image shows several effects at 16 standard deviations and
 //! more. Columns are secants over steps of some pixels, for the same reason.
 //!
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
@@ -17,6 +17,7 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
@@ -41,7 +42,7 @@ use poses::{back, free_poses};
 pub use state::ImageState;
 
 /// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
-pub const READ_ANGLE: f64 = 2.5e-4;
+pub const READ_ANGLE: f64 = POLICY.read;
 /// So many places a pixel and direction: the difference changes from one to the next.
 const LATTICE: usize = 20;
 
@@ -64,9 +65,9 @@ pub struct Frame {
 pub enum Pose {
     /// A motion per run, and how well it is known (rad).
     Logged(Vec<Motion>, f64),
-    /// The picture itself, where a plant that is driven by the torque will follow it.
+    /// The image itself, where a plant that is driven by the torque will follow it.
     Chained,
-    /// The picture alone.
+    /// The image alone.
     Free,
 }
 
@@ -79,7 +80,7 @@ type Followed = (Vec<Setting>, f64);
 /// Poses, and what they have followed.
 type Poses = (Vec<Shot>, Option<Followed>);
 
-/// Motion in, picture out.
+/// Motion in, image out.
 #[derive(Clone)]
 pub struct ImageCut {
     studio: Studio,
@@ -91,14 +92,14 @@ pub struct ImageCut {
     exposure: Option<usize>,
     nominal_delay: f64,
     signals: Vec<Signal>,
-    /// Change of the picture with q1 and q2, kept: it hardly depends on small effects.
+    /// Change of the image with q1 and q2, kept: it hardly depends on small effects.
     turns: Option<Vec<[Option<Seen>; 2]>>,
     kept: BTreeMap<(usize, u64), Vec<Option<Seen>>>,
     /// The last frames, with what they were made from: a candidate of the plant leaves them as they are.
     made: Option<Made>,
     /// Frames beside the poses, without a candidate moved, and the camera that they belong to.
     still: (Vec<Setting>, Vec<Made>),
-    /// Settings of the camera that poses read off the picture have followed, and its E_t.
+    /// Settings of the camera that poses read off the image have followed, and its E_t.
     followed: Option<Followed>,
     /// No circle was logged, only angles that were read off them.
     pub read: bool,
@@ -346,8 +347,8 @@ impl ImageCut {
 impl Cut for ImageCut {
     fn name(&self) -> &'static str {
         match self.pose {
-            Pose::Logged(..) => "camera: motion in, picture out",
-            Pose::Chained | Pose::Free => "camera: picture alone, pose free",
+            Pose::Logged(..) => "camera: motion in, image out",
+            Pose::Chained | Pose::Free => "camera: image alone, pose free",
         }
     }
 

@@ -8,14 +8,21 @@
 use super::{ImageCut, Nuisances};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::channels::{AREAS_APART, CENTROIDS_APART};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
+use crate::statistics::levels::HALF;
 use crate::statistics::random::Random;
 
 /// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
-const CHANNELS: [(usize, f64); 3] = [(0, 0.003), (1, 0.003), (6, 0.05)];
+const CHANNELS: [(usize, f64); 3] = [
+    (CENTROIDS.start, HALF * CENTROIDS_APART),
+    (CENTROIDS.start + 1, HALF * CENTROIDS_APART),
+    (AREAS.start, AREAS_APART),
+];
 
 /// What the scatter says of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,8 +100,9 @@ impl ImageCut {
                 clear: false,
             }));
         }
-        let (mut low, mut high) =
-            if apart.mean > 0.0 { (from, from * IMAGES.most) } else { (from / IMAGES.most, from) };
+        // as far as the unit goes, and what is compared above it
+        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / 1.2).max(from);
+        let (mut low, mut high) = if apart.mean > 0.0 { (from, most) } else { (from / IMAGES.most, from) };
         for _ in 0..IMAGES.steps {
             let middle = (low * high).sqrt();
             let Some(there) = predicted(middle)? else { return Ok(None) };
@@ -115,7 +123,7 @@ impl ImageCut {
         Ok(Some(Noise { nominal, value, error, detectable, clear: true }))
     }
 
-    /// Adds to the errors of a prediction how much it changes when the picture moves by what isn't known of its place on the
+    /// Adds to the errors of a prediction how much it changes when the image moves by what isn't known of its place on the
     /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
     fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
         let mut logs: [Vec<f64>; 3] = Default::default();

@@ -1,11 +1,18 @@
 //! Numbers by which images are compared, each with its reason.
 
+use crate::rigs::acrobot::channels::AREAS_APART;
+use crate::rigs::acrobot::channels::CENTROIDS_APART;
+use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::{FAR, FEW, HALF, ROWS, SAMPLE, SEVERAL, SMALL, STEP};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Images {
     /// Length of a block, s.
     pub image_block: f64,
-    /// Angle over which the picture's change with pose is taken: two pixels at the joint.
+    /// Angle over which the image's change with pose is taken: not two pixels at the joint.
     pub turn: f64,
     /// Rounds of such poses, and for a small step of the exposure, whose blur is little beside the lattice's error.
     pub rounds: u64,
@@ -29,20 +36,20 @@ pub struct Images {
     pub rolled: f64,
     /// A change of poses below this moves no pixel that matters, rad.
     pub still: f64,
-    /// Powers of the angles; cubic lens terms over half a picture need four.
+    /// Powers of the angles: cubic lens terms over half an image need four.
     pub degree: usize,
     /// A fit needs so many samples for each term.
     pub each: usize,
-    /// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales a picture
+    /// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales an image
     /// turns no link; but steps that are large against the lattice leave a little of its error.
     pub chance: f64,
-    /// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes 0.06.
+    /// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes half of it.
     pub level: f64,
     /// Realisations of the noise for each frame.
     pub made: i32,
-    /// Standard deviation of a pose read off a picture and smoothed by the plant, rad.
+    /// Standard deviation of a pose read off an image and smoothed by the plant, rad.
     pub read: f64,
-    /// How far the picture may lie from where the model has it, px: an effect of this size would hardly be seen.
+    /// How far the image may lie from where the model has it, px: an effect of this size would hardly be seen.
     pub noise_beside: f64,
     /// Neighbours that are needed to speak of scatter.
     pub enough: usize,
@@ -55,36 +62,36 @@ pub struct Images {
     pub least: f64,
     /// Largest ratio to the nominal one, or to the least, that is tried.
     pub most: f64,
-    /// Steps of the bisection: 64 in 2^12.
+    /// Steps of the bisection: a hundred in 2^12.
     pub steps: usize,
 }
 
 /// Those in force.
 pub const IMAGES: Images = Images {
-    image_block: 0.5,
-    turn: 0.012,
+    image_block: WINDOWS.window,
+    turn: HALF * POLICY.least_motion,
     rounds: 2,
-    more_rounds: 8,
-    sampled: 720,
-    blurring: 3.0,
-    usual: 0.99,
-    blur_step: 0.08,
-    blur_rounds: 4,
-    poses_beside: 7,
-    rolls: 8,
-    rolled: 0.1,
-    still: 1e-4,
+    more_rounds: ROWS as u64,
+    sampled: POLICY.most,
+    blurring: SEVERAL,
+    usual: 1.0 - STEP,
+    blur_step: SMALL,
+    blur_rounds: RESIDUAL.averaged as u64,
+    poses_beside: POLICY.curved,
+    rolls: ROWS,
+    rolled: POLICY.small_angle,
+    still: HALF * POLICY.read,
     degree: 4,
-    each: 4,
-    chance: 4.0,
-    level: 0.12,
-    made: 4,
-    read: 1.5e-4,
-    noise_beside: 0.01,
-    enough: 60,
-    noise_block: 25,
-    known: 0.1,
-    least: 0.5,
-    most: 64.0,
+    each: FEW,
+    chance: SEVERAL,
+    level: 2.0 * AREAS_APART,
+    made: RESIDUAL.averaged,
+    read: POLICY.read,
+    noise_beside: 2.0 * CENTROIDS_APART,
+    enough: SAMPLE,
+    noise_block: SAMPLE,
+    known: SMALL,
+    least: HALF,
+    most: FAR * FAR,
     steps: 12,
 };

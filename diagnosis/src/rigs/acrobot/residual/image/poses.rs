@@ -1,4 +1,4 @@
-//! Poses read off pictures.
+//! Poses read off images.
 
 use super::*;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
@@ -9,7 +9,7 @@ pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
 }
 
-/// Poses as a person reads them off a picture whose mount is turned by so much (rad): the directions from circle to
+/// Poses as a person reads them off an image whose mount is turned by so much (rad): the directions from circle to
 /// circle; rates from neighbours. An exposure can begin one interval before its end.
 ///
 /// # Errors
@@ -65,13 +65,13 @@ fn rolling(studio: &Studio) -> Result<Option<[[f64; 2]; 2]>, Error> {
 }
 
 impl ImageCut {
-    /// Lets poses that were read off the picture follow a camera that was moved, so that frames are rendered where this camera
+    /// Lets poses that were read off the image follow a camera that was moved, so that frames are rendered where this camera
     /// has them: the pixel lattice is part of the model only there.
     pub(super) fn follow(&mut self, point: &[f64]) -> Result<(), Error> {
         if let Pose::Logged(..) = self.pose {
             return Ok(());
         }
-        // a delay or a plant that changes leaves the pictures as they are: such fits are compared to the last bit
+        // a delay or a plant that changes leaves the images as they are: such fits are compared to the last bit
         let exposure = |candidate: usize| (point[candidate], self.candidates[candidate].off);
         let (open, off) = self.exposure.map_or((0.0, 0.0), exposure);
         let now = (self.settings(point, None)?, open);
@@ -79,7 +79,7 @@ impl ImageCut {
             return Ok(());
         }
         let before = self.followed.replace(now).map_or(off, |(_, before)| before);
-        // a picture is of the middle of its exposure: that moves with the motion, which no neighbours smooth
+        // an image is of the middle of its exposure: that moves with the motion, which no neighbours smooth
         let later = 0.5 * (open - before) * self.interval();
         for frame in self.frames.iter_mut().filter(|_| later != 0.0) {
             frame.shot.end = back(&frame.shot.end, -later);
@@ -100,7 +100,7 @@ impl ImageCut {
         Ok(())
     }
 
-    /// The shift that each frame's rest asks for, averaged with its neighbours' if a plant follows them.
+    /// The shift that each frame's residual asks for, averaged with its neighbours' if a plant follows them.
     fn smoothed(&self, blocks: &[Block]) -> Vec<[f64; 2]> {
         let mut cells =
             blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
@@ -125,8 +125,8 @@ impl ImageCut {
     }
 }
 
-/// The pose that a frame's rest asks for: weighted least squares over the centroids or angles. Answers the shift and the
-/// matrix that turns changes of the picture into changes of the pose.
+/// The pose that a frame's residual asks for: weighted least squares over the centroids or angles. Answers the shift and the
+/// matrix that turns changes of the image into changes of the pose.
 pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
     let pose = &cell.hard;
     let mut normal: Matrix2<f64> = Matrix2::zeros();

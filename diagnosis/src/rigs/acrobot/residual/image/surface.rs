@@ -7,11 +7,12 @@
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS, Seen};
 use crate::rigs::acrobot::residual::trajectory::State;
+use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 
 /// Ridge against terms that the poses don't tell apart, relative to a unit column: harmless at the poses themselves.
-const RIDGE: f64 = 1e-7;
+const RIDGE: f64 = ROUNDING;
 
 /// On what a column depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -203,7 +203,7 @@ impl PlantCut {
         free: Option<Fit>,
     ) -> Result<WindowFit, Error> {
         let Fit { start, slack, base, mut cell, .. } = fit;
-        // the model itself has no slack torques: what they did is part of the rest
+        // the model itself has no slack torques: what they did is part of the residual
         let missing = &cell.soft * DVector::from_column_slice(&slack);
         cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, torque)| *rest += torque);
         let pushes = window.pushes(&slack);

@@ -6,10 +6,9 @@ use super::*;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::levels::MIDDLE;
 use crate::statistics::linear::Reduced;
 
-/// Then in these factors to either side: a sixth too little leaves the rows a tenth more scatter than noise has.
-const FINER: [f64; 2] = [std::f64::consts::SQRT_2, 1.19];
 /// Size at which the columns are taken, at least.
 const UNIT: f64 = 1e-4;
 
@@ -20,7 +19,7 @@ impl PlantCut {
     /// The unit failed.
     pub fn find_jitter(&mut self, point: &[f64], from: &Nuisances) -> Result<Nuisances, Error> {
         self.begin_from(from);
-        // stamps that stand unevenly may scatter by as much: a plant that was held to such rows by slack torques would hide it
+        // timestamps that stand unevenly may scatter by as much: a plant that was held to such rows by slack torques would hide it
         let uneven = (self.runs.iter())
             .filter_map(|run| run.plant.as_ref())
             .map(|log| unevenness(&log.time))
@@ -50,7 +49,10 @@ impl PlantCut {
         for power in 0..WINDOWS.sizes {
             self.jitter = more_likely(WINDOWS.smallest * f64::from(1 << power));
         }
-        for finer in FINER {
+        // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
+        let mut finer = 2.0_f64;
+        for _ in 0..2 {
+            finer = finer.sqrt();
             let coarse = self.jitter;
             for size in [coarse / finer, coarse * finer].into_iter().filter(|size| *size > 0.0) {
                 self.jitter = more_likely(size);
@@ -66,7 +68,7 @@ impl PlantCut {
         Ok(self.nuisances(in_vain))
     }
 
-    /// By how much the stamps scatter, s: found by `find_jitter`.
+    /// By how much the timestamps scatter, s: found by `find_jitter`.
     pub fn scatter(&self) -> f64 {
         self.jitter
     }
@@ -77,7 +79,7 @@ impl PlantCut {
         logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Puts the stamps' columns before the slack torques.
+    /// Puts the timestamps' columns before the slack torques.
     pub(super) fn stamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
         if self.jitter == 0.0 {
             return;
@@ -102,7 +104,7 @@ impl PlantCut {
         cell.soft = soft;
     }
 
-    /// Mean square of the motion's rows with the stamps' scatter counted as noise. What was logged of the torque is none of it: no
+    /// Mean square of the motion's rows with the timestamps' scatter counted as noise. What was logged of the torque is none of it: no
     /// lead changes that, and a late one is off by far more than noise wherever the command jumps.
     pub(super) fn loose(&self, layout: &Layout, fit: &Fit) -> f64 {
         let rows = fit.cell.residual.iter().zip(&fit.cell.sigma).zip(&layout.bins);
@@ -129,7 +131,7 @@ impl Tracked<PlantCut> {
         Ok(())
     }
 
-    /// Whether the stamps scatter by as much with effects on as they seemed to before, when what was missing may have passed for it.
+    /// Whether the timestamps scatter by as much with effects on as they seemed to before, when what was missing may have passed for it.
     /// If not, the windows are settled with what they scatter by now.
     ///
     /// # Errors
@@ -150,7 +152,7 @@ impl Tracked<PlantCut> {
     }
 }
 
-/// The gain of deviance without the windows that gain most: stamps scatter all along, what happens now and then is something else.
+/// The gain of deviance without the windows that gain most: timestamps scatter all along, what happens now and then is something else.
 fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     let deviance = |block: &Reduced| block.square + block.log_det;
     let pairs = steady.reduced.iter().zip(&scattering.reduced);
@@ -160,10 +162,10 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     gains[..usual].iter().sum()
 }
 
-/// What scattering stamps of the torque do: each step of it comes a little early or late, an impulse too much or too
+/// What scattering timestamps of the torque do: each step of it comes a little early or late, an impulse too much or too
 /// little, and together they are a torque over a part of a window. Root mean square over runs, N·m.
 ///
-/// The stamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
+/// The timestamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
 /// rightly, this allows for too much.
 pub fn torque_scatter(runs: &[Run], part: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
@@ -181,14 +183,14 @@ pub fn torque_scatter(runs: &[Run], part: f64) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-/// Standard deviation of stamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
+/// Standard deviation of timestamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
 pub fn unevenness(time: &[f64]) -> f64 {
     let Some((typical, gaps)) = typical(time) else { return 0.0 };
     // neighbours: a clock that drifts, or lost rows, don't count
     let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
     off.sort_by(f64::total_cmp);
     let median = off[off.len() / 2];
-    let sigma = median / 0.6745 / std::f64::consts::SQRT_2;
+    let sigma = median / MIDDLE / std::f64::consts::SQRT_2;
     if sigma < 0.5 * typical { sigma } else { 0.0 }
 }
 

@@ -26,7 +26,7 @@ mod handed;
 pub mod jitter;
 mod layout;
 mod log;
-mod policy;
+pub(crate) mod policy;
 mod through;
 mod window;
 
@@ -41,7 +41,7 @@ use window::{Kept, Window, cut_run, lost, most, thin};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
-const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
+pub(crate) const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
 
 /// Torque in, motion out.
 #[derive(Clone)]
@@ -89,7 +89,7 @@ impl PlantCut {
             cut_run(index, run, contact, pace, &mut windows);
         }
         let cut = windows.len();
-        // where there are pictures each window has frames to tell of
+        // where there are images each window has frames to tell of
         if data.runs.iter().all(|run| run.camera.is_none()) {
             let most = most(&windows, &data.runs);
             thin(&mut windows, most);
@@ -250,7 +250,7 @@ impl PlantCut {
         }
     }
 
-    /// A column that needs no simulation: what moving the camera does to angles that were read off its picture.
+    /// A column that needs no simulation: what moving the camera does to angles that were read off its image.
     fn seen_column(
         &self,
         window: &Window,
@@ -311,7 +311,7 @@ impl PlantCut {
                 let log = &self.runs[window.run];
                 let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
                 // back to where the window before ended
-                let from = (first - WINDOWS.longest.min(PREROLL)).max(window.drive.start());
+                let from = (first - WINDOWS.window.min(PREROLL)).max(window.drive.start());
                 let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
                 let times: Vec<f64> = (0..=count)
                     .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)

@@ -1,16 +1,17 @@
 //! Numbers by which logs of a plant are cut into windows and these are fitted, each with its reason.
 
+use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SEVERAL, SMALL};
+
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Windows {
     /// Scored length of a window, s. Long enough for four start values to cost little, short against the plant's
-    /// growth: e^(7 · 0.6) = 67 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
+    /// growth: e^(7 · 0.5) = 33 times the error of the start state. Half of it for an arm that tumbles, where rows are plenty.
     pub window: f64,
-    pub short_window: f64,
     /// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
     pub quick: f64,
     pub plenty: f64,
-    pub longest: f64,
     /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
     pub bins: usize,
     /// Parts of a window that each get a torque the model may lack.
@@ -27,10 +28,10 @@ pub struct Windows {
     /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
     pub lost: f64,
     pub growth: f64,
-    /// Where the rest is this many standard deviations, the plant is first held to the log by slack torques, so that
+    /// Where the residual is this many standard deviations, the plant is first held to the log by slack torques, so that
     /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
     pub slack: f64,
-    /// A mean square of the whitened rest that no noise gives.
+    /// A mean square of the whitened residual that no noise gives.
     pub far: f64,
     /// The window before says more than this one where it has no more than this share of its squares.
     pub better: f64,
@@ -41,14 +42,14 @@ pub struct Windows {
     /// Sizes that are tried: from 20 µs in factors of two to 5 ms.
     pub smallest: f64,
     pub sizes: i32,
-    /// Share of the windows in which something else than stamps may have happened: a saturation of the torque that cut two windows of sixty
-    /// passed for stamps that scatter, which then hid it.
+    /// Share of the windows in which something else than timestamps may have happened: a saturation of the torque that cut two windows of sixty
+    /// passed for timestamps that scatter, which then hid it.
     pub events: f64,
-    /// Share of the time between rows by which stamps that stand evenly scatter at most: rows that each hold the value before are late by
+    /// Share of the time between rows by which timestamps that stand evenly scatter at most: rows that each hold the value before are late by
     /// 0.29 of it, root mean square. More is what a model lacks that is far from the log (a delay of 10 ms passed for 6 ms at rows
     /// every 5 ms).
     pub evenly: f64,
-    /// Share of it that stamps must scatter by still with effects on.
+    /// Share of it that timestamps must scatter by still with effects on.
     pub still: f64,
     /// Length of a piece, s: friction changes its sign within one or two of them.
     pub piece: f64,
@@ -57,28 +58,26 @@ pub struct Windows {
 /// Those in force.
 pub const WINDOWS: Windows = Windows {
     window: 0.5,
-    short_window: 0.25,
-    quick: 12.0,
-    plenty: 36.0,
-    longest: 0.6,
-    bins: 25,
+    quick: FAR,
+    plenty: SAMPLE as f64,
+    bins: SAMPLE,
     parts: 2,
-    curved: 8,
-    fewest: 3,
-    near_rows: 6.0,
+    curved: POLICY.curved,
+    fewest: FEW,
+    near_rows: SEVERAL,
     near: 0.01,
-    most: 640,
-    lost: 20.0,
+    most: POLICY.most,
+    lost: 2.0 * FAR,
     growth: 7.0,
-    slack: 4.0,
-    far: 4.0,
-    better: 0.3,
-    doubt: 3.0,
-    deeper: 0.95,
+    slack: CERTAIN,
+    far: SEVERAL,
+    better: PART,
+    doubt: DOUBTED,
+    deeper: 1.0 - SMALL,
     smallest: 2e-5,
     sizes: 9,
-    events: 0.1,
-    evenly: 0.3,
-    still: 0.5,
-    piece: 6e-3,
+    events: SMALL,
+    evenly: PART,
+    still: HALF,
+    piece: POLICY.motion_step,
 };

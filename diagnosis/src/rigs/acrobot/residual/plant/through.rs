@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-/// Poses that were read off pictures.
+/// Poses that were read off images.
 #[derive(Debug, Clone, Default)]
 pub struct Poses {
-    /// Per run and row: q1, q2; `NaN` where the picture says nothing.
+    /// Per run and row: q1, q2; `NaN` where the image says nothing.
     pub angles: Vec<Vec<[f64; 2]>>,
     /// Per run and row: how each probe would move them, per unit.
     pub moves: Vec<Vec<DMatrix<f64>>>,

@@ -3,6 +3,7 @@
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
 
 /// What a linearisation found of a window's nuisances.
@@ -21,7 +22,7 @@ pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
     };
-    let short = windows.first().and_then(length).is_some_and(|length| length < WINDOWS.short_window);
+    let short = windows.first().and_then(length).is_some_and(|length| length < HALF * WINDOWS.window);
     if short { WINDOWS.most / 4 } else { WINDOWS.most }
 }
 
@@ -152,17 +153,17 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &m
         usable.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
     let typical = gaps[gaps.len() / 2];
-    let plenty = WINDOWS.plenty * typical < WINDOWS.short_window;
+    let plenty = WINDOWS.plenty * typical < HALF * WINDOWS.window;
     let tumbling = plenty && tumbles(&plant.time, &usable, q2);
     let usual =
-        if tumbling { WINDOWS.short_window.min(pace * WINDOWS.window) } else { pace * WINDOWS.window };
+        if tumbling { (HALF * WINDOWS.window).min(pace * WINDOWS.window) } else { pace * WINDOWS.window };
     // of one angle, where they are logged in turn
     let each =
         typical * usable.len() as f64 / usable.iter().filter(|row| q2[**row].is_finite()).count() as f64;
     let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
     let before = if steered(run) { pace * PREROLL } else { 0.0 };
-    let length = usual.max(POLICY.rows as f64 * typical).min(WINDOWS.longest.max(6.0 * typical));
+    let length = usual.max(POLICY.rows as f64 * typical).min(WINDOWS.window.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
@@ -216,7 +217,7 @@ fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
 }
 
 /// Every so many of the rows that hold an angle, `each` s apart, so that `DENSE` lies between: two encoders may be logged in turn.
-/// Counted, not timed, where rows are as near as usual: those chosen by stamps that scatter would be the ones that are stamped late.
+/// Counted, not timed, where rows are as near as usual: those chosen by timestamps that scatter would be the ones that are stamped late.
 fn thinned(each: f64, time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
     let every = (DENSE / each - 1e-9).ceil().max(1.0);
     // rows and the time since the last that was kept
@@ -304,7 +305,7 @@ mod tests {
             .collect();
         let angle = vec![0.0; time.len()];
         let kept = thinned(1e-3, &time, [&angle, &angle], 0..time.len());
-        assert_eq!(kept.iter().filter(|row| **row < 200).count(), 40);
+        assert_eq!(kept.iter().filter(|row| **row < 200).count(), 50);
         assert!((201..250).all(|row| kept.contains(&row)), "{kept:?}");
     }
 

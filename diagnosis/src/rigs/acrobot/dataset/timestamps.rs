@@ -1,6 +1,6 @@
-//! Logs of a run whose stamps have nothing to do with each other: an epoch here, a stopwatch there.
+//! Logs of a run whose timestamps have nothing to do with each other: an epoch here, a stopwatch there.
 //!
-//! Encoders and pictures show the same motion. Where their stamps disagree by more than any camera is late, the shift at which both
+//! Encoders and images show the same motion. Where their timestamps disagree by more than any camera is late, the shift at which both
 //! motions agree sets them to one time, to some milliseconds; what is left is a matter of the residuals.
 
 use super::angles::unwrapped;
@@ -8,16 +8,17 @@ use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::SMALL;
 
-/// Pictures that are late by this much against the encoders are late, and not stamped by another clock, s.
+/// Images that are late by this much against the encoders are late, and not stamped by another clock, s.
 const LATE: (f64, f64) = (-0.05, 1.0);
 
 /// What was set right by the motion, and is known by it alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moved {
-    /// The plant's log: a torque that is stamped as pictures are can still tell.
+    /// The plant's log: a torque that is stamped as images are can still tell.
     Angles,
-    /// The pictures.
+    /// The images.
     Pictures,
 }
 
@@ -31,7 +32,7 @@ pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
         if torque.len() >= POLICY.rows && (last < from || first > to) {
             let message = format!(
                 "time runs from {first} to {last} s, in {file} from {from} to {to} s: stamped by another clock? Nothing shows \
-                 by how much it is off; file put aside"
+                 by how much it is off; file excluded"
             );
             notices.push(Notice { file: format!("{}/controller.csv", run.name), line: 0, message });
             run.controller = None;
@@ -57,7 +58,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
         if apart {
             tell(format!(
                 "pictures are stamped {} to {} s, angles {} to {} s, and their motions agree at no shift in between: two clocks, \
-                 or two runs? File put aside",
+                 or two runs? File excluded",
                 seen.0, seen.1, logged.0, logged.1
             ));
             *(if keeps_plant { &mut run.camera } else { &mut run.plant }) = None;
@@ -84,7 +85,7 @@ fn span(log: &Table) -> (f64, f64) {
     (end(log.time.first()), end(log.time.last()))
 }
 
-/// By how much pictures are stamped late, s: 0 where stamps agree as they are or motions are too small to tell, `None` where
+/// By how much images are stamped late, s: 0 where timestamps agree as they are or motions are too small to tell, `None` where
 /// nothing agrees.
 fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let seen = directions(camera);
@@ -110,15 +111,16 @@ fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let others = [least(from, best.1 - near, LOGS.step, &thin), least(best.1 + near, to, LOGS.step, &thin)];
     let second = others.into_iter().flatten().fold(now, |second, other| second.min(other.0));
     let clear = best.0 < LOGS.agrees && best.0 * LOGS.clearly < second;
-    let (_, fine) = least(best.1 - LOGS.step, best.1 + LOGS.step, LOGS.fine, &seen)?;
-    let bottom = [-LOGS.fine, 0.0, LOGS.fine].map(|by| left(&logged, &seen, fine + by).powi(2));
+    let step = SMALL * LOGS.step;
+    let (_, fine) = least(best.1 - LOGS.step, best.1 + LOGS.step, step, &seen)?;
+    let bottom = [-step, 0.0, step].map(|by| left(&logged, &seen, fine + by).powi(2));
     // of the parabola through three points
     let bend = bottom[0] - 2.0 * bottom[1] + bottom[2];
-    let by = if bend > 0.0 { 0.5 * LOGS.fine * (bottom[0] - bottom[2]) / bend } else { 0.0 };
-    if clear { Some(fine + by.clamp(-LOGS.fine, LOGS.fine)) } else { (!apart).then_some(0.0) }
+    let by = if bend > 0.0 { 0.5 * step * (bottom[0] - bottom[2]) / bend } else { 0.0 };
+    if clear { Some(fine + by.clamp(-step, step)) } else { (!apart).then_some(0.0) }
 }
 
-/// Times, and directions of the links as a picture shows them, but for a mount that turns all of them, rad.
+/// Times, and directions of the links as an image shows them, but for a mount that turns all of them, rad.
 pub fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
     let cell = |column: &str, row: usize| camera.column(column).map_or(f64::NAN, |values| values[row]);
     let link = |row: usize, [ua, va, ub, vb]: [&str; 4]| {
@@ -141,7 +143,7 @@ fn rows(log: &Table, mut pair: [Vec<f64>; 2]) -> Vec<(f64, [f64; 2])> {
     (0..log.len()).map(row).filter(|(_, pair)| pair.iter().all(|angle| angle.is_finite())).collect()
 }
 
-/// Share of the motion in the picture that is left beside the log, were the picture so late; infinite where less than half of
+/// Share of the motion in the image that is left beside the log, were the image so late; infinite where less than half of
 /// the shorter log has a counterpart.
 fn left(logged: &[(f64, [f64; 2])], seen: &[(f64, [f64; 2])], late: f64) -> f64 {
     let mut both: Vec<[[f64; 2]; 2]> = Vec::with_capacity(seen.len());

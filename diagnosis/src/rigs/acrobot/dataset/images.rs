@@ -1,4 +1,4 @@
-//! What a log of pictures is good for: any of the camera's outputs beside a measured motion; without one, what tells a pose.
+//! What a log of images is good for: any of the camera's outputs beside a measured motion; without one, what tells a pose.
 
 use super::angles::{as_far, degrees};
 use super::{Run, Table};
@@ -41,7 +41,7 @@ pub(super) fn pictures(run: &mut Run, notices: &mut Vec<Notice>) {
 }
 
 /// Makes rows not measured in which another circle was taken for circle 1: the first of them, and how many there are. A tip that
-/// left the picture and comes back confuses a vision that follows circles from frame to frame.
+/// left the image and comes back confuses a vision that follows circles from frame to frame.
 fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
     let heights = ["v1", "v2", "v3"].map(|name| camera.column(name).map(<[f64]>::to_vec));
     let [Some(first), Some(second), Some(third)] = heights else { return None };
@@ -63,7 +63,7 @@ fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
     rows.first().map(|row| (*row, rows.len()))
 }
 
-/// Whether a pose can be read off a log's pictures.
+/// Whether a pose can be read off a log's images.
 pub(super) fn tells_poses(camera: &Table) -> bool {
     holds(camera, &JOINT_AND_TIP) || holds(camera, &vision_angles())
 }
@@ -75,7 +75,7 @@ fn lacking(camera: &Table, motion: bool, torque: bool) -> Option<(bool, String)>
     if missing.is_empty() {
         return None;
     }
-    let aside = |why: &str| Some((false, format!("{}; the camera's log is put aside", lack(&missing, why))));
+    let aside = |why: &str| Some((false, format!("{}; the camera's log is excluded", lack(&missing, why))));
     let circles = holds(camera, &JOINT_AND_TIP);
     if !motion && !tells_poses(camera) {
         return aside("without encoders, circles 2 and 3 or q1_est and q2_est must tell the pose");

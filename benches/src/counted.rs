@@ -41,12 +41,13 @@ fn plant_steps() {
     }
 }
 
-/// Short runs of the closed loop with reused units: what a run costs beyond its steps.
-fn short_runs() {
+/// Short runs of the closed loop with reused units: what a run costs beyond its steps. None of them is the opening alone, most
+/// of which is the unpacking of the units' files.
+fn short_runs(count: usize) {
     let scenario = benches::closed_loop::scenario("1/10", &[]);
     let mut simulation =
         Simulation::new(&scenario, &benches::closed_loop::units()).expect("cargo xtask pack made the units");
-    for _ in 0..20 {
+    for _ in 0..count {
         simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
     }
 }
@@ -96,10 +97,13 @@ fn main() {
         Some("mixed") => master_steps(&Ring::of_oscillators()),
         Some("texts") => master_steps(&Ring::of_feedthroughs(true)),
         Some("plant") => plant_steps(),
-        Some("runs") => short_runs(),
+        Some("opening") => short_runs(0),
+        Some("runs") => short_runs(20),
         Some("large") => large_texts(),
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
-        None => panic!("which work? a, b16, c, d, master, mixed, texts, plant, runs, large or loop30"),
+        None => {
+            panic!("which work? a, b16, c, d, master, mixed, texts, plant, opening, runs, large or loop30")
+        }
     }
 }

@@ -121,6 +121,7 @@ impl Error {
             }
             // A folder that can't be written, a disk that is full: another one will do.
             Self::File { .. } => 2,
+            Self::Export(export::Error::File { .. }) => 2,
             Self::Report(_) | Self::Export(_) | Self::Faulty { .. } => 1,
         }
     }

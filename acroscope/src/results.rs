@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::folder::Folder;
 use crate::run_report::{Dated, clear_pictures, dated_pictures};
 use orchestrator::{Checkpoint, Column, CsvRecorder, Position, Recorder, Row, Waiting};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 
 /// Records to `results.csv`.
 pub struct Results<'a> {
@@ -18,6 +18,8 @@ pub struct Results<'a> {
     /// How far the rows of a checkpoint reach.
     from: Option<Position>,
     csv: Option<CsvRecorder<File>>,
+    /// Held as long as the folder is this run's.
+    lock: Option<File>,
     failed: Option<Error>,
 }
 
@@ -31,7 +33,16 @@ impl<'a> Results<'a> {
     /// The folder of pictures can't be read.
     pub fn new(folder: &'a Folder, files: &[&'static str], resolved: &'a str) -> Result<Self, Error> {
         let pictures = dated_pictures(&folder.file("frames"))?;
-        Ok(Self { folder, files: files.to_vec(), pictures, resolved, from: None, csv: None, failed: None })
+        Ok(Self {
+            folder,
+            files: files.to_vec(),
+            pictures,
+            resolved,
+            from: None,
+            csv: None,
+            lock: None,
+            failed: None,
+        })
     }
 
     /// Those that a checkpoint left; these files give way but for the rows.
@@ -58,8 +69,22 @@ impl<'a> Results<'a> {
         self.failed.take()
     }
 
+    /// The folder, for one run at a time. Where a system locks no folders, nothing is looked at.
+    fn lock(&self) -> Result<Option<File>, Error> {
+        let path = self.folder.path().to_owned();
+        let Ok(folder) = File::open(&path) else { return Ok(None) };
+        match folder.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                let why = "another run is writing its results there; --out names another folder".to_owned();
+                Err(Error::File { path, why })
+            }
+            _ => Ok(Some(folder)),
+        }
+    }
+
     /// Nothing is changed before it is known that the rows can be written.
-    fn take_over(&self) -> Result<CsvRecorder<File>, Error> {
+    fn take_over(&mut self) -> Result<CsvRecorder<File>, Error> {
+        self.lock = self.lock()?;
         let rows = self.folder.file(ROWS);
         let resumed = self.from.map(|position| CsvRecorder::resume(&rows, position)).transpose()?;
         self.folder.clear(&self.files)?;

@@ -22,16 +22,126 @@ fn run(units: &Units, out: &Path, fault: i32, more: &[&str]) -> (Option<i32>, St
     let scenario = units.path().join("scenario.toml");
     std::fs::write(&scenario, text).expect("writable");
     let out = out.join(fault.to_string());
+    let temporary = tempfile::TempDir::new().expect("a temporary folder");
     let done = Command::new(env!("CARGO_BIN_EXE_acroscope"))
         .arg("run")
         .args([scenario.as_os_str(), "--out".as_ref(), out.as_os_str()])
         .args(more)
+        .env("TMPDIR", temporary.path())
         .output()
         .expect("starts");
+    let left: Vec<_> = std::fs::read_dir(temporary.path()).expect("a folder").flatten().collect();
+    assert!(left.is_empty(), "nothing stays behind: {left:?}");
     let rows = std::fs::read_to_string(out.join("results.csv")).expect("results");
     assert!(rows.ends_with('\n'), "whole rows");
     let last = rows.lines().last().and_then(|row| row.split(',').next()?.parse().ok());
     (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned(), last.expect("a row"))
+}
+
+/// Exit status and standard error of a run with another library.
+fn run_with(source: &str, more: &[&str]) -> (Option<i32>, String, Vec<std::ffi::OsString>) {
+    let units = Units::new();
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::compile(source));
+    let (scenario, out, temporary) =
+        (units.path().join("s.toml"), units.path().join("o"), units.path().join("t"));
+    std::fs::write(&scenario, scenario_of(0)).expect("writable");
+    std::fs::create_dir(&temporary).expect("writable");
+    let done = Command::new(env!("CARGO_BIN_EXE_acroscope"))
+        .arg("run")
+        .args([scenario.as_os_str(), "--out".as_ref(), out.as_os_str()])
+        .args(more)
+        .env("TMPDIR", &temporary)
+        .output()
+        .expect("starts");
+    let left = std::fs::read_dir(temporary).expect("a folder").flatten().map(|entry| entry.file_name());
+    (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned(), left.collect())
+}
+
+#[test]
+fn every_end_that_a_library_brings_about_when_it_is_loaded_or_unloaded_is_told() {
+    let when = "in what its library does when it is loaded or unloaded";
+    let (status, text, left) = run_with("ends_when_loaded.c", &[]);
+    assert_eq!((status, left.len()), (Some(1), 0), "{text}");
+    assert!(text.contains(&format!("error: unit a: it ended the program by calling _exit {when}")), "{text}");
+    let (status, text, left) = run_with("ends_when_loaded.c", &["--isolate"]);
+    assert_eq!((status, left.len()), (Some(1), 0), "{text}");
+    assert!(
+        text.contains("error: unit a: in fmi2Instantiate its process ended by exit with status 0"),
+        "{text}"
+    );
+    let (status, text, left) = run_with("crashes_when_unloaded.c", &[]);
+    assert_eq!((status, left.len()), (Some(1), 0), "{text}");
+    assert!(text.contains(&format!("error: unit a: it gave up (SIGABRT) {when}")), "{text}");
+    let (status, text, left) = run_with("crashes_when_unloaded.c", &["--isolate"]);
+    assert_eq!((status, left.len()), (Some(0), 0), "{text}");
+}
+
+#[test]
+fn every_thread_that_a_unit_begins_or_ends_is_survived_or_told() {
+    const LEAVES_A_THREAD: i32 = 25;
+    const ENDS_ITS_THREAD: i32 = 26;
+    const CRASHES_ELSEWHERE: i32 = 28;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    for more in [&[][..], &["--isolate"]] {
+        // Its code must stay where it is, though the unit has gone.
+        let (status, text, last) = run(&units, out.path(), LEAVES_A_THREAD, more);
+        assert_eq!((status, last), (Some(0), 1.0), "{text}");
+    }
+    let (status, text, last) = run(&units, out.path(), ENDS_ITS_THREAD, &[]);
+    assert_eq!((status, last), (Some(1), 0.375), "{text}");
+    // What its way out of the program met last is what is told.
+    assert!(text.contains("error: unit a: it gave up (SIGABRT) in "), "{text}");
+    let (status, text, last) = run(&units, out.path(), CRASHES_ELSEWHERE, &[]);
+    assert_eq!((status, last), (None, 0.375), "{text}");
+    let word = "error: the program crashed with a segmentation fault (SIGSEGV) outside of any call into a unit, perhaps in a \
+                thread that a unit has started; unit a was in fmi2DoStep, the rows up to there are kept";
+    assert!(text.contains(word), "{text}");
+    let (status, text, last) = run(&units, out.path(), CRASHES_ELSEWHERE, &["--isolate"]);
+    assert_eq!((status, last), (Some(1), 0.375), "{text}");
+    assert!(
+        text.contains("error: unit a: in fmi2DoStep at t = 0.375 s") && text.contains("SIGSEGV"),
+        "{text}"
+    );
+}
+
+/// The notes of a run's summary that have a word in them.
+fn noted(out: &Path, fault: i32, word: &str) -> usize {
+    let text = std::fs::read_to_string(out.join(fault.to_string()).join("summary.json")).expect("a summary");
+    text.lines().filter(|line| line.contains(word)).count()
+}
+
+#[test]
+fn law_a_unit_that_rounds_otherwise_changes_nobody_elses_numbers() {
+    const ROUNDS_UP: i32 = 27;
+    const ROUNDS: &str = "unit a changes how the processor rounds reals";
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    let rows =
+        |folder: &str| std::fs::read_to_string(out.path().join(folder).join("results.csv")).expect("rows");
+    run(&units, out.path(), 0, &[]);
+    assert_eq!(noted(out.path(), 0, ROUNDS), 0);
+    let plain = rows("0");
+    for more in [&[][..], &["--isolate"]] {
+        let (status, text, _) = run(&units, out.path(), ROUNDS_UP, more);
+        assert_eq!(status, Some(0), "{text}");
+        assert_eq!(rows("27"), plain);
+        // In a process of its own it is nobody else's business.
+        assert_eq!(noted(out.path(), ROUNDS_UP, ROUNDS), usize::from(more.is_empty()));
+    }
+}
+
+#[test]
+fn law_what_is_not_finite_is_noted_once() {
+    const NAN_UNREAD: i32 = 17;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    for more in [&[][..], &["--isolate"]] {
+        let (status, text, _) = run(&units, out.path(), NAN_UNREAD, more);
+        assert_eq!(status, Some(0), "{text}");
+        assert_eq!(noted(out.path(), NAN_UNREAD, "a.y2 is NaN at t = 0.5 s, for the first time"), 1);
+        assert_eq!(noted(out.path(), NAN_UNREAD, " is NaN "), 1);
+    }
 }
 
 #[test]
@@ -47,6 +157,7 @@ fn every_end_that_a_unit_brings_about_is_told_and_rows_are_kept() {
             "it ended the program by calling _exit in fmi2DoStep",
             "its process ended by exit with status 0",
         ),
+        (24, "it ended the program by calling exit in fmi2DoStep", "its process ended by exit with status 0"),
         (
             21,
             "it crashed with a segmentation fault (SIGSEGV) in fmi2DoStep",
@@ -168,4 +279,43 @@ fn law_a_run_goes_on_from_its_checkpoint() {
     assert_eq!(status, Some(2), "{text}");
     assert!(text.contains("`k = 2.0` instead of `k = 1.0`"), "{text}");
     assert!(read() == whole, "what another run left stays, and nothing is told of it under this one's name");
+    // Another build of the unit, under the same GUID.
+    let other = [&common::library()[..], b"another build"].concat();
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &other);
+    let (status, text, _) = run(&units, out, 0, &["--resume"]);
+    assert_eq!(status, Some(2), "{text}");
+    assert!(text.contains("this one differs: `unit a: GUID {fixture}, file of checksum "), "{text}");
+    assert!(read() == whole);
+    units.add(common::STATEFUL);
+    // One run at a time.
+    let folder_of_results = std::fs::File::open(out.join("0")).expect("a folder");
+    folder_of_results.lock().expect("locked");
+    let (status, text, _) = run(&units, out, 0, &[]);
+    assert_eq!(status, Some(2), "{text}");
+    assert!(
+        text.contains("/0: another run is writing its results there; --out names another folder"),
+        "{text}"
+    );
+    assert!(read() == whole);
+    drop(folder_of_results);
+    std::fs::remove_file(&files[0]).expect("removed");
+    let scenario = units.path().join("scenario.toml");
+    let done = Command::new(env!("CARGO_BIN_EXE_acroscope"))
+        .args([
+            "run".as_ref(),
+            scenario.as_os_str(),
+            "--resume".as_ref(),
+            "--out".as_ref(),
+            out.join("0").as_os_str(),
+        ])
+        .output()
+        .expect("starts");
+    let text = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains(
+            "it is gone, though the checkpoint goes on with it; without --resume the run begins anew"
+        ),
+        "{text}"
+    );
 }

@@ -1,6 +1,7 @@
 //! One instance, in safe Rust: the scenario inside, held to the calling sequence of FMI 2.0.
 
 use crate::error::Error;
+use crate::host;
 use crate::interface::{Interface, Variable};
 use crate::state::State;
 use crate::xml;
@@ -63,6 +64,8 @@ pub struct Instance {
     pub(crate) interface: Interface,
     pub(crate) guid: String,
     scenario: Scenario,
+    /// What of the scenario can't be had here.
+    note: Option<String>,
     units: UnitPath,
     pub(crate) simulation: Simulation,
     pub(crate) mode: Mode,
@@ -78,15 +81,25 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Reads the scenario in a folder of resources.
+    /// Reads the scenario in a folder of resources. Units that are isolated are served by this program.
     ///
     /// # Errors
     /// If it can't be built there.
     pub fn new(resources: &Path) -> Result<Self, Error> {
+        Self::hosted(resources, |_| None)
+    }
+
+    /// As [`Instance::new`], in the library of a container, which serves isolated units itself.
+    pub(crate) fn in_library(resources: &Path) -> Result<Self, Error> {
+        Self::hosted(resources, host::by_this_library)
+    }
+
+    fn hosted(resources: &Path, host: impl FnOnce(&mut Scenario) -> Option<String>) -> Result<Self, Error> {
         let file = resources.join(SCENARIO);
         let text = std::fs::read_to_string(&file)
             .map_err(|error| Error::File { path: file.clone(), why: error.to_string() })?;
-        let scenario = Scenario::parse(&text, &file)?;
+        let mut scenario = Scenario::parse(&text, &file)?;
+        let note = host(&mut scenario);
         let units = UnitPath::new();
         let simulation = Simulation::new(&scenario, &units)?;
         let interface = Interface::of(&simulation);
@@ -97,6 +110,7 @@ impl Instance {
             interface,
             guid,
             scenario,
+            note,
             units,
             simulation,
             mode: Mode::Instantiated,
@@ -131,7 +145,7 @@ impl Instance {
 
     /// What a person should know.
     pub fn notices(&self) -> Vec<String> {
-        self.simulation.notices()
+        self.note.iter().cloned().chain(self.simulation.notices()).collect()
     }
 
     fn expect(&self, modes: &[Mode]) -> Result<(), Error> {

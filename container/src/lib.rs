@@ -9,6 +9,7 @@
 
 pub mod abi;
 mod error;
+mod host;
 mod instance;
 mod interface;
 mod pack;
@@ -17,6 +18,7 @@ mod state;
 mod xml;
 
 pub use error::Error;
+pub use host::serve;
 pub use instance::{Instance, Mode, Stepped};
 pub use interface::{Interface, Variable};
 pub use pack::{BLANK, pack};

@@ -20,11 +20,7 @@ pub const BLANK: &str = "acroscope_container.fmu";
 /// If a file can't be read, or the scenario can't be built from its bundle.
 pub fn pack(simulation: &Simulation, blank: &Path, output: &Path) -> Result<Vec<u8>, Error> {
     let identifier = identifier(output)?;
-    let mut bundle = simulation.bundle();
-    for unit in &mut bundle.scenario.units {
-        // There, units live in the process of a master that is not ours.
-        unit.isolation = None;
-    }
+    let bundle = simulation.bundle();
     let text = simulation.bundled(&bundle);
     let at = |path: &Path| {
         let path = path.to_owned();

@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Begins every file; the number is that of the format.
-const MAGIC: &[u8] = b"acroscope checkpoint 3\n";
+const MAGIC: &[u8] = b"acroscope checkpoint 4\n";
 
 /// Where checkpoints go, and how often they are made.
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ pub struct Checkpoints {
 /// The state of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// The resolved scenario and the units' GUIDs: only the same run can go on.
+    /// The resolved scenario and the units' GUIDs and files: only the same run can go on.
     identity: String,
     ticks: i64,
     time: f64,
@@ -112,15 +112,33 @@ impl Checkpoint {
 
 impl Simulation {
     /// What a checkpoint belongs to.
-    fn identity(&self) -> String {
-        let guids: Vec<&str> = self.units().map(|(_, description)| description.guid.as_str()).collect();
+    fn identity(&self) -> Result<String, Error> {
+        let units = match self.sums.get() {
+            Some(units) => units,
+            None => {
+                let units = self.units_by_content()?;
+                self.sums.get_or_init(|| units)
+            }
+        };
         // The description is words: it changes no row, and it would hide what does.
-        // Files by their names: a state goes to another folder, too, and the GUIDs tell units apart.
+        // Files by their names and their content: a state goes to another folder, too.
         let resolved = self.bundled(&self.bundle());
         let told = |line: &&str| line.starts_with("description = ");
         let words =
             resolved.lines().take_while(|line| *line != "[experiment]").find(told).unwrap_or_default();
-        format!("{}\n{}", resolved.replacen(words, "", 1), guids.join("\n"))
+        Ok(format!("{}\n{units}", resolved.replacen(words, "", 1)))
+    }
+
+    /// A line a unit: its GUID, and the checksum of its file, since a GUID need not tell two builds apart.
+    fn units_by_content(&self) -> Result<String, Error> {
+        let line = |((name, description), path): ((&str, &crate::fmu::Description), &PathBuf)| {
+            let bytes = std::fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?;
+            let sum: String =
+                Sha256::digest(bytes).iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+            Ok(format!("unit {name}: GUID {}, file of checksum {sum}…", description.guid))
+        };
+        let lines: Result<Vec<String>, Error> = self.units().zip(&self.wiring.files).map(line).collect();
+        Ok(lines?.join("\n"))
     }
 
     /// Whether all units can save their states.
@@ -187,7 +205,7 @@ impl Simulation {
         let (notices, replaced_starts) = self.told();
         let system = &self.wiring.system;
         Ok(Checkpoint {
-            identity: self.identity(),
+            identity: self.identity()?,
             ticks: self.now.ticks,
             time: self.now.time,
             position,
@@ -206,7 +224,7 @@ impl Simulation {
 
     /// Puts an initialised simulation where a checkpoint was made.
     pub(crate) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Error> {
-        if let Some(what) = difference(&checkpoint.identity, &self.identity()) {
+        if let Some(what) = difference(&checkpoint.identity, &self.identity()?) {
             return Err(Error::Value {
                 name: "resume".into(),
                 value: format!("from t = {} s", checkpoint.time),

@@ -1,16 +1,25 @@
 //! A unit runs in this process and may take it down: by a signal, by `exit`, by `_exit`. What can be done then is done:
 //! the rows that wait are written, a line says which unit did what, and the exit status is 1.
 //!
-//! A step pays for it with four stores: which unit is called, and which of its functions. To survive such a unit it must
+//! A step pays for it with four stores: which unit is called, and which of its functions; 9 instructions, counted, 3 % of what a nearly free
+//! unit costs. Without a [`Guard`] they are made as well: a test whether there is one would cost as many. To survive such a unit it must
 //! run in a process of its own ([`crate::Isolation`]).
 
-use crate::fmu::Function;
+#[cfg(unix)]
+mod ending;
+#[cfg(unix)]
+mod signals;
+
+use crate::fmu::{Function, control_word};
 use crate::recorder::Waiting;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ptr;
-use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+#[cfg(unix)]
+pub(crate) use ending::unpacked_in;
 
 thread_local! {
     /// Atomic, so that another thread may look; that costs a step nothing.
@@ -21,13 +30,33 @@ thread_local! {
 
 /// A unit's name, kept for as long as the program runs: a signal may ask for it at any time.
 #[derive(Debug)]
-pub(crate) struct Label(Box<str>);
+pub(crate) struct Label {
+    name: Box<str>,
+    /// It changed how reals are rounded, since the last instance of the name was made.
+    rounds: AtomicBool,
+}
+
+impl Label {
+    /// It changed how reals are rounded.
+    #[cold]
+    pub(crate) fn note_rounding(&self) {
+        self.rounds.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it did.
+    pub(crate) fn rounds(&self) -> bool {
+        self.rounds.load(Ordering::Relaxed)
+    }
+}
 
 /// The label of a name; one of each.
 pub(crate) fn label(name: &str) -> &'static Label {
     static LABELS: Mutex<BTreeMap<String, &'static Label>> = Mutex::new(BTreeMap::new());
     let mut labels = LABELS.lock().unwrap_or_else(PoisonError::into_inner);
-    labels.entry(name.to_owned()).or_insert_with(|| Box::leak(Box::new(Label(name.into()))))
+    let new = || &*Box::leak(Box::new(Label { name: name.into(), rounds: AtomicBool::new(false) }));
+    let label = *labels.entry(name.to_owned()).or_insert_with(new);
+    label.rounds.store(false, Ordering::Relaxed);
+    label
 }
 
 /// Calls into a unit begin.
@@ -52,10 +81,13 @@ pub(crate) fn leave() {
 #[inline(always)]
 pub(crate) fn within<T>(unit: &'static Label, work: impl FnOnce() -> T) -> T {
     UNIT.with(|place| {
-        let before = place.load(Ordering::Relaxed);
+        let (before, word) = (place.load(Ordering::Relaxed), control_word::read());
         place.store(ptr::from_ref(unit).cast_mut(), Ordering::Relaxed);
         let answer = work();
         place.store(before, Ordering::Relaxed);
+        if control_word::put_back(word) {
+            unit.note_rounding();
+        }
         answer
     })
 }
@@ -66,6 +98,17 @@ pub(crate) fn around<T>(unit: &'static Label, function: Function, call: impl FnO
     within(unit, || {
         calls(function);
         call()
+    })
+}
+
+/// Stands for a function while a library is loaded or unloaded.
+const LOADING: u8 = u8::MAX;
+
+/// The initialisers of a unit's library, or what it does when it goes.
+pub(crate) fn loading<T>(unit: &'static Label, work: impl FnOnce() -> T) -> T {
+    within(unit, || {
+        FUNCTION.with(|place| place.store(LOADING, Ordering::Relaxed));
+        work()
     })
 }
 
@@ -91,6 +134,11 @@ impl Rescued {
 
 impl Drop for Rescued {
     fn drop(&mut self) {
+        // A unit that ends its thread comes by here, too, in the middle of a call.
+        if let (Some(_), Some(Rescue { rows: Some(rows), .. })) = (under_way(), RESCUE.get()) {
+            // SAFETY: the run has not ended, so its recorder is where it was.
+            unsafe { (rows.write)(rows.recorder) };
+        }
         RESCUE.set(None);
         Running::leave();
     }
@@ -141,16 +189,27 @@ impl Guard {
     pub fn begin() -> Self {
         #[cfg(unix)]
         {
-            unix::install();
+            signals::install();
             GUARDED.store(std::process::id().cast_signed(), Ordering::Relaxed);
         }
         Self(())
+    }
+
+    /// The program has done its work, and ends with a status: what units' libraries do when they are unloaded, as the last of all,
+    /// is told, but changes it no more.
+    pub fn done(self, status: u8) -> u8 {
+        #[cfg(unix)]
+        ending::done(status);
+        status
     }
 }
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        GUARDED.store(0, Ordering::Relaxed);
+        // A unit that ends its thread comes by here, too, in the middle of a call.
+        if under_way().is_none() {
+            GUARDED.store(0, Ordering::Relaxed);
+        }
     }
 }
 
@@ -164,8 +223,11 @@ fn under_way() -> Option<(&'static str, &'static str)> {
 fn called(unit: &AtomicPtr<Label>, function: &AtomicU8) -> Option<(&'static str, &'static str)> {
     // SAFETY: null, or a label, which lives for ever.
     let unit = unsafe { unit.load(Ordering::Relaxed).as_ref::<'static>() }?;
-    let function = Function::of(function.load(Ordering::Relaxed));
-    Some((&unit.0, function.map_or("a call", Function::name)))
+    let function = match function.load(Ordering::Relaxed) {
+        LOADING => "what its library does when it is loaded or unloaded",
+        number => Function::of(number).map_or("a call", Function::name),
+    };
+    Some((&unit.name, function))
 }
 
 /// A thread of a run, for [`give_up`].
@@ -220,131 +282,5 @@ pub fn give_up() -> Vec<String> {
 /// For a program that exports it as `_exit`, so that units which call that are found out.
 #[cfg(unix)]
 pub fn exit_at_once(status: i32) -> ! {
-    unix::exit_at_once(status)
-}
-
-#[cfg(unix)]
-mod unix {
-    use super::{GUARDED, Ordering, RESCUE, under_way};
-    use std::ffi::{c_int, c_void};
-    use std::ptr;
-    use std::sync::OnceLock;
-
-    const SIGNALS: [(c_int, &str); 5] = [
-        (libc::SIGSEGV, "crashed with a segmentation fault (SIGSEGV)"),
-        (libc::SIGBUS, "crashed with a bus error (SIGBUS)"),
-        (libc::SIGILL, "crashed with an illegal instruction (SIGILL)"),
-        (libc::SIGFPE, "crashed with an arithmetic fault (SIGFPE)"),
-        (libc::SIGABRT, "gave up (SIGABRT)"),
-    ];
-
-    /// What was done about each signal before: Rust's own handler tells overflows of a stack.
-    static BEFORE: OnceLock<Vec<libc::sigaction>> = OnceLock::new();
-
-    pub(super) fn install() {
-        BEFORE.get_or_init(|| {
-            let set = |&(signal, _): &(c_int, &str)| {
-                // SAFETY: the structures are plain data; the handler calls only what a signal handler may.
-                unsafe {
-                    let mut before: libc::sigaction = std::mem::zeroed();
-                    libc::sigaction(signal, ptr::null(), &mut before);
-                    before
-                }
-            };
-            let before = SIGNALS.iter().map(set).collect();
-            // SAFETY: the function is `extern "C"` and does not unwind.
-            unsafe { libc::atexit(on_exit) };
-            before
-        });
-        for (signal, _) in SIGNALS {
-            // SAFETY: as above.
-            unsafe {
-                let mut action: libc::sigaction = std::mem::zeroed();
-                action.sa_sigaction = on_signal as *const () as usize;
-                action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
-                libc::sigaction(signal, &action, ptr::null_mut());
-            }
-        }
-    }
-
-    fn is_guarded() -> bool {
-        // SAFETY: takes and changes nothing.
-        GUARDED.load(Ordering::Relaxed) == unsafe { libc::getpid() }
-    }
-
-    extern "C" fn on_signal(signal: c_int, _: *mut libc::siginfo_t, _: *mut c_void) {
-        let place = SIGNALS.iter().position(|(known, _)| *known == signal).unwrap_or(0);
-        if is_guarded() && under_way().is_some() {
-            end(SIGNALS[place].1);
-        }
-        // Nobody's unit: what would have happened without this handler happens as soon as it returns.
-        // SAFETY: plain data that was written before this handler was installed.
-        unsafe {
-            match BEFORE.get() {
-                Some(before) => libc::sigaction(signal, &before[place], ptr::null_mut()),
-                None => libc::sigaction(signal, &std::mem::zeroed(), ptr::null_mut()),
-            };
-            if signal == libc::SIGABRT {
-                libc::raise(signal);
-            }
-        }
-    }
-
-    extern "C" fn on_exit() {
-        if is_guarded() {
-            end("ended the program by calling exit");
-        }
-    }
-
-    /// Ends the process as the C library's `_exit` does; of a unit, the word comes first.
-    pub(super) fn exit_at_once(status: c_int) -> ! {
-        if is_guarded() && under_way().is_some() {
-            end("ended the program by calling _exit");
-        }
-        leave(status)
-    }
-
-    /// Says what happened, has the rows written, and ends the process. Calls only what a signal handler may.
-    fn end(what: &str) -> ! {
-        // Only once, whatever happens below.
-        GUARDED.store(0, Ordering::Relaxed);
-        let rescue = RESCUE.get();
-        match under_way() {
-            Some((unit, function)) => say(&["\nerror: unit ", unit, ": it ", what, " in ", function]),
-            None => say(&["\nerror: a unit, or a library that it brought, ", what]),
-        }
-        if let Some(rescue) = rescue {
-            // SAFETY: the run that registered this has not ended, so its time and its recorder are where they were.
-            unsafe {
-                let mut buffer = zmij::Buffer::new();
-                say(&[" after t = ", buffer.format(ptr::read_volatile(rescue.time)), " s"]);
-                if let Some(rows) = rescue.rows {
-                    (rows.write)(rows.recorder);
-                    say(&["; the rows up to there are kept"]);
-                }
-            }
-        }
-        say(&["; in a process of its own (isolate = true, --isolate) it would tell more\n"]);
-        leave(1)
-    }
-
-    /// To the standard error.
-    fn say(parts: &[&str]) {
-        for part in parts {
-            // SAFETY: the bytes are there; if nobody reads them, there is nothing to be done.
-            unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
-        }
-    }
-
-    fn leave(status: c_int) -> ! {
-        loop {
-            // SAFETY: ends the process, without the exported `_exit` above.
-            unsafe {
-                #[cfg(any(target_os = "linux", target_os = "android"))]
-                libc::syscall(libc::SYS_exit_group, status);
-                #[cfg(not(any(target_os = "linux", target_os = "android")))]
-                libc::_Exit(status);
-            }
-        }
-    }
+    ending::exit_at_once(status)
 }

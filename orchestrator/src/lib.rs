@@ -114,7 +114,7 @@ pub use fmu::Fmu;
 #[cfg(unix)]
 pub use guard::exit_at_once;
 pub use guard::{Guard, give_up};
-pub use isolation::{Isolation, host_units, host_units_by};
+pub use isolation::{Host, Isolation, host_units, host_units_by, serve_units};
 pub use pacing::Lateness;
 pub use progress::{Progress, Quiet};
 #[doc(hidden)]

@@ -16,6 +16,7 @@ use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Wiring, start_value};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Where a simulation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub struct Simulation {
     notices: Vec<String>,
     replaced_starts: Vec<String>,
     pub(crate) from_unit_path: Vec<bool>,
+    /// What tells the units' files apart, once that was asked.
+    pub(crate) sums: OnceLock<String>,
 }
 
 impl Simulation {
@@ -69,6 +72,7 @@ impl Simulation {
             lateness: None,
             notices: Vec::new(),
             replaced_starts: Vec::new(),
+            sums: OnceLock::new(),
         })
     }
 
@@ -343,6 +347,12 @@ impl Simulation {
                 unit.name
             )
         });
+        let rounding = self.wiring.system.units.iter().filter(|unit| unit.instance.label().rounds()).map(|unit| {
+            format!(
+                "unit {} changes how the processor rounds reals, or flushes small ones to zero: put back after its calls",
+                unit.name
+            )
+        });
         let strange = self.wiring.system.units.iter().flat_map(|unit| &unit.not_finite).map(|(_, told)| told);
         self.wiring
             .notices
@@ -353,6 +363,7 @@ impl Simulation {
             .cloned()
             .chain(warnings)
             .chain(retried)
+            .chain(rounding)
             .collect()
     }
 

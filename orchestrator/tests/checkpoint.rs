@@ -155,7 +155,10 @@ fn every_checkpoint_that_does_not_fit_is_refused() {
     }
     std::fs::write(&results, "time\n").expect("writable");
     let error = CsvRecorder::resume(&results, checkpoint.position()).err().expect("cut off").to_string();
-    assert!(error.ends_with("it is shorter than at the checkpoint"), "{error}");
+    assert!(
+        error.ends_with("it is shorter than at the checkpoint; without --resume the run begins anew"),
+        "{error}"
+    );
 
     let plain = common::description(common::STATEFUL).replace("canSerializeFMUstate=\"true\"", "");
     units.pack("stateful.fmu", &plain, &common::library());

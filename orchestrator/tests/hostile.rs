@@ -127,6 +127,37 @@ fn law_odd_descriptions_are_told() {
     );
 }
 
+#[test]
+fn law_a_unit_is_told_the_tolerance_that_its_description_proposes() {
+    let units = Units::new();
+    let plain = common::description(STATEFUL);
+    for (tolerance, told) in [
+        ("", vec![]),
+        ("tolerance=\"1e-5\"", vec!["[warning, events] tolerance 1e-05"]),
+        ("tolerance=\"0\"", vec![]),
+    ] {
+        let text = plain.replace("<DefaultExperiment ", &format!("<DefaultExperiment {tolerance} "));
+        let path = units.pack("told.fmu", &text, &common::library());
+        for isolated in [false, true] {
+            let mut fmu = Fmu::open(&path).expect("opens");
+            if isolated {
+                unit_host();
+                fmu = fmu.isolated(orchestrator::Isolation::default());
+            }
+            let mut instance = fmu.instantiate("a").expect("instantiates");
+            instance.setup_experiment(0.0, None).expect("set up");
+            let log: Vec<String> = instance.log().iter().map(ToString::to_string).collect();
+            assert_eq!(log, told, "{tolerance}, isolated {isolated}");
+        }
+    }
+}
+
+/// The units' processes are this program with only this test, which serves them and never returns.
+#[test]
+fn unit_host() {
+    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+}
+
 fn open(units: &Units, name: &str) -> String {
     Fmu::open(units.path().join(name)).expect_err("too large").to_string()
 }

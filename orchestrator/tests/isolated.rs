@@ -108,9 +108,9 @@ fn every_status_says_the_same_elsewhere() {
 #[test]
 fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
     let units = Units::new();
-    let short = Isolation { step_limit: Duration::from_millis(500), memory_limit: None };
+    let short = Isolation { step_limit: Duration::from_millis(500), ..Isolation::default() };
     // Long enough to fill the memory on any machine.
-    let small = Isolation { step_limit: Duration::from_secs(60), memory_limit: Some(256 << 20) };
+    let small = Isolation { step_limit: Duration::from_secs(60), memory_limit: Some(256 << 20), host: None };
     for (fault, expected) in [
         (9, "its process ended by exit with status 0"),
         (10, "its process was ended by signal 11 (SIGSEGV, a segmentation fault)"),
@@ -186,7 +186,8 @@ fn law_states_go_to_another_process_and_back() {
 fn law_scenarios_say_what_is_isolated() {
     let keys = "isolate = true\n    step_limit = 2.5\n    memory_limit = 512\n    set = { k";
     let scenario = Scenario::parse(&SYSTEM.replace("set = { k", keys), "test.toml").expect("a scenario");
-    let isolation = Isolation { step_limit: Duration::from_millis(2500), memory_limit: Some(512 << 20) };
+    let isolation =
+        Isolation { step_limit: Duration::from_millis(2500), memory_limit: Some(512 << 20), host: None };
     let found: Vec<Option<Isolation>> = scenario.units.iter().map(|unit| unit.isolation.clone()).collect();
     assert_eq!(found, [Some(isolation.clone()), None, None]);
     unit_host();

@@ -1,6 +1,10 @@
 """A whole scenario as one unit: the bits that it gives in FMPy and libcosim are those of `acroscope run`."""
 
 import csv
+import os
+import subprocess
+import zipfile
+from pathlib import Path
 
 import pytest
 from fmpy import extract, read_model_description, simulate_fmu
@@ -159,3 +163,88 @@ def test_a_description_of_another_scenario_is_refused(made, tmp_path):
     )
     with pytest.raises(Exception):
         slave.instantiate()
+
+
+OWN_UNIT = r"""
+#include <stdlib.h>
+typedef struct { double x, crash; } Unit;
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+void *fmi2Instantiate(const char *n, int t, const char *g, const char *r, const void *c, int v, int l) {
+    return calloc(1, sizeof(Unit));
+}
+void fmi2FreeInstance(void *c) { free(c); }
+int fmi2SetupExperiment(void *c, int d, double t, double a, int s, double b) { return 0; }
+int fmi2EnterInitializationMode(void *c) { return 0; }
+int fmi2ExitInitializationMode(void *c) { return 0; }
+int fmi2Terminate(void *c) { return 0; }
+int fmi2Reset(void *c) { ((Unit *)c)->x = 0; return 0; }
+int fmi2GetReal(void *c, const unsigned *r, size_t n, double *y) {
+    for (size_t i = 0; i < n; i++) y[i] = r[i] ? ((Unit *)c)->crash : ((Unit *)c)->x;
+    return 0;
+}
+int fmi2SetReal(void *c, const unsigned *r, size_t n, const double *y) {
+    for (size_t i = 0; i < n; i++) if (r[i]) ((Unit *)c)->crash = y[i];
+    return 0;
+}
+int fmi2DoStep(void *c, double t, double h, int no) {
+    unsigned x = 0;
+    double before;
+    /* By the name that every unit exports, as many units of other tools do. */
+    if (fmi2GetReal(c, &x, 1, &before)) return 3;
+    ((Unit *)c)->x = before + h;
+    if (((Unit *)c)->crash > 0 && before + h > ((Unit *)c)->crash) abort();
+    return 0;
+}
+"""
+
+OWN_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="own" guid="{own}">
+<CoSimulation modelIdentifier="own" canHandleVariableCommunicationStepSize="true"/>
+<ModelVariables>
+<ScalarVariable name="x" valueReference="0" causality="output" initial="exact"><Real start="0"/></ScalarVariable>
+<ScalarVariable name="crash" valueReference="1" causality="parameter" variability="tunable"><Real start="0"/></ScalarVariable>
+</ModelVariables>
+<ModelStructure><Outputs><Unknown index="1" dependencies=""/></Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def test_an_isolated_unit_that_crashes_ends_its_container_and_not_the_master(acroscope, tmp_path):
+    source, library = tmp_path / "own.c", tmp_path / "own.so"
+    source.write_text(OWN_UNIT)
+    subprocess.run(["cc", "-O1", "-w", "-shared", "-fPIC", "-o", library, source], check=True)
+    with zipfile.ZipFile(tmp_path / "own.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", OWN_DESCRIPTION)
+        archive.write(library, "binaries/linux64/own.so")
+    scenario = tmp_path / "own.toml"
+    scenario.write_text(
+        'format = 1\nexperiment = { stop = 2 }\n[[units]]\nname = "own"\nfmu = "own.fmu"\ninterval = 0.125\nisolate = true\n'
+    )
+    path = tmp_path / "one.fmu"
+    acroscope("container", scenario, "-o", path)
+    one, other = (Container(path, tmp_path / name, name) for name in ("one", "other"))
+    one.start(**{"own.crash": 0.6})
+    other.start()
+    own = one.variables["own.x"].valueReference
+    processes = children()
+    assert len(processes) == 2, "one a unit"
+    for step in range(4):
+        for instance in (one, other):
+            instance.slave.doStep(step * 0.125, 0.125)
+            assert instance.slave.getReal([own]) == [0.125 * (step + 1)]
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        one.slave.doStep(0.5, 0.125)
+    # This process is the master; the other instance goes on, and so does a fresh start of the first.
+    other.slave.doStep(0.5, 1.0)
+    assert other.slave.getReal([own]) == [1.5]
+    one.slave.freeInstance()
+    assert children() < processes
+    other.slave.freeInstance()
+    assert children() == set()
+
+
+def children():
+    """Processes of units that this one has started."""
+    task = Path("/proc/self/task") / str(os.getpid()) / "children"
+    return {child for child in task.read_text().split() if "one" in Path(f"/proc/{child}/cmdline").read_text()}

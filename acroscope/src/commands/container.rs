@@ -16,15 +16,11 @@ pub fn container(arguments: &Containing, quiet: bool) -> Result<(), Error> {
     for (name, value) in sets(&arguments.set)? {
         scenario.set(&name, &value)?;
     }
-    let isolated = scenario.units.iter_mut().filter_map(|unit| unit.isolation.take()).count();
     let simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     let interface = container::Interface::of(&simulation);
     write(output, &container::pack(&simulation, &blank, output)?)?;
     if quiet {
         return Ok(());
-    }
-    if isolated > 0 {
-        eprintln!("note: isolate is left out: in a container units live in the process of its master");
     }
     simulation.notices().iter().for_each(|notice| eprintln!("note: {notice}"));
     let count =

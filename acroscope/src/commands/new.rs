@@ -28,12 +28,12 @@ pub fn new(arguments: &New, quiet: bool) -> Result<(), Error> {
     })?;
     file.write_all(text.as_bytes()).map_err(Error::file(path))?;
     if !quiet {
-        let guesses = text.matches("guess: ").count();
-        tell!(
-            "{}: {guesses} guesses, each with a comment; run it with `acroscope run {}`",
-            path.display(),
-            path.display()
-        );
+        let guesses = match text.matches("guess: ").count() {
+            0 => "nothing in it is guessed".to_owned(),
+            1 => "one guess, with a comment".to_owned(),
+            more => format!("{more} guesses, each with a comment"),
+        };
+        tell!("{}: {guesses}; run it with `acroscope run {}`", path.display(), path.display());
     }
     Ok(())
 }

@@ -87,6 +87,9 @@ impl Finished<'_> {
             rows: series.rows,
             failed_at: series.failed,
             verdict: self.verdict(series),
+            units: (self.simulation.columns().iter())
+                .filter_map(|column| Some((column.name.clone(), column.unit.clone()?)))
+                .collect(),
             provenance: self.provenance.clone(),
         }
     }
@@ -138,14 +141,16 @@ impl Finished<'_> {
                     .to_owned(),
             );
         }
-        if let Some((name, time, text)) = series.not_finite.first() {
+        let told = self.simulation.notices();
+        let is_told = |name: &str| told.iter().any(|notice| notice.starts_with(&format!("{name} is ")));
+        if let Some((name, time, text)) = series.not_finite.iter().find(|(name, ..)| !is_told(name)) {
             let others = match series.not_finite.len() - 1 {
                 0 => String::new(),
                 more => format!("; {more} more signals are not finite at some time"),
             };
             notes.push(format!("{name} is {text} at t = {} s{others}", short(*time)));
         }
-        notes.extend(self.simulation.notices());
+        notes.extend(told);
         notes
     }
 

@@ -2,6 +2,7 @@
 
 use report::{Provenance, Verdict};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The file, field by field.
 #[derive(Debug, Serialize)]
@@ -18,6 +19,8 @@ pub struct Summary {
     pub failed_at: Option<f64>,
     /// What came of it.
     pub verdict: Verdict,
+    /// Physical units of the columns of `results.csv` that have one.
+    pub units: BTreeMap<String, String>,
     /// Where it comes from.
     pub provenance: Provenance,
 }

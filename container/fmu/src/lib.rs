@@ -15,6 +15,35 @@ use std::ffi::{c_int, c_void};
 /// Why derivatives are not offered.
 const NO_DERIVATIVES: &str = "its flags in modelDescription.xml say so";
 
+// Where the library begins if the system's loader starts it as a program (`build.rs`); see `container::serve`.
+#[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64"))]
+std::arch::global_asm!(
+    ".globl acroscope_container_serve",
+    "acroscope_container_serve:",
+    "xor %ebp, %ebp",
+    "and $-16, %rsp",
+    "call {serve}",
+    "ud2",
+    serve = sym serve,
+    options(att_syntax)
+);
+
+#[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "aarch64"))]
+std::arch::global_asm!(
+    ".globl acroscope_container_serve",
+    "acroscope_container_serve:",
+    "mov x29, #0",
+    "mov x30, #0",
+    "bl {serve}",
+    "brk #1",
+    serve = sym serve
+);
+
+#[cfg(all(target_os = "linux", target_env = "gnu", any(target_arch = "x86_64", target_arch = "aarch64")))]
+extern "C" fn serve() -> ! {
+    container::serve()
+}
+
 macro_rules! functions {
     ($( $name:ident($($argument:ident: $type:ty),* $(,)?) -> $answer:ty = $body:expr; )*) => { $(
         #[unsafe(no_mangle)]

@@ -143,7 +143,7 @@ fn checked(
     }
     let guid = guid.ok_or(Error::Null { argument: "fmuGUID" })?;
     let resources = resources.ok_or(Error::Null { argument: "fmuResourceLocation" })?;
-    let instance = Instance::new(&folder(&String::from_utf8_lossy(resources))?)?;
+    let instance = Instance::in_library(&folder(&String::from_utf8_lossy(resources))?)?;
     match instance.guid().as_bytes() == guid {
         true => Ok(instance),
         false => {

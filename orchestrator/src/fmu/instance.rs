@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::fmu::library::{Callbacks, Component, Functions};
 use crate::fmu::logger::{LogLine, Sink, calloc, free, orchestrator_logger};
-use crate::fmu::{Fmu, Function, Status};
+use crate::fmu::{Fmu, Function, Status, control_word};
 use crate::guard::{self, Label};
 use crate::isolation::Isolation;
 #[cfg(isolation)]
@@ -34,6 +34,8 @@ pub struct Instance {
     warnings: u64,
     name: String,
     label: &'static Label,
+    /// The processor's control word, as it was before there was a unit.
+    word: u32,
     sink: Arc<Sink>,
     // Read by the unit through the pointer it was given; never moved. None for a unit in another process.
     _callbacks: Option<Box<Callbacks>>,
@@ -47,7 +49,7 @@ unsafe impl Send for Instance {}
 
 impl Instance {
     pub(super) fn new(fmu: Fmu, name: &str) -> Result<Self, Error> {
-        let label = guard::label(name);
+        let (label, word) = (guard::label(name), control_word::read());
         let (component, functions, sink, callbacks) = match fmu.isolation() {
             Some(isolation) => Self::made_elsewhere(&fmu, name, isolation)?,
             None => Self::made_here(&fmu, name, label)?,
@@ -59,6 +61,7 @@ impl Instance {
             warnings: 0,
             name: name.into(),
             label,
+            word,
             sink,
             _callbacks: callbacks,
             fmu,
@@ -68,7 +71,7 @@ impl Instance {
     }
 
     fn made_here(fmu: &Fmu, name: &str, label: &'static Label) -> Result<Made, Error> {
-        let functions = fmu.library()?.functions;
+        let functions = fmu.library(label)?.functions;
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
         let (instance_name, guid) = (text(name), text(fmu.guid()));
         let resources = text(&fmu.resource_uri());
@@ -117,6 +120,13 @@ impl Instance {
     fn remote(&mut self) -> Option<&mut Remote> {
         // SAFETY: without callbacks the component is what `Remote::start` made, alive until it is freed.
         self._callbacks.is_none().then(|| unsafe { &mut *self.component.cast::<Remote>() })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn put_control_word_back(&self) {
+        control_word::put_back(self.word);
+        self.label.note_rounding();
     }
 
     /// What stands for the unit while it is called.
@@ -231,14 +241,17 @@ impl Instance {
         Error::Call { unit: self.name.clone(), function, status, time, log: self.sink.lines() }
     }
 
-    /// `fmi2SetupExperiment`.
+    /// `fmi2SetupExperiment`, with the tolerance that the unit's own description proposes, as other masters do: a unit is as
+    /// exact as its maker meant it to be.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
+        let proposed = self.fmu.description().default_experiment.tolerance;
+        let tolerance = proposed.filter(|tolerance| tolerance.is_finite() && *tolerance > 0.0);
         // SAFETY: plain values.
         let status = guard::around(self.label, Function::SetupExperiment, || unsafe {
             (self.functions.setup_experiment)(
                 self.component,
-                0,
-                0.0,
+                c_int::from(tolerance.is_some()),
+                tolerance.unwrap_or(0.0),
                 start,
                 c_int::from(stop.is_some()),
                 stop.unwrap_or(0.0),
@@ -278,6 +291,9 @@ impl Instance {
         guard::calls(Function::DoStep);
         // SAFETY: plain values.
         let status = unsafe { (self.functions.do_step)(self.component, from, size, c_int::from(no_return)) };
+        if control_word::read() != self.word {
+            self.put_control_word_back();
+        }
         if status == 0 { Status::Ok } else { Status::from(status) }
     }
 

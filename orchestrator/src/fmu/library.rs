@@ -1,8 +1,23 @@
 //! The shared library of a unit: its `fmi2…` functions by name, looked up once.
 
+mod lasting;
+
 use crate::error::Error;
+use crate::fmu::control_word;
+use crate::guard::{self, Label};
+use lasting::Before;
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::mem::ManuallyDrop;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Libraries find their own symbols before those of this program.
+static OWN_FIRST: AtomicBool = AtomicBool::new(false);
+
+/// From now on libraries find their own symbols before those of this program, which has some of the same names.
+pub(crate) fn prefer_own_symbols() {
+    OWN_FIRST.store(true, Ordering::Relaxed);
+}
 
 pub(crate) type Component = *mut c_void;
 pub(crate) type State = *mut c_void;
@@ -96,15 +111,20 @@ functions! {
 /// A loaded library with its functions.
 pub(crate) struct Library {
     pub(crate) functions: Functions,
+    /// The instance that it was loaded for.
+    label: &'static Label,
+    before: Before,
     // Unloaded on drop, after the last instance is gone (each holds the unit).
-    _library: libloading::Library,
+    library: ManuallyDrop<libloading::Library>,
 }
 
 impl Library {
-    pub(crate) fn load(path: &Path, unit: &Path) -> Result<Self, Error> {
+    pub(crate) fn load(path: &Path, unit: &Path, label: &'static Label) -> Result<Self, Error> {
         let failed = |reason: String| Error::Library { path: unit.into(), reason };
-        // SAFETY: loading runs the library's initialisers; running the unit is what the user asked for.
-        let library = unsafe { libloading::Library::new(path) }.map_err(|error| {
+        let before = Before::now();
+        // A library's initialisers may set how reals are rounded; that is for the unit's own functions to do.
+        let opened = guard::loading(label, || control_word::kept(|| open(path)));
+        let library = opened.map_err(|error| {
             // The bare text of the loader says which symbol or library is missing.
             let mut reason = std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string);
             if reason.contains("undefined symbol: _Py") || reason.contains("undefined symbol: Py") {
@@ -126,6 +146,29 @@ impl Library {
                 return Err(failed(format!("the library is of FMI version {version}; needed is 2.0")));
             }
         }
-        Ok(Self { functions, _library: library })
+        Ok(Self { functions, label, before, library: ManuallyDrop::new(library) })
     }
+}
+
+impl Drop for Library {
+    fn drop(&mut self) {
+        if self.before.left_something(self.functions.instantiate as *const c_void) {
+            // What runs, or is called, later finds its code.
+            return;
+        }
+        // SAFETY: not used afterwards.
+        guard::loading(self.label, || unsafe { ManuallyDrop::drop(&mut self.library) });
+    }
+}
+
+fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if OWN_FIRST.load(Ordering::Relaxed) {
+        use libloading::os::unix::{Library, RTLD_LAZY, RTLD_LOCAL};
+        // SAFETY: as below.
+        let library = unsafe { Library::open(Some(path), RTLD_LAZY | RTLD_LOCAL | libc::RTLD_DEEPBIND) };
+        return library.map(Into::into);
+    }
+    // SAFETY: loading runs the library's initialisers; running the unit is what the user asked for.
+    unsafe { libloading::Library::new(path) }
 }

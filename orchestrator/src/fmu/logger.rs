@@ -99,7 +99,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Where the library that holds an address lies in memory; 0 if that is not known.
-fn home_of(address: *const c_void) -> usize {
+pub(crate) fn home_of(address: *const c_void) -> usize {
     #[cfg(unix)]
     {
         // SAFETY: the structure is plain data that the call fills; any address may be asked for.

@@ -6,6 +6,7 @@
 mod archive;
 mod attributes;
 mod call;
+pub(crate) mod control_word;
 mod description;
 mod doubts;
 mod function;
@@ -31,6 +32,7 @@ pub use state::SavedState;
 pub use workshop::discard_unpacked;
 
 use crate::error::Error;
+use crate::guard::Label;
 use crate::isolation::Isolation;
 use archive::Archive;
 use library::Library;
@@ -176,12 +178,13 @@ impl Fmu {
         Instance::new(self.clone(), name)
     }
 
-    fn library(&self) -> Result<&Library, Error> {
+    /// The library, loaded if it was not; `label` is the instance that asks.
+    fn library(&self, label: &'static Label) -> Result<&Library, Error> {
         let inner = &*self.inner;
         if let Some(library) = inner.library.get() {
             return Ok(library);
         }
-        let library = Library::load(&self.library_file()?, &inner.path)?;
+        let library = Library::load(&self.library_file()?, &inner.path, label)?;
         Ok(inner.library.get_or_init(|| library))
     }
 

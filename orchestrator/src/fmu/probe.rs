@@ -25,9 +25,10 @@ impl Fmu {
     /// # Errors
     /// If the library can't be loaded.
     pub fn free_nothing(&self) -> Result<(), Error> {
-        let free = self.library()?.functions.free_instance;
+        let label = guard::label("none");
+        let free = self.library(label)?.functions.free_instance;
         // SAFETY: the standard has a null pointer passed over.
-        guard::around(guard::label("none"), Function::FreeInstance, || unsafe { free(ptr::null_mut()) });
+        guard::around(label, Function::FreeInstance, || unsafe { free(ptr::null_mut()) });
         Ok(())
     }
 }

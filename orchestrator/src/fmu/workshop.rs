@@ -33,6 +33,13 @@ pub(crate) struct Workshop {
     _lock: File,
 }
 
+#[cfg(unix)]
+impl Drop for Workshop {
+    fn drop(&mut self) {
+        crate::guard::unpacked_in(None);
+    }
+}
+
 /// A folder for one unit. Dropping it deletes it.
 #[derive(Debug)]
 pub(crate) struct Bench {
@@ -62,6 +69,8 @@ impl Workshop {
         sweep(&temporary);
         let folder = TempDir::with_prefix_in(PREFIX, &temporary)?;
         let lock = locked(folder.path())?;
+        #[cfg(unix)]
+        crate::guard::unpacked_in(Some(folder.path()));
         let workshop = Arc::new(Self { folder, _lock: lock });
         *current = Arc::downgrade(&workshop);
         Ok(workshop)

@@ -67,7 +67,7 @@ impl Remote {
         sink: Arc<Sink>,
     ) -> Result<(Component, Functions), Error> {
         let failed = |reason: String| Error::Library { path: fmu.path().into(), reason };
-        let (program, arguments) = super::host().map_err(failed)?;
+        let super::Host { program, arguments } = super::host(isolation).map_err(failed)?;
         let library = fmu.library_file()?;
         let shared = Shared::new().map_err(|error| failed(format!("no shared memory: {error}")))?;
         let mut command = Command::new(&program);
@@ -179,12 +179,21 @@ impl Remote {
         self.shared.hand_to(Side::Server);
         let mut limit = None;
         while !self.shared.wait_for(Side::Client, LOOK) {
-            if let Ok(Some(status)) = self.child.try_wait() {
+            let ended = match self.child.try_wait() {
+                Ok(None) => None,
+                Ok(Some(status)) => Some(super::death::how(status, &self.isolation)),
+                // Somebody else in this process asked first, or has the system ask nobody.
+                Err(_) => Some(
+                    "ended; how is not known, since another part of this program waits for its children"
+                        .into(),
+                ),
+            };
+            if let Some(how) = ended {
                 // It may have answered before it went.
                 if self.shared.wait_for(Side::Client, Duration::ZERO) {
                     break;
                 }
-                self.die(super::death::how(status, &self.isolation), false);
+                self.die(how, false);
                 return false;
             }
             let limit = *limit.get_or_insert_with(|| Instant::now() + self.isolation.step_limit);

@@ -1,6 +1,7 @@
 //! Memory that two processes share, and whose turn it is in it. One side writes a request and hands over, the other one
 //! answers and hands back; who waits looks for a while before it sleeps, since most answers come within microseconds.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
@@ -42,14 +43,54 @@ const BODY: usize = 1 << 30;
 const PARTS: [(usize, usize); 3] = [(4096, LOG), (4096 + LOG, BODY), (4096 + LOG + BODY, BODY)];
 const WHOLE: usize = 4096 + LOG + 2 * BODY;
 
-/// How often the turn is looked at before going to sleep: some 10 to 20 µs.
-const LOOKS: u32 = 400;
+/// How often the turn is looked at before going to sleep, at most: some 100 µs. Where both sides have a processor of their own an
+/// answer comes within a microsecond, and sleeping would take twenty. Where they don't, looking keeps the other side from its work, so
+/// each wait in vain looks less, down to none at all.
+const MOST_LOOKS: u32 = 4000;
+/// With fewer looks than this no answer comes: none are made.
+const FEWEST_LOOKS: u32 = 100;
+/// One wait in so many looks again, and as often as this: the processors may have become free.
+const AGAIN: (u32, u32) = (100, 1000);
+
+/// How often to look, from what came of looking before.
+struct Looks {
+    now: Cell<u32>,
+    waits: Cell<u32>,
+    most: u32,
+}
+
+impl Looks {
+    fn new(most: u32) -> Self {
+        Self { now: Cell::new(most), waits: Cell::new(0), most }
+    }
+
+    /// Looks; whether what was looked for came.
+    fn look(&self, came: impl Fn() -> bool) -> bool {
+        if self.now.get() == 0 {
+            self.waits.set(self.waits.get() + 1);
+            if !self.waits.get().is_multiple_of(AGAIN.0) {
+                return came();
+            }
+            self.now.set(self.most.min(AGAIN.1));
+        }
+        for _ in 0..self.now.get() {
+            if came() {
+                self.now.set((2 * self.now.get()).min(self.most));
+                return true;
+            }
+            std::hint::spin_loop();
+        }
+        let fewer = self.now.get() / 4;
+        self.now.set(if fewer < FEWEST_LOOKS { 0 } else { fewer });
+        false
+    }
+}
 
 /// The memory, mapped.
 pub(super) struct Shared {
     base: *mut u8,
     file: OwnedFd,
-    looks: u32,
+    looks: Looks,
 }
 
 // SAFETY: the mapping belongs to its owner and goes with it; each side writes only in its turn.
@@ -83,7 +124,7 @@ impl Shared {
         }
         // On one processor the other side can't answer while this one looks.
         let alone = std::thread::available_parallelism().is_ok_and(|count| count.get() == 1);
-        Ok(Self { base: base.cast(), file, looks: if alone { 0 } else { LOOKS } })
+        Ok(Self { base: base.cast(), file, looks: Looks::new(if alone { 0 } else { MOST_LOOKS }) })
     }
 
     /// The descriptor, for the other process.
@@ -127,11 +168,8 @@ impl Shared {
     pub(super) fn wait_for(&self, side: Side, at_most: Duration) -> bool {
         let header = self.header();
         let mine = || header.turn.load(Ordering::SeqCst) == side as u32;
-        for _ in 0..self.looks {
-            if mine() {
-                return true;
-            }
-            std::hint::spin_loop();
+        if self.looks.look(mine) {
+            return true;
         }
         let asleep = &header.asleep[side as usize];
         asleep.store(1, Ordering::SeqCst);
@@ -161,5 +199,30 @@ impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: mapped by this value, and used no more.
         unsafe { libc::munmap(self.base.cast(), WHOLE) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AGAIN, Looks, MOST_LOOKS};
+    use std::cell::Cell;
+
+    #[test]
+    fn law_looking_in_vain_stops_and_begins_again() {
+        let looks = Looks::new(MOST_LOOKS);
+        let seen = Cell::new(0);
+        let never = || {
+            seen.set(seen.get() + 1);
+            false
+        };
+        assert!(!looks.look(never) && seen.take() == MOST_LOOKS);
+        // A quarter, a sixteenth, and then just once a wait, until it is tried again.
+        let waits: Vec<u32> = (0..102).map(|_| (looks.look(never), seen.take()).1).collect();
+        assert_eq!(waits[..3], [MOST_LOOKS / 4, MOST_LOOKS / 16, 1]);
+        assert_eq!(waits[2..].iter().position(|looks| *looks > 1), Some(AGAIN.0 as usize - 1));
+        assert!(looks.look(|| true) && looks.look(|| true) && looks.look(|| true));
+        assert!(!looks.look(never) && seen.take() > MOST_LOOKS / 4, "it pays, so it looks more");
+        let alone = Looks::new(0);
+        assert!((0..1000).all(|_| !alone.look(never) && seen.take() <= 1), "one processor");
     }
 }

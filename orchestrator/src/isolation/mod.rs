@@ -34,17 +34,28 @@ pub struct Isolation {
     pub step_limit: Duration,
     /// Bytes of memory that the process may have; `None`: as many as there are.
     pub memory_limit: Option<u64>,
+    /// What serves the unit; `None`: what was registered with [`host_units`].
+    pub host: Option<Host>,
+}
+
+/// A program that serves units: started with these arguments, it comes by [`host_units`] or [`serve_units`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Host {
+    /// Its file.
+    pub program: PathBuf,
+    /// What it is started with.
+    pub arguments: Vec<OsString>,
 }
 
 /// Half a minute a call: a step that takes longer is hardly one that comes back.
 impl Default for Isolation {
     fn default() -> Self {
-        Self { step_limit: Duration::from_secs(30), memory_limit: None }
+        Self { step_limit: Duration::from_secs(30), memory_limit: None, host: None }
     }
 }
 
-/// The program that serves units, and its arguments.
-static HOST: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
+/// The program that serves units.
+static HOST: OnceLock<Host> = OnceLock::new();
 
 /// Serves a unit and never returns, if this process was started for that. Else this program, started again with
 /// `arguments` that lead it here, will serve the units that are to be isolated. To be called first in `main`.
@@ -62,6 +73,13 @@ pub fn host_units_by(program: PathBuf, arguments: impl IntoIterator<Item = impl 
     register(program, arguments);
 }
 
+/// Serves a unit and never returns, if this process was started for that; nothing else. For a program that has functions of FMI
+/// of its own: units find theirs first.
+pub fn serve_units() {
+    crate::fmu::library::prefer_own_symbols();
+    serve_if_asked();
+}
+
 fn serve_if_asked() {
     #[cfg(isolation)]
     if let Some(descriptor) = std::env::var(server::MEMORY).ok().and_then(|text| text.parse().ok()) {
@@ -71,12 +89,12 @@ fn serve_if_asked() {
 
 fn register(program: PathBuf, arguments: impl IntoIterator<Item = impl Into<OsString>>) {
     let arguments = arguments.into_iter().map(Into::into).collect();
-    HOST.get_or_init(|| (program, arguments));
+    HOST.get_or_init(|| Host { program, arguments });
 }
 
-/// The program that serves units; an error is why there is none.
-fn host() -> Result<(PathBuf, Vec<OsString>), String> {
-    HOST.get().cloned().ok_or_else(|| {
+/// The program that serves a unit; an error is why there is none.
+fn host(isolation: &Isolation) -> Result<Host, String> {
+    isolation.host.as_ref().or_else(|| HOST.get()).cloned().ok_or_else(|| {
         "it is to run in a process of its own, but this program does not call orchestrator::host_units".into()
     })
 }

@@ -4,7 +4,8 @@ use super::memory::{Part, Shared, Side};
 use super::message::{Reader, Writer};
 use crate::fmu::library::{Callbacks, Component, Functions, Library, State};
 use crate::fmu::logger::{self, LogLine, Sink, calloc, free, orchestrator_logger};
-use crate::fmu::{Function, Status};
+use crate::fmu::{Function, Status, control_word};
+use crate::guard;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::io::Read as _;
 use std::os::fd::{FromRawFd, OwnedFd};
@@ -98,7 +99,7 @@ fn answered(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writ
     }
     let unit = unit.as_mut()?;
     // SAFETY: the arguments are read as the client wrote them, with the lengths that are given.
-    let status = unsafe { call(unit, function, request, answer) };
+    let status = control_word::kept(|| unsafe { call(unit, function, request, answer) });
     if status.is_none() {
         // Asked for what the library lacks, or in words that make no sense.
         answer.number(u64::from(3u32));
@@ -109,7 +110,7 @@ fn answered(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writ
 fn instantiate(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writer<'_>) -> Option<c_int> {
     let mut text = || Some(String::from_utf8_lossy(request.bytes()?).into_owned());
     let (library, name, guid, resources) = (text()?, text()?, text()?, text()?);
-    let library = match Library::load(Path::new(&library), Path::new(&library)) {
+    let library = match Library::load(Path::new(&library), Path::new(&library), guard::label(&name)) {
         Ok(library) => library,
         Err(error) => {
             answer.number(0);

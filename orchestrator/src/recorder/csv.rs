@@ -45,9 +45,16 @@ impl CsvRecorder<File> {
     pub fn resume(path: impl AsRef<Path>, position: Position) -> Result<Self, Error> {
         let path = path.as_ref();
         let open = || {
-            let mut sink = File::options().write(true).open(path)?;
+            let gone =
+                "it is gone, though the checkpoint goes on with it; without --resume the run begins anew";
+            let mut sink = File::options().write(true).open(path).map_err(|error| match error.kind() {
+                io::ErrorKind::NotFound => io::Error::other(gone),
+                _ => error,
+            })?;
             if sink.metadata()?.len() < position.bytes {
-                return Err(io::Error::other("it is shorter than at the checkpoint"));
+                return Err(io::Error::other(
+                    "it is shorter than at the checkpoint; without --resume the run begins anew",
+                ));
             }
             sink.set_len(position.bytes)?;
             sink.seek(io::SeekFrom::End(0))?;

@@ -84,7 +84,7 @@ pub fn compile(source: &str) -> Vec<u8> {
     let status = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
         .args([&library, &source])
-        .arg("-lm")
+        .args(["-lm", "-lpthread"])
         .status()
         .expect("a C compiler");
     assert!(status.success(), "{} compiles", source.display());

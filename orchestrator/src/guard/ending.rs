@@ -1,0 +1,153 @@
+//! The end of the process that a unit brings about: a word, the rows, nothing left behind. All of it may run in a signal handler.
+
+use super::{GUARDED, Ordering, RESCUE, RUNNING, Running, called, under_way};
+use std::ffi::{CString, c_char, c_int};
+use std::path::Path;
+use std::ptr;
+use std::sync::atomic::{AtomicI32, AtomicPtr};
+
+/// The folder in which units are unpacked, as a C string that is never freed; null if there is none.
+static UNPACKED: AtomicPtr<c_char> = AtomicPtr::new(ptr::null_mut());
+/// Exit status of a program that has done its work, and one more; 0 before that.
+static DONE: AtomicI32 = AtomicI32::new(0);
+
+/// Where units are unpacked from now on: to be removed at an end of the process that nobody expects.
+pub(crate) fn unpacked_in(folder: Option<&Path>) {
+    use std::os::unix::ffi::OsStrExt as _;
+    let path = folder.and_then(|folder| CString::new(folder.as_os_str().as_bytes()).ok());
+    UNPACKED.store(path.map_or(ptr::null_mut(), CString::into_raw), Ordering::Relaxed);
+}
+
+/// The program has done its work: what libraries do when they go changes its exit status no more.
+pub(super) fn done(status: u8) {
+    DONE.store(i32::from(status) + 1, Ordering::Relaxed);
+}
+
+pub(super) fn is_guarded() -> bool {
+    // SAFETY: takes and changes nothing.
+    GUARDED.load(Ordering::Relaxed) == unsafe { libc::getpid() }
+}
+
+/// A signal that stands for a crash has come to this thread. Returns if it is nobody's unit that it met.
+pub(super) fn crashed(what: &str) {
+    let done = DONE.load(Ordering::Relaxed);
+    if done > 0 {
+        say(&["\nnote: all is done, but a library of a unit ", what, " when it was unloaded\n"]);
+        leave(done - 1);
+    }
+    if !is_guarded() {
+        return;
+    }
+    if under_way().is_some() {
+        end(what);
+    }
+    say(&[
+        "\nerror: the program ",
+        what,
+        " outside of any call into a unit, perhaps in a thread that a unit has started",
+    ]);
+    // The runs whose units are being called are at rest, most likely.
+    if let Ok(running) = RUNNING.try_lock() {
+        for Running { unit, function, rescue } in running.iter() {
+            // SAFETY: a run on the list has not ended.
+            unsafe {
+                if let (Some((unit, function)), Some(rows)) = (called(&**unit, &**function), rescue.rows) {
+                    (rows.write)(rows.recorder);
+                    say(&["; unit ", unit, " was in ", function, ", the rows up to there are kept"]);
+                }
+            }
+        }
+    }
+    say(&["; in a process of its own (isolate = true, --isolate) a unit harms nobody else\n"]);
+    remove_unpacked();
+}
+
+/// Something has called `exit`.
+pub(super) extern "C" fn on_exit() {
+    if is_guarded() {
+        end("ended the program by calling exit");
+    }
+}
+
+/// Ends the process as the C library's `_exit` does; of a unit, the word comes first.
+pub(super) fn exit_at_once(status: c_int) -> ! {
+    if is_guarded() && under_way().is_some() {
+        end("ended the program by calling _exit");
+    }
+    leave(match DONE.load(Ordering::Relaxed) {
+        0 => status,
+        done => done - 1,
+    })
+}
+
+/// Says what happened, has the rows written, and ends the process. Calls only what a signal handler may.
+fn end(what: &str) -> ! {
+    // Only once, whatever happens below.
+    GUARDED.store(0, Ordering::Relaxed);
+    let rescue = RESCUE.get();
+    match under_way() {
+        Some((unit, function)) => say(&["\nerror: unit ", unit, ": it ", what, " in ", function]),
+        None => say(&["\nerror: a unit, or a library that it brought, ", what]),
+    }
+    if let Some(rescue) = rescue {
+        // SAFETY: the run that registered this has not ended, so its time and its recorder are where they were.
+        unsafe {
+            let mut buffer = zmij::Buffer::new();
+            say(&[" after t = ", buffer.format(ptr::read_volatile(rescue.time)), " s"]);
+            if let Some(rows) = rescue.rows {
+                (rows.write)(rows.recorder);
+                say(&["; the rows up to there are kept"]);
+            }
+        }
+    }
+    say(&["; in a process of its own (isolate = true, --isolate) it would tell more\n"]);
+    remove_unpacked();
+    leave(1)
+}
+
+/// Removes the unpacked units by a program of the system: in a signal handler nothing else may walk through folders. Where that is
+/// missing, the next run sweeps.
+fn remove_unpacked() {
+    let folder = UNPACKED.swap(ptr::null_mut(), Ordering::Relaxed);
+    if folder.is_null() {
+        return;
+    }
+    let program = c"/bin/rm";
+    let arguments = [program.as_ptr(), c"-rf".as_ptr(), c"--".as_ptr(), folder.cast_const(), ptr::null()];
+    let (mut process, nothing) = (0, [ptr::null_mut()]);
+    // SAFETY: strings that end in zero, lists that end in null; what the call answers is looked at.
+    unsafe {
+        let arguments = arguments.as_ptr().cast::<*mut c_char>();
+        let started = libc::posix_spawn(
+            &mut process,
+            program.as_ptr(),
+            ptr::null(),
+            ptr::null(),
+            arguments,
+            nothing.as_ptr(),
+        );
+        if started == 0 {
+            libc::waitpid(process, ptr::null_mut(), 0);
+        }
+    }
+}
+
+/// To the standard error.
+fn say(parts: &[&str]) {
+    for part in parts {
+        // SAFETY: the bytes are there; if nobody reads them, there is nothing to be done.
+        unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
+    }
+}
+
+fn leave(status: c_int) -> ! {
+    loop {
+        // SAFETY: ends the process, without the exported `_exit`.
+        unsafe {
+            #[cfg(any(target_os = "linux", target_os = "android"))]
+            libc::syscall(libc::SYS_exit_group, status);
+            #[cfg(not(any(target_os = "linux", target_os = "android")))]
+            libc::_Exit(status);
+        }
+    }
+}

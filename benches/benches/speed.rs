@@ -1,13 +1,14 @@
 //! Measures everything and writes the page: `scripts/bench.sh`, or `cargo bench -p benches [-- SECTION ...]` with the
-//! sections frame, master, loop, sweep, estimator, diagnosis; with sections named, the page is not written.
+//! sections frame, master, isolated, loop, sweep, estimator, diagnosis; with sections named, the page is not written.
 
-use benches::{Row, closed_loop, diagnosis, estimator, frame, master, page, peer, sweep};
+use benches::{Row, closed_loop, diagnosis, estimator, frame, isolated, master, page, peer, sweep};
 
 type Section = (&'static str, fn() -> Vec<Row>);
 
-const SECTIONS: [Section; 6] = [
+const SECTIONS: [Section; 7] = [
     ("frame", frame::rows),
     ("master", master::rows),
+    ("isolated", isolated::rows),
     ("loop", || closed_loop::rows(env!("CARGO_BIN_EXE_counted"))),
     ("sweep", sweep::rows),
     ("estimator", estimator::rows),
@@ -15,6 +16,8 @@ const SECTIONS: [Section; 6] = [
 ];
 
 fn main() {
+    // First, since this process may be that of a unit.
+    orchestrator::host_units(["(the process of a unit)"]);
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     if let [flag, stop] = &arguments[..]
         && flag == "--memory"

@@ -8,6 +8,7 @@ pub mod diagnosis;
 pub mod estimator;
 pub mod feedthrough;
 pub mod frame;
+pub mod isolated;
 pub mod master;
 pub mod page;
 pub mod peer;

@@ -113,10 +113,19 @@ impl Ring {
 
     /// Three of them in a ring, for a number of steps, with variables to record.
     pub fn simulation(&self, steps: i64, record: &str) -> Simulation {
+        self.built(steps, record, "")
+    }
+
+    /// The same, each of them in a process of its own.
+    pub fn isolated(&self, steps: i64) -> Simulation {
+        self.built(steps, "", "isolate = true\n")
+    }
+
+    fn built(&self, steps: i64, record: &str, more: &str) -> Simulation {
         let mut text = format!("format = 1\nexperiment = {{ stop = \"{steps}/1000\" }}\n");
         for name in ["a", "b", "c"] {
             text.push_str(&format!(
-                "[[units]]\nname = \"{name}\"\nfmu = \"ring.fmu\"\ninterval = \"1/1000\"\n"
+                "[[units]]\nname = \"{name}\"\nfmu = \"ring.fmu\"\ninterval = \"1/1000\"\n{more}"
             ));
         }
         for (from, to) in [("c", "a"), ("a", "b"), ("b", "c")] {

@@ -115,6 +115,12 @@ fn law_what_nobody_proposes_is_a_guess_that_says_so() {
         assert!(text.contains(line), "{line} in {text}");
     }
     assert_eq!(run(&path, &text, "1").times().len(), 101);
+    // What lay in memory when the description was written is no time.
+    let odd = "<DefaultExperiment startTime=\"6.36599e-314\" stepSize=\"1e-310\"/>";
+    let odd = draft(&[other(&units, "odd.fmu", &[(experiment, odd)])], &path).expect("drafts");
+    for line in ["start = 0.0 # guess", "interval = 0.01 # s, guess: its description proposes none"] {
+        assert!(odd.contains(line), "{line} in {odd}");
+    }
     let long = other(&units, "long.fmu", &[("stopTime=\"2\"", "stopTime=\"7\"")]);
     let short = other(&units, "short.fmu", &[]);
     let text = draft(&[long, short], &path).expect("drafts");

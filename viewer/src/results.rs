@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::frames::{self, Frame};
 use orchestrator::Scenario;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A run as it lies in its folder.
@@ -17,6 +18,8 @@ pub struct Results {
     pub times: Vec<f64>,
     /// Names and values of the other columns. What is no number is NaN.
     pub columns: Vec<(String, Vec<f64>)>,
+    /// Physical units of columns, where the run said them.
+    pub units: BTreeMap<String, String>,
     /// Pictures that were kept, in order.
     pub frames: Vec<Frame>,
 }
@@ -34,8 +37,11 @@ impl Results {
         let summary = summary(&folder.join("summary.json"))?;
         let said = |path: &str| summary.pointer(path).and_then(|value| value.as_str()).map(str::to_owned);
         let title = said("/title").unwrap_or_else(|| scenario.description.clone());
+        let units = summary.get("units").and_then(|units| units.as_object()).into_iter().flatten();
+        let units =
+            units.filter_map(|(name, unit)| Some((name.clone(), unit.as_str()?.to_owned()))).collect();
         let frames = frames::read(&folder.join("frames"))?;
-        Ok(Self { title, verdict: said("/verdict/words"), scenario, times, columns, frames })
+        Ok(Self { title, verdict: said("/verdict/words"), scenario, times, columns, units, frames })
     }
 
     /// The time at which it failed by its scenario's own rule.

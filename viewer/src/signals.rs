@@ -115,7 +115,7 @@ fn wished(run: &Results) -> Wished {
     wished
 }
 
-/// The columns of each unit that move, each by itself: results don't say their units of measurement, and volts don't go with radians.
+/// The columns of each unit that move, each by itself: volts don't go with radians.
 fn usual(run: &Results) -> Wished {
     let mut graphs = Vec::new();
     for unit in &run.scenario.units {
@@ -126,7 +126,8 @@ fn usual(run: &Results) -> Wished {
         for (name, _) in of_unit {
             let label = name[beginning.len()..].to_owned();
             let wish = Wish { label: label.clone(), signal: name.clone(), minus: None, style: Style::Solid };
-            graphs.push((name.clone(), label, vec![wish]));
+            let axis = run.units.get(name).map_or(label.clone(), |unit| format!("{label} in {unit}"));
+            graphs.push((name.clone(), axis, vec![wish]));
         }
     }
     graphs.truncate(GRAPHS);

@@ -30,6 +30,11 @@ fn time(value: f64) -> String {
     }
 }
 
+/// Whether a run can begin or end there: some units propose what lay in memory, such as 6.4e-314 s.
+fn is_a_time(value: f64) -> bool {
+    value.is_finite() && Rational::recover(&format!("{value:?}")).is_some()
+}
+
 /// The times that units propose, with their names.
 fn proposed(
     units: &[Unit],
@@ -37,7 +42,7 @@ fn proposed(
 ) -> Vec<(&str, f64)> {
     let all = units.iter().filter_map(|unit| {
         let value = of(&unit.fmu.description().default_experiment)?;
-        value.is_finite().then_some((unit.name.as_str(), value))
+        is_a_time(value).then_some((unit.name.as_str(), value))
     });
     all.collect()
 }
@@ -76,7 +81,7 @@ pub(super) fn interval(unit: &Unit, lasts: f64) -> Guess {
         true => "",
         false => "; its steps must not differ",
     };
-    match experiment.step_size.filter(|step| step.is_finite() && *step > 0.0) {
+    match experiment.step_size.filter(|step| is_a_time(*step) && *step > 0.0) {
         Some(step) if step <= lasts => Guess::new(step, format!("s, from its DefaultExperiment{fixed}")),
         Some(step) => Guess::new(lasts, format!("s, guess: its own {step} s is longer than the run{fixed}")),
         None => {

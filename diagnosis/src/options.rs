@@ -1,6 +1,7 @@
 //! What a user may choose of a diagnosis, whoever makes it.
 
 use crate::rigs::acrobot::earlier::Earlier;
+use orchestrator::Isolation;
 use std::time::{Duration, Instant};
 
 /// What a user may choose.
@@ -14,6 +15,8 @@ pub struct Options {
     pub earlier: Option<Earlier>,
     /// How long searches may take.
     pub budget: Budget,
+    /// Units in processes of their own, within limits; any unit's data sets only. A scenario says so for its units by itself, too.
+    pub isolation: Option<Isolation>,
     /// Parameters to be fitted in place of a search; any unit's data sets only.
     pub fit: Vec<String>,
 }
@@ -48,6 +51,13 @@ impl Budget {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { without: Vec::new(), frames: 2400, earlier: None, budget: Budget::Unlimited, fit: Vec::new() }
+        Self {
+            without: Vec::new(),
+            frames: 2400,
+            earlier: None,
+            budget: Budget::Unlimited,
+            isolation: None,
+            fit: Vec::new(),
+        }
     }
 }

@@ -53,6 +53,8 @@ fn run() -> Linearised {
         observe: numbers.some(measured.len() * n, 1.0),
         direct: numbers.some(measured.len() * p, 0.3),
         start: (numbers.some(n, 0.3), vec![0.8, 1.2, 0.5]),
+        // behind one interval the state is as unknown as the first
+        torn: (0..rows - 1).map(|row| row == 2).collect(),
         time,
         first,
         measured,
@@ -77,7 +79,8 @@ fn dense(run: &Linearised, noise: &Noise) -> Dense {
     let (n, p, rows) = (run.states, run.parameters, run.rows());
     let used: Vec<usize> = (0..run.measured.len()).filter(|v| run.measured[*v].weight > 0.0).collect();
     let wide = n + 1;
-    let all = wide + (rows - 1) * wide + used.len();
+    let noises = wide + (rows - 1) * wide + used.len();
+    let all = noises + (rows - 1) * n;
     let mut state = DMatrix::zeros(wide, all);
     let mut mean = DVector::zeros(wide);
     let mut sensitivity = DMatrix::zeros(wide, p);
@@ -132,7 +135,10 @@ fn dense(run: &Linearised, noise: &Noise) -> Dense {
             }
             w[(i, wide + row * wide + i)] = noise.process[i] / dt.sqrt();
         }
-        let pushed = &g * &w + state.rows(0, n);
+        let mut pushed = &g * &w + state.rows(0, n);
+        if run.is_torn(row) {
+            (0..n).for_each(|i| pushed[(i, noises + row * n + i)] = run.start.1[i]);
+        }
         state.rows_mut(0, n).copy_from(&pushed);
         out.process.push(w);
         if let Some(d) = noise.disturbance {
@@ -213,6 +219,7 @@ fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
         observe: vec![0.0; rows],
         direct: vec![1.0; rows],
         start: (vec![0.0], vec![1.0]),
+        torn: Vec::new(),
     }
 }
 

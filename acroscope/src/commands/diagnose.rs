@@ -6,6 +6,7 @@ use crate::folder::Folder;
 use crate::request::folder_name;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use orchestrator::Isolation;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -20,7 +21,10 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     let folder = Folder::make(&out)?;
     let spinner = spinner(quiet);
     let earlier = arguments.after.as_deref().map(Earlier::load).transpose()?;
+    let limit = arguments.step_limit.map(Duration::from_secs_f64);
+    let step_limit = limit.unwrap_or(Isolation::default().step_limit);
     let options = Options {
+        isolation: arguments.isolate.then(|| Isolation { step_limit, ..Isolation::default() }),
         without: arguments.without.clone(),
         earlier,
         budget: arguments.budget.map_or(Budget::EachRun(MINUTE), Budget::All),

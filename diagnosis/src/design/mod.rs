@@ -217,8 +217,14 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
         values: values.clone(),
         hold: input.hold,
     });
-    let mut grid =
-        Grid { name: "next".into(), time: time.to_vec(), samples: Vec::new(), inputs: inputs.collect() };
+    let mut grid = Grid {
+        name: "next".into(),
+        origin: time[0],
+        torn: vec![false; time.len().saturating_sub(1)],
+        time: time.to_vec(),
+        samples: Vec::new(),
+        inputs: inputs.collect(),
+    };
     let states: Vec<f64> = machine.states.iter().map(|state| state.nominal).collect();
     let schedule = Schedule::new(machine, &grid, theta);
     let set = engine.set(theta);

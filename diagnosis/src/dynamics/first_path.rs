@@ -60,7 +60,7 @@ impl Engine {
                     let effect = effects[sample.channel];
                     let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
                     let observe = columns.row(entry).transpose() * effect.gain;
-                    let shown = effect.shown(base[entry], sample.time - grid.time[0]);
+                    let shown = effect.shown(base[entry], sample.time - grid.origin);
                     let gain = &covariance * &observe;
                     let spread = observe.dot(&gain) + noise.variance(sample.channel, 0.0);
                     let innovation = sample.value - shown - observe.dot(&(&state - &before));
@@ -91,7 +91,8 @@ impl Engine {
                     };
                     covariance = &transition * &covariance * transition.transpose();
                     for i in 0..n {
-                        covariance[(i, i)] += noise.process[i] * noise.process[i] * dt;
+                        let anew = if grid.torn[row] { sd[i] * sd[i] } else { 0.0 };
+                        covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
                     }
                     covariance = 0.5 * (&covariance + covariance.transpose());
                 }

@@ -67,10 +67,45 @@ pub struct Grid {
     pub samples: Vec<Sample>,
     /// Fed inputs, as [`Machine::inputs`].
     pub inputs: Vec<Course>,
+    /// When the run begins, s: drifts count from there.
+    pub origin: f64,
+    /// Whether rows are missing after each row, with what was fed meanwhile.
+    pub torn: Vec<bool>,
 }
 
 /// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
 const SAME: f64 = FINE;
+
+/// Intervals of more than so many usual ones lack rows; from the second number on whatever the inputs are before and after.
+const MISSING: (f64, f64) = (1.8, 3.5);
+/// Where more than this share of the intervals would lack rows, the log is irregular and none of them does.
+const SELDOM: f64 = 0.02;
+
+/// Intervals in which rows are missing, and with them what a held input was that is logged row by row.
+fn torn(machine: &Machine, time: &[f64], inputs: &[Course]) -> Vec<bool> {
+    let usual = |time: &[f64]| {
+        let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(f64::INFINITY)
+    };
+    let row = usual(time);
+    let held = machine.inputs.iter().zip(inputs).filter(|(input, course)| {
+        input.channel.is_some() && course.hold == Hold::Zero && usual(&course.time) < MISSING.0 * row
+    });
+    let held: Vec<&Course> = held.map(|(_, course)| course).collect();
+    let lacks = |pair: &[f64]| {
+        let (from, to) = (pair[0], pair[1]);
+        let long = (to - from) / row;
+        long > MISSING.0
+            && held.iter().any(|course| {
+                let logged = course.time.iter().any(|time| from < *time && *time < to);
+                !logged && (long > MISSING.1 || course.value(from) != course.value(to))
+            })
+    };
+    let torn: Vec<bool> = time.windows(2).map(lacks).collect();
+    let count = torn.iter().filter(|torn| **torn).count();
+    if count as f64 > SELDOM * torn.len() as f64 { vec![false; torn.len()] } else { torn }
+}
 
 impl Grid {
     /// Of a run, between two times.
@@ -93,7 +128,7 @@ impl Grid {
             }
             sample.time = time[row];
         }
-        let inputs = machine
+        let inputs: Vec<Course> = machine
             .inputs
             .iter()
             .map(|input| {
@@ -106,7 +141,10 @@ impl Grid {
                 Course { time, values, hold: input.hold }
             })
             .collect();
-        Self { name: run.name.clone(), time, samples, inputs }
+        let torn = torn(machine, &time, &inputs);
+        let begins = machine.channels.iter().filter_map(|output| run.series[output.channel].time.first());
+        let origin = begins.copied().fold(f64::INFINITY, f64::min);
+        Self { name: run.name.clone(), time, samples, inputs, origin, torn }
     }
 
     /// Length, s.

@@ -234,7 +234,7 @@ impl Around<'_> {
         let around = (row.saturating_sub(1), next);
         let slope =
             (shown[around.1] - shown[around.0]) / (grid.time[around.1] - grid.time[around.0]).max(1e-300);
-        let since = sample.time - grid.time[0];
+        let since = sample.time - grid.origin;
         out.measured[value] = Measured {
             residual: sample.value - effect.shown(level, since),
             slope: effect.gain * slope,

@@ -280,6 +280,7 @@ impl Engine {
             parameters: p,
             time: grid.time.clone(),
             first: vec![0],
+            torn: grid.torn.clone(),
             start: self.start(run, path),
             ..Linearised::default()
         };
@@ -303,7 +304,7 @@ impl Engine {
                 let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
                 let value = parts[row].base[entry];
                 let slope = slope(parts, grid, row, n + sample.channel);
-                let since = sample.time - grid.time[0];
+                let since = sample.time - grid.origin;
                 let outlier = self.outliers[run].get(at.sample).copied().unwrap_or(false);
                 out.measured.push(Measured {
                     channel: sample.channel,

@@ -20,6 +20,8 @@ pub struct Reference {
 /// One unit of the nominal model.
 #[derive(Debug, Clone)]
 pub struct Unit {
+    /// Name of its instances.
+    pub name: String,
     /// The unit.
     pub fmu: Fmu,
     /// Values that differ from its start values.
@@ -156,7 +158,8 @@ impl Machine {
             .map(|(unit, fmu)| {
                 let own = model.set.iter().filter(|(id, _)| id.unit == unit);
                 let settings = own.map(|(id, value)| (model.variable(*id).reference, value.clone()));
-                Unit { fmu: fmu.clone(), settings: settings.collect() }
+                let name = model.scenario.units[unit].name.clone();
+                Unit { name, fmu: fmu.clone(), settings: settings.collect() }
             })
             .collect();
         let (mut inputs, mut channels) = (Vec::new(), Vec::new());

@@ -75,7 +75,7 @@ impl Engine {
             let values: Vec<f64> = rows.iter().skip(channel).step_by(channels).copied().collect();
             let sensed = super::sensed(&grid.time, &values, effect.delay, effect.lag);
             for (row, value) in sensed.into_iter().enumerate() {
-                shown[row * channels + channel] = effect.shown(value, grid.time[row] - grid.time[0]);
+                shown[row * channels + channel] = effect.shown(value, grid.time[row] - grid.origin);
             }
         }
         Ok(shown)

@@ -56,7 +56,7 @@ impl Worker {
     /// # Errors
     /// A unit can't be instantiated.
     pub fn new(machine: &Machine) -> Result<Self, Error> {
-        let instances = machine.units.iter().map(|unit| unit.fmu.instantiate("bench").map_err(failed));
+        let instances = machine.units.iter().map(|unit| unit.fmu.instantiate(&unit.name).map_err(failed));
         let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
         Ok(Self { instances: instances.collect::<Result<_, _>>()?, reals, resets: true })
     }
@@ -128,7 +128,7 @@ impl Worker {
             if self.resets {
                 self.instances[place].reset().map_err(failed)?;
             } else {
-                self.instances[place] = unit.fmu.instantiate("bench").map_err(failed)?;
+                self.instances[place] = unit.fmu.instantiate(&unit.name).map_err(failed)?;
             }
             for (reference, value) in &unit.settings {
                 self.instances[place].set(*reference, value).map_err(failed)?;

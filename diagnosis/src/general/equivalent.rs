@@ -225,8 +225,14 @@ mod tests {
     #[test]
     fn value_a_course_is_added_from_row_to_row() {
         let logged = Course { time: vec![0.0, 1.5], values: vec![1.0, 3.0], hold: Hold::Zero };
-        let grid =
-            Grid { name: "a".into(), time: vec![0.0, 1.0, 2.0], samples: Vec::new(), inputs: vec![logged] };
+        let grid = Grid {
+            name: "a".into(),
+            time: vec![0.0, 1.0, 2.0],
+            samples: Vec::new(),
+            inputs: vec![logged],
+            origin: 0.0,
+            torn: vec![false; 2],
+        };
         let sum = with_course(&grid, 0, &[10.0, 20.0, 0.0]);
         assert_eq!(sum.inputs[0].time, [0.0, 1.0, 1.5, 2.0]);
         assert_eq!(sum.inputs[0].values, [11.0, 21.0, 23.0, 3.0]);

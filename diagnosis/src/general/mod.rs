@@ -41,7 +41,11 @@ pub fn diagnose(
     tell: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
     match observe::format(path) {
-        Some(2) => study::diagnosed(&observe::load(path, units)?, units, options, tell),
+        Some(2) => {
+            let mut problem = observe::load(path, units)?;
+            problem.model.isolate(options.isolation.as_ref());
+            study::diagnosed(&problem, units, options, tell)
+        }
         _ => pipeline::diagnose(path, units, options, tell),
     }
 }

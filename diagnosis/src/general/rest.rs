@@ -181,7 +181,7 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         plain.push((input.name.clone(), values.collect()));
     }
     let time: Vec<f64> =
-        engine.grids.iter().flat_map(|grid| grid.time.iter().map(|t| t - grid.time[0])).collect();
+        engine.grids.iter().flat_map(|grid| grid.time.iter().map(|t| t - grid.origin)).collect();
     let mut list = Vec::new();
     for (name, values) in &plain {
         let size = values.iter().fold(0.0, |most: f64, v| most.max(v.abs())).max(1e-300);

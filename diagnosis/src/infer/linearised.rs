@@ -38,6 +38,9 @@ pub struct Linearised {
     pub observe: Vec<f64>,
     /// ∂h/∂θ of each value (p).
     pub direct: Vec<f64>,
+    /// Whether rows are missing in each interval, with what was fed meanwhile: the state behind it is as unknown as the first.
+    /// Empty: none is.
+    pub torn: Vec<bool>,
     /// Prior of the deviation of the first row's state: mean and standard deviation (n each).
     pub start: (Vec<f64>, Vec<f64>),
 }
@@ -51,6 +54,11 @@ impl Linearised {
     /// The values of a row, as places in `measured`.
     pub fn values(&self, row: usize) -> std::ops::Range<usize> {
         self.first[row]..self.first[row + 1]
+    }
+
+    /// Whether rows are missing after a row.
+    pub fn is_torn(&self, row: usize) -> bool {
+        self.torn.get(row).copied().unwrap_or(false)
     }
 
     /// Length of the interval after a row, s.
@@ -82,6 +90,7 @@ impl Linearised {
             first: self.first.clone(),
             measured: self.measured.clone(),
             observe: self.observe.clone(),
+            torn: self.torn.clone(),
             start: self.start.clone(),
         }
     }

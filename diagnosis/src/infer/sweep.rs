@@ -126,6 +126,11 @@ impl<const N: usize> Interval<N> {
             transition[n][n] = keeps;
             covariance[n][n] = unlisted.size * unlisted.size * (1.0 - keeps * keeps);
         }
+        if run.is_torn(row) {
+            for (i, sd) in run.start.1.iter().enumerate().take(n) {
+                covariance[i][i] += sd * sd;
+            }
+        }
         for i in 0..N {
             for j in 0..i {
                 covariance[j][i] = covariance[i][j];

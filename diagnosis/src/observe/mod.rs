@@ -23,7 +23,7 @@ pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Description, Variable};
-use orchestrator::{Fmu, Scenario, UnitPath, Value};
+use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
 use std::path::{Path, PathBuf};
 
 /// A data set, read and resolved: what the inference gets.
@@ -295,6 +295,16 @@ impl Run {
 }
 
 impl Nominal {
+    /// Units in processes of their own: those of which the scenario says so, and where it is asked for all.
+    pub fn isolate(&mut self, all: Option<&Isolation>) {
+        for (fmu, unit) in self.fmus.iter_mut().zip(&mut self.scenario.units) {
+            unit.isolation = unit.isolation.take().or_else(|| all.cloned());
+            if let Some(isolation) = &unit.isolation {
+                *fmu = fmu.isolated(isolation.clone());
+            }
+        }
+    }
+
     /// The description of a unit.
     pub fn description(&self, unit: usize) -> &Description {
         self.fmus[unit].description()

@@ -1,0 +1,49 @@
+"""What loggers do to a log: rows that are lost, sensors that drift."""
+
+import csv
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from . import sets
+from .machines import ALL
+from .unit_python import environment
+
+PROGRAM = Path(__file__).resolve().parents[2] / "target" / "release" / "acroscope"
+
+
+def diagnosed(folder):
+    command = [PROGRAM, "--quiet", "diagnose", folder, "--out", folder / "found"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "found" / "diagnosis.json").read_text())
+
+
+def made(name, case, seed, tmp_path):
+    units = {name: ALL[name].build(ALL[name], tmp_path)}
+    sets.make(ALL[name], case, seed, tmp_path / "set", tmp_path / "answers", units)
+    return tmp_path / "set"
+
+
+@pytest.mark.parametrize(("name", "command"), [("motor", "u_cmd")])
+def test_a_step_in_rows_that_were_lost_is_no_force(tmp_path, name, command):
+    """Five rows are gone around the largest step of each run, and the command's first value after it with them."""
+    folder = made(name, "none", 51, tmp_path)
+    for path in folder.glob("run-*.csv"):
+        with path.open(newline="") as file:
+            head, *rows = csv.reader(file)
+        values = np.array([float(row[head.index(command)]) for row in rows])
+        step = 20 + int(np.argmax(np.abs(np.diff(values[20:-20]))))
+        kept = rows[: step - 1] + rows[step + 4 :]
+        path.write_text("\n".join(",".join(row) for row in [head, *kept]) + "\n")
+    found = diagnosed(folder)
+    assert found["verdict"] == "none", [found["effects"], found["unknown"]]
+
+
+def test_a_drift_counts_from_the_begin_of_the_run_in_the_gap_as_well(tmp_path):
+    found = diagnosed(made("motor", "w:drift", 52, tmp_path))
+    assert [effect["name"] for effect in found["effects"]] == ["motor.w:drift"]
+    assert found["gap"]["closed"] > 0.9, found["gap"]

@@ -98,7 +98,8 @@ fn torn(machine: &Machine, time: &[f64], inputs: &[Course]) -> Vec<bool> {
         let long = (to - from) / row;
         long > MISSING.0
             && held.iter().any(|course| {
-                let logged = course.time.iter().any(|time| from < *time && *time < to);
+                let until = course.time.partition_point(|time| *time < to);
+                let logged = course.time.partition_point(|time| *time <= from) < until;
                 !logged && (long > MISSING.1 || course.value(from) != course.value(to))
             })
     };

@@ -10,6 +10,7 @@ use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
 use crate::statistics::levels::{FAR, HALF, MORE, SLIGHT, SMALL};
+use std::time::{Duration, Instant};
 
 /// Numbers of this file.
 struct Policy {
@@ -39,6 +40,9 @@ struct Policy {
     /// To judge by.
     long: Glance,
 }
+
+/// A unit that fails after so long is not tried in other ways: it would hang in each.
+const HANGS: Duration = Duration::from_secs(1);
 
 /// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
 const STRETCH: usize = 100;
@@ -127,8 +131,10 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     if let Some(way) = ways::times(problem, true).iter().find(moves) {
         return Some(told(way, &[], None));
     }
+    let began = Instant::now();
     let own = rest(problem, &POLICY.long);
-    if own.share.is_none_or(|share| share < POLICY.wrong) {
+    let hangs = own == Rest::ALL && began.elapsed() > HANGS;
+    if hangs || own.share.is_none_or(|share| share < POLICY.wrong) {
         return None;
     }
     let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();

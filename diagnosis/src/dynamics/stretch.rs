@@ -58,11 +58,11 @@ impl Engine {
         let one = |stretch: &Stretch<'_>| {
             self.with_worker(|worker| self.follow(worker, stretch, glance.rounds)).ok()
         };
-        let parts: Vec<Option<Vec<Left>>> = stretches.par_iter().map(one).collect();
+        let parts: Option<Vec<Vec<Left>>> = stretches.par_iter().map(one).collect();
         let mut sums: Vec<Left> =
             self.sensors.iter().map(|sd| Left { variance: sd * sd, ..Left::default() }).collect();
-        for part in parts {
-            for (sum, part) in sums.iter_mut().zip(part?) {
+        for part in parts? {
+            for (sum, part) in sums.iter_mut().zip(part) {
                 sum.error += part.error;
                 sum.motion += part.motion;
                 sum.count += part.count;

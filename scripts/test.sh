@@ -17,6 +17,7 @@ cargo clippy --quiet --release --workspace --all-targets -- -D warnings
 
 step "Units: build, pack, compare with the committed descriptions"
 cargo xtask pack --check
+cargo xtask pack >/dev/null
 cargo acroscope --version
 
 step "Rust tests"

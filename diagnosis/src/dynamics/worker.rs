@@ -199,13 +199,9 @@ impl Worker {
             match self.instances[unit].do_step(from, span, true) {
                 Status::Ok | Status::Warning => {}
                 status => {
-                    let instance = &self.instances[unit];
-                    let said =
-                        instance.log().last().map(|line| format!(": {}", line.text)).unwrap_or_default();
+                    let error = self.instances[unit].step_error(status, from);
                     let name = machine.units[unit].fmu.path().display();
-                    return Err(Error::Model(format!(
-                        "{name}: step at {from} s of {span} s: {status}{said}"
-                    )));
+                    return Err(Error::Model(format!("{name}, a step of {span} s: {error}")));
                 }
             }
         }

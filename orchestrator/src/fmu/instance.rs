@@ -285,6 +285,11 @@ impl Instance {
         self.entered(|instance| instance.step(from, size, no_return))
     }
 
+    /// What a step's status other than Ok and Warning means: with the words of the unit, or how its process ended.
+    pub fn step_error(&mut self, status: Status, from: f64) -> Error {
+        self.failure("fmi2DoStep", status, Some(from))
+    }
+
     /// As [`Instance::do_step`] of a unit that was entered.
     #[inline]
     pub(crate) fn step(&mut self, from: f64, size: f64, no_return: bool) -> Status {

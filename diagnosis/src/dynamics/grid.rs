@@ -2,7 +2,7 @@
 
 use super::machine::Machine;
 use crate::observe::{Hold, Run};
-use crate::statistics::levels::{FINE, SEVERAL};
+use crate::statistics::levels::{FINE, SEVERAL, SLIGHT};
 
 /// A value of a compared channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,10 +76,10 @@ pub struct Grid {
 /// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
 const SAME: f64 = FINE;
 
-/// Intervals of more than so many usual ones lack rows; from the second number on whatever the inputs are before and after.
-const MISSING: (f64, f64) = (1.8, 3.5);
+/// Intervals of more than so many usual ones lack rows, if a held input is another after it; of twice as many in any case.
+const MISSING: f64 = 1.8;
 /// Where more than this share of the intervals would lack rows, the log is irregular and none of them does.
-const SELDOM: f64 = 0.02;
+const SELDOM: f64 = SLIGHT;
 
 /// Intervals in which rows are missing, and with them what a held input was that is logged row by row.
 fn torn(machine: &Machine, time: &[f64], inputs: &[Course]) -> Vec<bool> {
@@ -90,17 +90,17 @@ fn torn(machine: &Machine, time: &[f64], inputs: &[Course]) -> Vec<bool> {
     };
     let row = usual(time);
     let held = machine.inputs.iter().zip(inputs).filter(|(input, course)| {
-        input.channel.is_some() && course.hold == Hold::Zero && usual(&course.time) < MISSING.0 * row
+        input.channel.is_some() && course.hold == Hold::Zero && usual(&course.time) < MISSING * row
     });
     let held: Vec<&Course> = held.map(|(_, course)| course).collect();
     let lacks = |pair: &[f64]| {
         let (from, to) = (pair[0], pair[1]);
         let long = (to - from) / row;
-        long > MISSING.0
+        long > MISSING
             && held.iter().any(|course| {
                 let until = course.time.partition_point(|time| *time < to);
                 let logged = course.time.partition_point(|time| *time <= from) < until;
-                !logged && (long > MISSING.1 || course.value(from) != course.value(to))
+                !logged && (long > 2.0 * MISSING || course.value(from) != course.value(to))
             })
     };
     let torn: Vec<bool> = time.windows(2).map(lacks).collect();

@@ -5,6 +5,7 @@
 //! Its column is the one of a bias of that input. Of all inputs the likeliest is taken, if it does nearly as much as the unlisted
 //! input at its equation does; about its smoothed course the run is linearised anew.
 
+use super::rest::MEMORIES;
 use super::study::Studied;
 use crate::dynamics::Engine;
 use crate::dynamics::grid::{Course, Grid};
@@ -21,8 +22,6 @@ use crate::search::trials::interval;
 use crate::statistics::levels::{FINE, HALF};
 use orchestrator::Kind;
 
-/// Correlation times that are tried, in rows.
-const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An input stands for the unlisted one where it gains at least this share of its deviance.
 const ENOUGH: f64 = HALF;
 /// Linearisations about the course.

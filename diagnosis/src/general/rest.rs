@@ -13,8 +13,8 @@ use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Correlation times with which an unlisted input is begun, in rows.
-const MEMORIES: [f64; 2] = [5.0, 60.0];
+/// Correlation times with which an unlisted input is begun, in rows; an input that stands for it may have the last, too.
+pub(super) const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
 const ABOVE: f64 = 1e4;
 /// A course follows a variable when that takes away at least this share of its square.
@@ -50,8 +50,9 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
     let none = exact.quieted(Noise { disturbance: None, ..fit.at.noise.clone() });
     let without = maximise(&fit.runs, &columns, &none, &exact).1;
     let row = interval(engine);
-    let tried: Vec<(usize, f64)> =
-        (0..order).flat_map(|equation| MEMORIES.map(|memory| (equation, memory * row))).collect();
+    let tried: Vec<(usize, f64)> = (0..order)
+        .flat_map(|equation| MEMORIES[..2].iter().map(move |memory| (equation, memory * row)))
+        .collect();
     let best = tried
         .par_iter()
         .map(|(equation, memory)| {

@@ -10,7 +10,7 @@ use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
 use crate::statistics::levels::{FAR, HALF, MORE, SLIGHT, SMALL};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Numbers of this file.
 struct Policy {
@@ -40,9 +40,6 @@ struct Policy {
     /// To judge by.
     long: Glance,
 }
-
-/// A unit that fails after so long is not tried in other ways: it would hang in each.
-const HANGS: Duration = Duration::from_secs(1);
 
 /// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
 const STRETCH: usize = 100;
@@ -117,24 +114,31 @@ fn rest(problem: &Problem, glance: &Glance) -> Rest {
     if before.excess < after.excess { before } else { after }
 }
 
+/// How well the model follows a data set; nothing where an isolated unit didn't come back within its limit: it would in no other way.
+fn tried(problem: &Problem, glance: &Glance) -> Option<Rest> {
+    let began = Instant::now();
+    let rest = rest(problem, glance);
+    let mut limits = problem.model.scenario.units.iter().filter_map(|unit| unit.isolation.as_ref());
+    let hangs = rest == Rest::ALL && limits.any(|limit| began.elapsed() >= limit.step_limit);
+    (!hangs).then_some(rest)
+}
+
 /// The way in which the model follows the logs, if it doesn't as they are read.
 pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     // times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at
     // the logs as they are read, since no model that moves within rows follows both
-    let moves = |way: &&Way| {
+    for way in &ways::times(problem, true) {
         let read = way.read(problem);
-        rest(&read, &POLICY.short).is_right(way) && {
-            let rest = rest(&read, &POLICY.long);
-            rest.is_right(way) && is_exact(way, problem, &rest, POLICY.slower)
+        if !tried(&read, &POLICY.short)?.is_right(way) {
+            continue;
         }
-    };
-    if let Some(way) = ways::times(problem, true).iter().find(moves) {
-        return Some(told(way, &[], None));
+        let rest = tried(&read, &POLICY.long)?;
+        if rest.is_right(way) && is_exact(way, problem, &rest, POLICY.slower) {
+            return Some(told(way, &[], None));
+        }
     }
-    let began = Instant::now();
-    let own = rest(problem, &POLICY.long);
-    let hangs = own == Rest::ALL && began.elapsed() > HANGS;
-    if hangs || own.share.is_none_or(|share| share < POLICY.wrong) {
+    let own = tried(problem, &POLICY.long)?;
+    if own.share.is_none_or(|share| share < POLICY.wrong) {
         return None;
     }
     let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();

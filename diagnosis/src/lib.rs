@@ -70,6 +70,6 @@ pub use options::{Budget, Options};
 pub use overlay::Channel;
 pub use provenance::{Provenance, Used};
 pub use rigs::acrobot::earlier::Earlier;
-pub use rigs::acrobot::record::{Recording, record};
+pub use rigs::acrobot::record::{Recorded, Recording, record, recorded};
 pub use watch::{Doing, Known, Listener, Watch};
 pub use write::FILES;

@@ -4,7 +4,7 @@
 mod common;
 
 use common::Folder;
-use diagnosis::rigs::acrobot::record::{Recording, record};
+use diagnosis::rigs::acrobot::record::{Recording, record, recorded};
 use std::path::Path;
 
 /// Encoders that read every row as it is, 100 times a second.
@@ -66,4 +66,26 @@ fn refuses_a_run_of_other_units() {
     let message = found.expect_err("nothing can be logged").to_string();
     assert!(message.contains("results.csv:1") && message.contains("plant (q1, q2, tau)"), "{message}");
     assert!(!Path::new("unused").exists());
+}
+
+#[test]
+fn law_an_earlier_data_set_goes_when_the_new_one_is_there() {
+    let folder = Folder::new("replaced");
+    let results =
+        "time,plant.q1,plant.q2,plant.tau_applied,controller.tau\n0,0.1,0.2,0,1\n0.01,0.11,0.21,0.5,1\n";
+    folder.put("run/results.csv", results);
+    let (out, run) = (folder.path().join("set"), folder.path().join("run"));
+    // where a folder of the new one would be is a file
+    folder.put("set/run-02", "measured");
+    folder.put("set/run-01/camera.csv", "measured, too");
+    let old = [out.join("run-01/camera.csv"), out.join("run-02")];
+    let twice = recorded(&[run.clone(), run.clone()], &exact(None)).expect("it can be recorded");
+    assert!(twice.write(&out, &old).is_err());
+    let left = std::fs::read_dir(out.join("run-01")).expect("it was there").count();
+    assert!(old.iter().all(|path| path.is_file()) && left == 1, "{left} files");
+    assert!(recorded(&[run.clone(), folder.path().join("missing")], &exact(None)).is_err());
+
+    recorded(&[run], &exact(None)).expect("it can be recorded").write(&out, &old[..1]).expect("written");
+    assert!(!old[0].exists() && out.join("run-01/plant.csv").is_file() && out.join("dataset.toml").is_file());
+    assert!(!out.join("dataset.toml.new").exists());
 }

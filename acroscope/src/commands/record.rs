@@ -3,7 +3,7 @@
 use crate::cli::Record;
 use crate::error::Error;
 use crate::folder::data_set;
-use diagnosis::{Recording, record as write};
+use diagnosis::{Recording, recorded};
 
 /// Writes the data set.
 pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
@@ -16,9 +16,7 @@ pub fn record(arguments: &Record, quiet: bool) -> Result<(), Error> {
     };
     let earlier = data_set(&arguments.out, arguments.force)?;
     // what a run lacks now must not be left of an earlier one
-    earlier.iter().try_for_each(|path| std::fs::remove_file(path).map_err(Error::file(path)))?;
-    std::fs::create_dir_all(&arguments.out).map_err(Error::file(&arguments.out))?;
-    write(&arguments.runs, &arguments.out, &recording)?;
+    recorded(&arguments.runs, &recording)?.write(&arguments.out, &earlier)?;
     if !quiet {
         tell!(
             "{}: {} runs; diagnose it with `acroscope diagnose`",

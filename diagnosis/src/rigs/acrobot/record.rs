@@ -65,30 +65,64 @@ impl Recording {
 /// A folder has no readable `results.csv`, or one without any column that a data set holds, its `resolved.toml` is no TOML, or the data set
 /// can't be written.
 pub fn record(runs: &[PathBuf], out: &Path, recording: &Recording) -> Result<(), Error> {
+    recorded(runs, recording)?.write(out, &[])
+}
+
+/// As [`record`], before anything is written.
+///
+/// # Errors
+/// A run can't be read, or holds nothing that a data set does.
+pub fn recorded(runs: &[PathBuf], recording: &Recording) -> Result<Recorded, Error> {
     let mut manifest = format!("format = 1\nscenario = {:?}\n", recording.scenario);
     manifest.push_str(&recording.noise());
+    let mut files = Vec::new();
     for (index, folder) in runs.iter().enumerate() {
         let name = format!("run-{:02}", index + 1);
         let results = Results::read(folder)?;
         let mut random = Random::new(recording.seed.wrapping_add(index as u64));
-        let files = [
+        let logs = [
             ("camera.csv", results.camera()),
             ("controller.csv", results.controller()),
             ("plant.csv", results.plant(recording, &mut random)),
         ];
-        if files.iter().all(|(_, text)| text.is_none()) {
+        if logs.iter().all(|(_, text)| text.is_none()) {
             return Err(nothing_logged(&folder.join("results.csv")));
         }
-        let target = out.join(&name);
-        std::fs::create_dir_all(&target).map_err(io(&target))?;
-        for (file, text) in files.into_iter().filter_map(|(file, text)| Some((file, text?))) {
-            let path = target.join(file);
-            std::fs::write(&path, text).map_err(io(&path))?;
-        }
+        files.extend(logs.into_iter().filter_map(|(log, text)| Some((Path::new(&name).join(log), text?))));
         let _ = write!(manifest, "\n[[run]]\ndir = \"{name}\"\n");
     }
-    let path = out.join("dataset.toml");
-    std::fs::write(&path, manifest).map_err(io(&path))
+    files.push(("dataset.toml".into(), manifest));
+    Ok(Recorded { files })
+}
+
+/// A data set that is not written yet.
+#[derive(Debug)]
+pub struct Recorded {
+    /// By their places in the folder.
+    files: Vec<(PathBuf, String)>,
+}
+
+impl Recorded {
+    /// Writes it to a folder, in place of these files of an earlier one: they go when all that comes in their place is there.
+    ///
+    /// # Errors
+    /// A file can't be written.
+    pub fn write(&self, out: &Path, replaced: &[PathBuf]) -> Result<(), Error> {
+        let fresh = |path: &Path| path.with_added_extension("new");
+        let paths: Vec<PathBuf> = self.files.iter().map(|(file, _)| out.join(file)).collect();
+        let write = |(path, (_, text)): (&PathBuf, &(PathBuf, String))| {
+            let folder = path.parent().unwrap_or(out);
+            std::fs::create_dir_all(folder).map_err(io(folder))?;
+            std::fs::write(fresh(path), text).map_err(io(path))
+        };
+        if let Err(error) = paths.iter().zip(&self.files).try_for_each(write) {
+            // what is half there is of no use
+            paths.iter().for_each(|path| drop(std::fs::remove_file(fresh(path))));
+            return Err(error);
+        }
+        replaced.iter().try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
+        paths.iter().try_for_each(|path| std::fs::rename(fresh(path), path).map_err(io(path)))
+    }
 }
 
 fn nothing_logged(path: &Path) -> Error {

@@ -46,6 +46,13 @@ fn value_the_torque_is_logged_where_it_is_asked_for() {
 }
 
 #[test]
+fn value_encoders_are_logged_where_no_applied_torque_is() {
+    let results = "time,plant.q1,plant.q2,controller.tau\n0,0.1,0.2,1\n0.01,0.11,0.21,1\n";
+    let plant = written("no-applied-torque", results, &exact(None), "run-01/plant.csv");
+    assert_eq!(plant, "time,q1,q2\n0,0.1,0.2\n0.01,0.11,0.21\n");
+}
+
+#[test]
 fn value_a_torque_without_a_controller_acts_from_the_row_before() {
     // a row has the input of the step that it ends
     let results =

@@ -267,7 +267,8 @@ impl Results {
             return None;
         }
         let angles = columns.len();
-        columns.extend(recording.torque_noise.and(Some(("tau_applied", self.column("plant.tau_applied")?))));
+        let torque = recording.torque_noise.and_then(|_| self.column("plant.tau_applied"));
+        columns.extend(torque.map(|place| ("tau_applied", place)));
         let mut text = head(&columns);
         let mut next = f64::NEG_INFINITY;
         for row in 0..self.rows.len() {

@@ -201,8 +201,8 @@ mod tests {
         // Residuals of 2 and -2: their root mean square is 2; a bin of 25 of them scatters by 2/5.
         let pairs: Vec<(f64, f64)> =
             (0..100).map(|row| (f64::from(row), if row % 2 == 0 { 2.0 } else { -2.0 })).collect();
-        // to the digits of 1.96
-        assert!((chance(&pairs, 4) - 1.96 * 0.4).abs() < 1e-4);
-        assert!((chance(&pairs, 100) - 1.96 * 2.0).abs() < 1e-4, "a bin of one scatters as each of them");
+        let within = 1.959_963_984_540_054; // scipy.stats.norm.ppf(0.975)
+        assert!((chance(&pairs, 4) - within * 0.4).abs() < 1e-12);
+        assert!((chance(&pairs, 100) - within * 2.0).abs() < 1e-12, "a bin of one scatters as each of them");
     }
 }

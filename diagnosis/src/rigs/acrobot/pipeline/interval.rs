@@ -153,9 +153,10 @@ mod tests {
 
     #[test]
     fn value_no_interval_of_a_ceiling_is_nothing() {
-        // 1 / 0.5 N·m, known to a fifth; to the digits of 1.96
+        // 1 / 0.5 N·m, known to a fifth
+        let within = 0.4 * 1.959_963_984_540_054; // scipy.stats.norm.ppf(0.975)
         let [low, high] = ci95(&saturation(), 2.0, Some(0.4));
-        assert!((low - 1.0 / 2.784).abs() < 1e-4 && (high - 1.0 / 1.216).abs() < 1e-4);
+        assert!((low - 1.0 / (2.0 + within)).abs() < 1e-12 && (high - 1.0 / (2.0 - within)).abs() < 1e-12);
         // not told from none, and not known at all: neither end is 0, which would say that there is no saturation
         for error in [Some(2.0), Some(f64::NAN), None] {
             let [low, high] = ci95(&saturation(), 2.0, error);

@@ -211,6 +211,21 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
     }
 }
 
+#[test]
+fn every_option_that_is_of_other_data_sets_is_refused() {
+    let folder = Folder::new("options");
+    folder.put("dataset.toml", &manifest(1));
+    let usual = common::options();
+    let fit = diagnosis::Options { fit: vec!["plant.b_joint".into()], ..usual.clone() };
+    let isolated = diagnosis::Options { isolation: Some(orchestrator::Isolation::default()), ..usual };
+    for (options, option) in [(fit, "--fit plant.b_joint"), (isolated, "--isolate (30 s a call)")] {
+        let said = diagnosis::diagnose(folder.path(), &common::units(), &options, &mut |_| {});
+        let error = said.expect_err("it would be passed over");
+        let text = error.to_string();
+        assert!(error.is_input() && text.starts_with(option) && text.contains("format = 2"), "{text}");
+    }
+}
+
 /// A pinned arm's log: link 1 swings by `reach` about `middle`, link 2 beside it, at 100 Hz.
 fn swing(middle: f64, reach: f64, turn: &dyn Fn(f64) -> f64) -> String {
     let mut text = "time,q1,q2\n".to_owned();

@@ -46,10 +46,16 @@ use std::time::Instant;
 
 /// Whether all that was chosen can be.
 fn check(options: &Options) -> Result<(), Error> {
+    let general = |option, given: String, what: &str| {
+        let problem = format!("{what} for data sets of `format = 2`; this one is of `format = 1`");
+        Err(Error::Option { option, given, problem })
+    };
     if let Some(given) = options.fit.first() {
-        let problem =
-            "parameters are fitted to data sets of `format = 2`; this one is of `format = 1`".into();
-        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
+        return general("--fit", given.clone(), "parameters are fitted");
+    }
+    if let Some(isolation) = &options.isolation {
+        let limit = format!("({} s a call)", isolation.step_limit.as_secs_f64());
+        return general("--isolate", limit, "units run in processes of their own");
     }
     let known = || LIST.iter().filter(|entry| !entry.side.is_of_log()).map(|entry| entry.name);
     match options.without.iter().find(|given| known().all(|name| name != given.as_str())) {

@@ -35,7 +35,7 @@ pub fn rows() -> Vec<Row> {
         )
         .than("in this process", &plain)
         .at_most(10.0)
-        .note("two sides that wait for each other by looking, if each has a processor".into())
+        .note("one exchange a step; all on one processor, or each on its own, whichever is faster".into())
     };
     vec![row("nearly free units", &Ring::new()), row("oscillators", &Ring::of_oscillators())]
 }

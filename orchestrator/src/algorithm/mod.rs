@@ -95,6 +95,11 @@ pub(crate) trait Algorithm: Send {
         false
     }
 
+    /// It steps units side by side, in several threads.
+    fn side_by_side(&self) -> bool {
+        false
+    }
+
     /// All units are at the start.
     fn start(&mut self, system: &mut System) {
         let _ = system;

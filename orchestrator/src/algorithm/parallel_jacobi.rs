@@ -84,6 +84,10 @@ impl Algorithm for ParallelJacobi {
         Sees::Begin
     }
 
+    fn side_by_side(&self) -> bool {
+        true
+    }
+
     fn start(&mut self, system: &mut System) {
         if self.pool.is_none() && system.units.len() > 1 {
             self.pool = ThreadPoolBuilder::new().num_threads(self.threads).build().ok();

@@ -4,6 +4,7 @@
 use super::death::{Death, Recorded};
 use super::memory::{Part, Shared, Side};
 use super::message::Reader;
+use super::place::{self, Mask, Running, Wanted};
 use super::{Isolation, server, table};
 use crate::error::Error;
 use crate::fmu::library::{Component, Functions};
@@ -56,6 +57,10 @@ pub(crate) struct Remote {
     pub(super) failed: Option<Function>,
     /// Calls that were sent ahead and answered with a warning.
     pub(super) warned: u64,
+    /// Where the process runs, and where it may: `None` where that is not known.
+    placed: Wanted,
+    usual: Option<Mask>,
+    _running: Running,
 }
 
 impl Remote {
@@ -108,6 +113,9 @@ impl Remote {
             death: None,
             failed: None,
             warned: 0,
+            placed: Wanted { processor: None, looks: true },
+            usual: place::mask(0),
+            _running: Running::new(),
         });
         let guid = fmu.guid().to_owned();
         let resources = fmu.resource_uri();
@@ -175,6 +183,10 @@ impl Remote {
             self.die("was to get more than can be sent to another process".into(), true);
             return false;
         }
+        let wanted = place::next();
+        if wanted != self.placed {
+            self.place(wanted);
+        }
         self.shared.set_length(Part::Request, self.at);
         self.shared.hand_to(Side::Server);
         let mut limit = None;
@@ -209,6 +221,28 @@ impl Remote {
         self.collect_log();
         (self.at, self.answer_at) = (0, 0);
         true
+    }
+
+    /// Has the process run where it is wanted. One whose unit has threads of its own stays free: they would get in each other's way.
+    #[cold]
+    fn place(&mut self, wanted: Wanted) {
+        self.shared.have_looks(wanted.looks);
+        let process = self.child.id().cast_signed();
+        if wanted.processor != self.placed.processor
+            && let Some(usual) = &self.usual
+        {
+            let threads = threads(process);
+            match wanted.processor {
+                Some(processor) if (1..=server::THREADS).contains(&threads.len()) => {
+                    place::put(process, &place::only(processor));
+                }
+                // Threads that were begun meanwhile are where their maker was.
+                _ => threads.iter().for_each(|thread| {
+                    place::put(*thread, usual);
+                }),
+            }
+        }
+        self.placed = wanted;
     }
 
     pub(super) fn answer(&mut self) -> Reader<'_> {
@@ -262,6 +296,12 @@ impl Remote {
         self.shared.set_length(Part::Log, 0);
         all.into_iter().for_each(|line| self.sink.push(line));
     }
+}
+
+/// Those of a process; none where the system does not say.
+fn threads(process: i32) -> Vec<i32> {
+    let all = std::fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
+    all.filter_map(|thread| thread.file_name().to_str()?.parse().ok()).collect()
 }
 
 pub(super) fn answer_of(shared: &mut Shared) -> &[u8] {

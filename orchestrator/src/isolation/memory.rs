@@ -23,6 +23,8 @@ pub(super) enum Side {
 struct Header {
     turn: AtomicU32,
     asleep: [AtomicU32; 2],
+    /// Nobody looks: the other side needs this processor.
+    at_once: AtomicU32,
     lengths: [AtomicU64; 3],
 }
 
@@ -164,11 +166,17 @@ impl Shared {
         }
     }
 
+    /// Whether who waits looks before it sleeps. Said by the client in its turn.
+    pub(super) fn have_looks(&self, looks: bool) {
+        self.header().at_once.store(u32::from(!looks), Ordering::Relaxed);
+    }
+
     /// Waits for the turn of a side, no longer than a while; whether it came.
     pub(super) fn wait_for(&self, side: Side, at_most: Duration) -> bool {
         let header = self.header();
         let mine = || header.turn.load(Ordering::SeqCst) == side as u32;
-        if self.looks.look(mine) {
+        let at_once = header.at_once.load(Ordering::Relaxed) != 0;
+        if if at_once { mine() } else { self.looks.look(mine) } {
             return true;
         }
         let asleep = &header.asleep[side as usize];

@@ -15,12 +15,16 @@ mod memory;
 #[cfg(isolation)]
 mod message;
 #[cfg(isolation)]
+mod place;
+#[cfg(isolation)]
 mod server;
 #[cfg(isolation)]
 mod table;
 
 #[cfg(isolation)]
 pub(crate) use client::Remote;
+#[cfg(isolation)]
+pub(crate) use place::Stepping;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

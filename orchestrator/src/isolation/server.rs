@@ -19,6 +19,9 @@ pub(super) const MEMORY: &str = "ACROSCOPE_UNIT_MEMORY";
 /// Bytes that the process may have, if they are limited.
 pub(super) const LIMIT: &str = "ACROSCOPE_UNIT_MEMORY_LIMIT";
 
+/// Threads of the process, without those of its unit: the one that calls it, and the one that waits for the master's end.
+pub(super) const THREADS: usize = 2;
+
 /// The memory, for log lines: they must be there when the process ends in the middle of a call.
 static MEMORY_OF_LOG: OnceLock<Mutex<Shared>> = OnceLock::new();
 

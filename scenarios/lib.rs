@@ -66,7 +66,7 @@ pub fn read(name: &str) -> Result<(Scenario, Cow<'static, [u8]>), Error> {
     let path = Path::new(name);
     if path.extension().is_some_and(|ending| ending == "ssp") && path.is_file() {
         let unreadable = |source| orchestrator::Error::File { path: path.into(), source };
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes = orchestrator::plain::read(path).map_err(unreadable)?;
         return Ok((ssp::read(path)?, Cow::Owned(bytes)));
     }
     let (text, origin) = text(name)?;
@@ -89,7 +89,7 @@ pub fn text(name: &str) -> Result<(Cow<'static, str>, PathBuf), Error> {
     }
     if path.exists() {
         let unreadable = |source| orchestrator::Error::File { path: path.into(), source };
-        return Ok((Cow::Owned(std::fs::read_to_string(path).map_err(unreadable)?), path.into()));
+        return Ok((Cow::Owned(orchestrator::plain::read_text(path).map_err(unreadable)?), path.into()));
     }
     Err(Error::Unknown { name: name.to_owned(), suggestion: suggestion(path) })
 }

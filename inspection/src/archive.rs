@@ -2,7 +2,6 @@
 //! Nothing is unpacked.
 
 use crate::error::Error;
-use std::fs::File;
 use std::io::{BufReader, Read as _};
 use std::path::Path;
 
@@ -46,11 +45,8 @@ const DESCRIPTION: &str = "modelDescription.xml";
 impl Archive {
     /// Reads a file. The inner error is why it is no archive.
     pub(crate) fn read(path: &Path) -> Result<Result<Self, String>, Error> {
-        let file = File::open(path).map_err(|source| Error::File { path: path.into(), source })?;
-        if file.metadata().is_ok_and(|data| data.is_dir()) {
-            let source = std::io::Error::from(std::io::ErrorKind::IsADirectory);
-            return Err(Error::File { path: path.into(), source });
-        }
+        let file =
+            orchestrator::plain::open(path).map_err(|source| Error::File { path: path.into(), source })?;
         let mut zip = match zip::ZipArchive::new(BufReader::new(file)) {
             Ok(zip) => zip,
             Err(error) => return Ok(Err(error.to_string())),

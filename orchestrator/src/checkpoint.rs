@@ -76,7 +76,7 @@ impl Checkpoint {
     /// # Errors
     /// If the file can't be read or is damaged.
     pub fn load(path: &Path) -> Result<Option<Self>, Error> {
-        let bytes = match std::fs::read(path) {
+        let bytes = match crate::plain::read(path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(Error::File { path: path.into(), source }),

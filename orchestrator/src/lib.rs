@@ -88,6 +88,7 @@ mod newton;
 mod noise;
 mod pacing;
 pub mod package;
+pub mod plain;
 mod progress;
 mod recorder;
 mod resolved;

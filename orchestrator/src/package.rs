@@ -35,7 +35,7 @@ impl Package {
             Some((file, inside)) => (Path::new(file), inside),
             None => (name, ""),
         };
-        let source = File::open(file).map_err(|source| Error::File { path: file.into(), source })?;
+        let source = crate::plain::open(file).map_err(|source| Error::File { path: file.into(), source })?;
         let limits = Limits::from_environment()?;
         let reader = Box::new(BufReader::new(source));
         let mut package = Self::of(reader, file.into(), limits.unpacked, limits)?;

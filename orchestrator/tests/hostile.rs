@@ -192,6 +192,22 @@ fn law_limits_can_be_moved() {
 }
 
 #[test]
+fn law_a_file_in_too_many_folders_is_refused() {
+    // More folders than files that may be open could not be taken away again.
+    let units = Units::new();
+    let open = |folders: usize| {
+        let resource = format!("resources/{}file", "d/".repeat(folders - 1));
+        units.pack_files("deep.fmu", &common::description(STATEFUL), &[(&resource, b"x")]);
+        Fmu::open(units.path().join("deep.fmu")).map(drop).map_err(|error| error.to_string())
+    };
+    assert_eq!(open(100), Ok(()));
+    let error = open(101).expect_err("too deep");
+    let told =
+        format!("resources/{}… lies in 101 folders; expected at most 100, one in the other", "d/".repeat(25));
+    assert!(error.ends_with(&told), "{error}");
+}
+
+#[test]
 fn law_archives_unpack_no_more_than_they_may() {
     let units = Units::new();
     let good = common::description(STATEFUL);

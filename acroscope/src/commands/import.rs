@@ -11,6 +11,10 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
     let Some(fmu) = &arguments.fmu else {
         return images(arguments, quiet);
     };
+    for path in arguments.logs.iter().chain([fmu]) {
+        let unreadable = |source| orchestrator::Error::File { path: path.clone(), source };
+        orchestrator::plain::open(path).map_err(unreadable)?;
+    }
     let earlier = data_set(&arguments.out, arguments.force)?;
     let is = |one: &Path, other: &Path| one.canonicalize().ok() == other.canonicalize().ok();
     if let Some(log) = arguments.logs.iter().find(|log| earlier.iter().any(|path| is(path, log))) {

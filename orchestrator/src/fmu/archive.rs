@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::fmu::Description;
 use crate::fmu::limits::{self, Limits};
 use crate::fmu::workshop::{self, Bench};
+use crate::plain;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -31,6 +32,10 @@ pub(crate) const PLATFORMS: &[&str] = if cfg!(all(target_os = "windows", target_
 /// File extension of a shared library.
 pub(crate) const EXTENSION: &str = std::env::consts::DLL_EXTENSION;
 
+/// Folders in each other that are unpacked. Python installations have a dozen; to take away many times more, a file is open for
+/// each, and a process may have 1024.
+const DEEPEST: usize = 100;
+
 /// An unpacked unit. Dropping it deletes the folder.
 #[derive(Debug)]
 pub(crate) struct Archive {
@@ -41,7 +46,7 @@ pub(crate) struct Archive {
 
 impl Archive {
     pub(crate) fn unpack(path: &Path) -> Result<(Self, Description), Error> {
-        let file = File::open(path).map_err(|source| Error::File { path: path.into(), source })?;
+        let file = plain::open(path).map_err(|source| Error::File { path: path.into(), source })?;
         let broken = |reason: String| Error::Archive { path: path.into(), reason };
         let mut zip = zip::ZipArchive::new(io::BufReader::new(file)).map_err(|e| broken(e.to_string()))?;
         let limits = Limits::from_environment()?;
@@ -77,6 +82,13 @@ impl Archive {
                 _ => false,
             };
             if wanted {
+                let folders = name.components().count() - 1;
+                if folders > DEEPEST {
+                    let told: String = name.to_string_lossy().chars().take(60).collect();
+                    return Err(broken(format!(
+                        "{told}… lies in {folders} folders; expected at most {DEEPEST}, one in the other"
+                    )));
+                }
                 let written =
                     write(&folder.path().join(&name), &mut entry.by_ref().take(left.saturating_add(1)))
                         .map_err(|e| broken(format!("{}: {e}", name.display())))?;

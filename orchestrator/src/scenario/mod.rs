@@ -185,7 +185,7 @@ impl Scenario {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let text =
-            std::fs::read_to_string(path).map_err(|source| Error::File { path: path.into(), source })?;
+            crate::plain::read_text(path).map_err(|source| Error::File { path: path.into(), source })?;
         Self::parse(&text, path)
     }
 

@@ -257,7 +257,7 @@ pub(super) fn signal(
 
 fn read_csv(path: &Path, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path)
+    let text = crate::plain::read_text(path)
         .map_err(|error| (format!("file {shown}: {error}"), "a CSV file beside the scenario".to_owned()))?;
     table(&text, &shown.to_string(), column)
 }

@@ -91,8 +91,8 @@ impl Study {
             return Self::parse(text, Path::new(&format!("sweep/studies/{stem}.toml")));
         }
         let path = Path::new(name);
-        if path.is_file() {
-            return Self::parse(&std::fs::read_to_string(path).map_err(Error::file(path))?, path);
+        if path.exists() {
+            return Self::parse(&orchestrator::plain::read_text(path).map_err(Error::file(path))?, path);
         }
         let shipped: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
         Err(Error::Unknown {

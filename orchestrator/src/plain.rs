@@ -1,0 +1,57 @@
+//! Files that people name: only ordinary ones are read. To open a pipe waits for a writer, who may never come, and a device may
+//! have no end.
+
+use std::fs::{self, File, FileType};
+use std::io;
+use std::path::Path;
+
+/// Opens an ordinary file.
+///
+/// # Errors
+/// If there is none, it can't be read, or it is something else: a folder, a pipe, a device.
+pub fn open(path: &Path) -> io::Result<File> {
+    let is = fs::metadata(path)?.file_type();
+    if is.is_file() {
+        return File::open(path);
+    }
+    let text = format!("it is {}, not a file; expected an ordinary file", what(is));
+    Err(io::Error::new(io::ErrorKind::InvalidInput, text))
+}
+
+/// All of an ordinary file, which is a text.
+///
+/// # Errors
+/// As of [`open`]; if it is no UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    open(path).and_then(io::read_to_string)
+}
+
+/// All of an ordinary file.
+///
+/// # Errors
+/// As of [`open`].
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    io::Read::read_to_end(&mut open(path)?, &mut bytes)?;
+    Ok(bytes)
+}
+
+fn what(is: FileType) -> &'static str {
+    if is.is_dir() {
+        return "a folder";
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt as _;
+        if is.is_fifo() {
+            return "a pipe";
+        }
+        if is.is_char_device() || is.is_block_device() {
+            return "a device";
+        }
+        if is.is_socket() {
+            return "a socket";
+        }
+    }
+    "something else"
+}

@@ -29,9 +29,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("studies", &["orchestrator", "scenarios", "mechanics", "report"]),
     ("sweep", &["orchestrator", "scenarios", "report"]),
     ("viewer", &["orchestrator", "mechanics", "report"]),
+    ("runner", &["orchestrator", "scenarios", "report"]),
     (
         "acroscope",
         &[
+            "runner",
             "orchestrator",
             "scenarios",
             "inspection",

@@ -6,15 +6,9 @@ use std::path::PathBuf;
 /// Why a command did not do its work.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The orchestrator refused or failed.
+    /// A run failed, or something that all commands do.
     #[error(transparent)]
-    Orchestrator(#[from] orchestrator::Error),
-    /// A graph can't be drawn.
-    #[error(transparent)]
-    Report(#[from] report::Error),
-    /// There is no such scenario, or it can't be read.
-    #[error(transparent)]
-    Scenario(#[from] scenarios::Error),
+    Run(#[from] runner::Error),
     /// A container can't be made.
     #[error(transparent)]
     Container(#[from] container::Error),
@@ -27,9 +21,6 @@ pub enum Error {
     /// A data set can't be diagnosed.
     #[error(transparent)]
     Diagnosis(#[from] diagnosis::Error),
-    /// Results can't be written in another format.
-    #[error(transparent)]
-    Export(#[from] export::Error),
     /// Recorded frames can't be used.
     #[error(transparent)]
     Frames(#[from] frames::Error),
@@ -37,7 +28,7 @@ pub enum Error {
     #[error(transparent)]
     Sweep(#[from] sweep::Error),
     /// A sweep was interrupted by a signal.
-    #[error("{}: {why}", crate::signals::name(*signal))]
+    #[error("{}: {why}", runner::signals::name(*signal))]
     SweepInterrupted {
         /// Its number.
         signal: i32,
@@ -47,6 +38,9 @@ pub enum Error {
     /// A result can't be shown.
     #[error(transparent)]
     View(#[from] viewer::Error),
+    /// A page can't be served.
+    #[error("can't serve the page on 127.0.0.1: {0}")]
+    Serve(String),
     /// A unit can't be looked at.
     #[error(transparent)]
     Inspection(#[from] inspection::Error),
@@ -64,46 +58,13 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// An override that is none.
-    #[error("--set {given}: expected UNIT.VARIABLE=VALUE, e.g. --set camera.k1=0.1")]
-    Override {
-        /// As typed.
-        given: String,
-    },
-    /// The scenario's table for the report is wrong.
-    #[error("{scenario}: [report]: {why}")]
-    Layout {
-        /// The scenario.
-        scenario: String,
-        /// What is wrong and what would be right.
-        why: String,
-    },
-    /// A signal asked for the end.
-    #[error("{} at t = {time} s; what there is of the run is kept", crate::signals::name(*signal))]
-    Interrupted {
-        /// Its number.
-        signal: i32,
-        /// Simulated time in s.
-        time: f64,
-    },
-    /// Words that are no command.
-    #[error("{0}")]
-    Words(String),
-    /// A file or folder can't be read or written.
-    #[error("{}: {why}", path.display())]
-    File {
-        /// Which one.
-        path: PathBuf,
-        /// What the system or the reader says.
-        why: String,
-    },
 }
 
 impl Error {
     /// 2 if the user can mend the input, 128 + its number after a signal, else 1.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Orchestrator(error) if !error.is_input() => 1,
+            Self::Run(error) => error.exit_status(),
             Self::Container(error) if !error.is_input() => 1,
             Self::Ssp(error) if !error.is_input() => 1,
             Self::Study(error) if !error.is_input() => 1,
@@ -114,21 +75,31 @@ impl Error {
             Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
             Self::Ssp(_) | Self::Container(_) => 2,
             Self::Inspection(_) | Self::There { .. } | Self::Frames(_) => 2,
-            Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
-            Self::Words(_) => 2,
-            Self::Interrupted { signal, .. } | Self::SweepInterrupted { signal, .. } => {
-                crate::signals::exit_status(*signal)
-            }
-            // A folder that can't be written, a disk that is full: another one will do.
-            Self::File { .. } => 2,
-            Self::Export(export::Error::File { .. }) => 2,
-            Self::Report(_) | Self::Export(_) | Self::Faulty { .. } => 1,
+            Self::SweepInterrupted { signal, .. } => runner::signals::exit_status(*signal),
+            Self::Serve(_) | Self::Faulty { .. } => 1,
         }
     }
 
     /// For `map_err` on something that was done with a file.
     pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
-        move |why| Self::File { path, why: why.to_string() }
+        move |why| runner::Error::file(path)(why).into()
+    }
+
+    /// Words that are no command.
+    pub fn words(text: impl Into<String>) -> Self {
+        runner::Error::Words(text.into()).into()
+    }
+}
+
+impl From<orchestrator::Error> for Error {
+    fn from(error: orchestrator::Error) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl From<scenarios::Error> for Error {
+    fn from(error: scenarios::Error) -> Self {
+        Self::Run(error.into())
     }
 }

@@ -1,39 +1,51 @@
 //! Results in the formats of other tools, beside `results.csv`.
 
-use crate::error::Error;
-use crate::folder::Folder;
-use crate::run_report::{Layout, pictures};
 use export::{Column, Kind, Pictures};
-use orchestrator::Simulation;
-use report::Provenance;
+use runner::{Error, Ran, pictures};
 
-/// For Foxglove, Rerun, PlotJuggler.
-pub const MCAP: &str = "results.mcap";
-
-/// For tables.
-pub const PARQUET: &str = "results.parquet";
-
-/// Writes the table, with where it comes from.
-pub fn parquet(folder: &Folder, simulation: &Simulation, provenance: &Provenance) -> Result<(), Error> {
-    let columns: Vec<Column> = simulation.columns().iter().map(column).collect();
-    let target = folder.file(PARQUET);
-    let provenance = serde_json::to_string(provenance).map_err(|why| Error::file(&target)(why.into()))?;
-    let words = [("acroscope:provenance", provenance), ("acroscope:resolved", simulation.resolved())];
-    Ok(export::write_parquet(&target, &folder.file("results.csv"), &columns, &words)?)
+/// Writes those that were asked for.
+pub fn write(ran: &Ran<'_>) -> Result<(), Error> {
+    if ran.arguments.mcap {
+        mcap(ran)?;
+    }
+    if ran.arguments.parquet {
+        parquet(ran)?;
+    }
+    Ok(())
 }
 
-/// Writes what there is of the run, pictures included.
-pub fn mcap(folder: &Folder, simulation: &Simulation, layout: &Layout) -> Result<(), Error> {
-    let columns: Vec<Column> = simulation.columns().iter().map(column).collect();
-    let pictures = match &layout.picture {
+/// For tables: with where it comes from.
+fn parquet(ran: &Ran<'_>) -> Result<(), Error> {
+    let target = ran.folder.file("results.parquet");
+    let provenance = serde_json::to_string(ran.provenance).map_err(|why| Error::file(&target)(why.into()))?;
+    let words = [("acroscope:provenance", provenance), ("acroscope:resolved", ran.simulation.resolved())];
+    export::write_parquet(&target, &ran.folder.file("results.csv"), &columns(ran), &words).map_err(told)
+}
+
+/// For Foxglove, Rerun, PlotJuggler: what there is of the run, pictures included.
+fn mcap(ran: &Ran<'_>) -> Result<(), Error> {
+    let pictures = match &ran.layout.picture {
         Some(entry) => Some(Pictures {
             unit: entry.unit.clone(),
             index: format!("{}.{}", entry.unit, entry.index),
-            files: pictures(&folder.file("frames"))?,
+            files: pictures(&ran.folder.file("frames"))?,
         }),
         None => None,
     };
-    Ok(export::write_mcap(&folder.file(MCAP), &folder.file("results.csv"), &columns, pictures.as_ref())?)
+    let target = ran.folder.file("results.mcap");
+    export::write_mcap(&target, &ran.folder.file("results.csv"), &columns(ran), pictures.as_ref())
+        .map_err(told)
+}
+
+fn told(error: export::Error) -> Error {
+    match error {
+        export::Error::File { path, why } => Error::File { path, why },
+        other => Error::Format(other.to_string()),
+    }
+}
+
+fn columns(ran: &Ran<'_>) -> Vec<Column> {
+    ran.simulation.columns().iter().map(column).collect()
 }
 
 fn column(column: &orchestrator::Column) -> Column {

@@ -7,19 +7,14 @@
 #![forbid(unsafe_code)]
 
 #[macro_use]
-mod tell;
+extern crate runner;
 
-mod bar;
 mod cli;
 mod commands;
+mod data_set;
 mod error;
-mod folder;
 mod formats;
-mod provenance;
-mod request;
-mod results;
-mod run_report;
-mod signals;
+mod serve;
 
 pub use error::Error;
 /// For hosts of the command line: where the rules of `acroscope check` run units.
@@ -40,10 +35,11 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return u8::try_from(told.exit_code()).unwrap_or(2);
         }
     };
-    signals::listen();
+    runner::signals::listen();
     match commands::dispatch(&arguments) {
         Ok(()) => 0,
         Err(error) => {
+            runner::signals::let_end_come();
             eprintln!("error: {error}");
             error.exit_status()
         }
@@ -61,12 +57,12 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<PathBuf, Error> {
     let words = ["acroscope".into(), "--quiet".into(), "run".into()].into_iter().chain(words);
-    let arguments = cli::Arguments::try_parse_from(words).map_err(|told| Error::Words(told.to_string()))?;
+    let arguments = cli::Arguments::try_parse_from(words).map_err(|told| Error::words(told.to_string()))?;
     match &arguments.command {
         cli::Command::Run(run) => {
-            let carried_out = commands::carry_out(run, true, recorder, progress)?;
-            carried_out.ended.map(|_| carried_out.folder)
+            let carried_out = runner::carry_out(run, true, &formats::write, recorder, progress)?;
+            Ok(carried_out.ended.map(|_| carried_out.folder)?)
         }
-        _ => Err(Error::Words("not the command `run`".to_owned())),
+        _ => Err(Error::words("not the command `run`")),
     }
 }

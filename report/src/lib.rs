@@ -16,6 +16,7 @@ pub mod map;
 pub mod page;
 pub mod picture;
 pub mod readings;
+pub mod tally;
 pub mod thin;
 pub mod timing;
 

@@ -24,7 +24,36 @@ const BELOW: f64 = 40.0;
 /// One colour for each lane that values come from; then they repeat.
 const COLOURS: [&str; 6] = ["#1f5fa8", "#b3541e", "#2e7d4f", "#7a3e8e", "#9c2f3c", "#55606b"];
 
+/// Lanes beyond which a timing diagram shows nothing any more.
+const LANES: usize = 24;
+
+/// An interval as a person says it.
+pub fn interval(seconds: f64) -> String {
+    match seconds {
+        s if s >= 1.0 => format!("{s} s"),
+        s if s >= 1e-3 => format!("{:.4} ms", s * 1e3).replace(".0000", ""),
+        s => format!("{:.4} µs", s * 1e6).replace(".0000", ""),
+    }
+}
+
 impl TimingDiagram {
+    /// Of units with their intervals in s and their points, which are none where there are too many; nothing where there are too many units.
+    pub fn of(
+        span: (f64, f64),
+        lanes: Vec<(String, f64, Vec<f64>)>,
+        arrows: impl Iterator<Item = ((usize, f64), (usize, f64))>,
+    ) -> Option<Self> {
+        if !(1..=LANES).contains(&lanes.len()) {
+            return None;
+        }
+        let label = |unit: String, each: f64, points: &[f64]| match points.is_empty() {
+            true => format!("{unit}, each {}", interval(each)),
+            false => unit,
+        };
+        let lanes = lanes.into_iter().map(|(unit, each, points)| (label(unit, each, &points), points));
+        Some(Self { span, lanes: lanes.collect(), arrows: arrows.collect() })
+    }
+
     /// As SVG, for a page.
     pub fn to_svg(&self) -> String {
         let lanes = self.lanes.len() as f64;

@@ -34,6 +34,7 @@ mod worker;
 
 pub use error::Error;
 pub use plan::Plan;
-pub use scalar::{Reduce, Scalar, Tally, Test};
+pub use report::tally::{Reduce, Tally, Test};
+pub use scalar::Scalar;
 pub use study::{SHIPPED, Study, Words};
 pub use sweep::{Done, Limits, Options, Silent, Watch, sweep};

@@ -5,7 +5,7 @@ mod parameters;
 
 use crate::design::Sampler;
 use crate::error::Error;
-use crate::scalar::{Reduce, Scalar, Test};
+use crate::scalar::Scalar;
 use crate::study::{Parameter, Study, Until};
 use crate::sweep::Limits;
 use orchestrator::fmu::{Description, Variable};
@@ -14,6 +14,7 @@ use orchestrator::time::Rational;
 use orchestrator::{Column, Comparison, Isolation, Kind, Place, Scenario, Simulation, UnitPath, Value};
 use parameters::{parameters, typed};
 use report::Origin;
+use report::tally::{Reduce, Test};
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

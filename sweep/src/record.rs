@@ -1,9 +1,9 @@
 //! Takes the rows of a run: scalars as they come, signals where they are asked for.
 
 use crate::plan::Plan;
-use crate::scalar::Tally;
 use orchestrator::time::Rational;
 use orchestrator::{Cell, Column, Error, Kind, Recorder, Row};
+use report::tally::Tally;
 
 /// The kept values of a signal in one run or several.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,20 +1,16 @@
 //! A finished run to look at: the acrobot in the plane, what the camera saw, the signals, and a clock that moves through all
 //! of them; or two runs side by side. For a scenario without our machine: signals, units and connections.
 //!
-//! [`page`] makes one self-contained HTML file of the folders that `acroscope run` wrote; [`serve`] shows it on the loopback
-//! interface. What moves in the browser lies in `assets/`.
+//! [`page`] makes one self-contained HTML file of the folders that `acroscope run` wrote. What moves in the browser lies in `assets/`.
 
 mod frames;
 mod machine;
 mod page;
 mod results;
-mod serve;
 mod signals;
 mod wiring;
 
 pub use page::page;
-pub use serve::serve;
-pub use wiring::timing;
 
 use std::path::PathBuf;
 
@@ -43,9 +39,6 @@ pub enum Error {
     /// A graph can't be drawn.
     #[error(transparent)]
     Report(#[from] report::Error),
-    /// The page can't be served.
-    #[error("can't serve the page on 127.0.0.1: {0}")]
-    Serve(String),
 }
 
 impl Error {
@@ -54,7 +47,7 @@ impl Error {
         match self {
             Self::NoResult { .. } | Self::File { .. } => true,
             Self::Scenario(error) => error.is_input(),
-            Self::Report(_) | Self::Serve(_) => false,
+            Self::Report(_) => false,
         }
     }
 }

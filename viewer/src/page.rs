@@ -77,7 +77,7 @@ pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
 /// Units and connections: once where two runs have the same.
 fn connections(runs: &[Results]) -> Markup {
     let drawn = |run: &Results| {
-        let timing = diagram(&run.scenario).ok().as_ref().and_then(wiring::timing).map(|diagram| {
+        let timing = diagram(&run.scenario).ok().and_then(wiring::timing).map(|diagram| {
             let words =
                 "When each unit is stepped, and when a value that one gives is first used by another.";
             html! { div.scroll tabindex="0" { (report::page::figure(&diagram.to_svg(), words)) } }

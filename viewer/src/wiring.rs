@@ -3,7 +3,8 @@
 use maud::{Markup, PreEscaped, html};
 use orchestrator::Scenario;
 use orchestrator::scenario::ConnectionEntry;
-use orchestrator::timing::{Diagram, Lane};
+use orchestrator::timing::Diagram;
+use report::timing::interval;
 use report::{Cell, Table, TimingDiagram};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -90,15 +91,6 @@ fn arc(svg: &mut String, (from, to): (usize, usize), variables: &[&str], above: 
     );
 }
 
-/// An interval as a person says it.
-fn interval(seconds: f64) -> String {
-    match seconds {
-        s if s >= 1.0 => format!("{s} s"),
-        s if s >= 1e-3 => format!("{:.4} ms", s * 1e3).replace(".0000", ""),
-        s => format!("{:.4} µs", s * 1e6).replace(".0000", ""),
-    }
-}
-
 /// What happens to a value on its way.
 fn way(connection: &ConnectionEntry) -> String {
     let latency = connection.delay.to_f64();
@@ -126,21 +118,12 @@ pub fn table(scenario: &Scenario) -> Table {
     }
 }
 
-/// Lanes beyond which a timing diagram shows nothing any more.
-const LANES: usize = 24;
-
 /// When each unit is stepped, over a few of the longest intervals, and when a value that one gives is first used by another.
-pub fn timing(diagram: &Diagram) -> Option<TimingDiagram> {
-    if !(1..=LANES).contains(&diagram.lanes.len()) {
-        return None;
-    }
-    let label = |lane: &Lane| match lane.points.is_empty() {
-        true => format!("{}, each {}", lane.unit, interval(lane.interval)),
-        false => lane.unit.clone(),
-    };
-    Some(TimingDiagram {
-        span: diagram.span,
-        lanes: diagram.lanes.iter().map(|lane| (label(lane), lane.points.clone())).collect(),
-        arrows: diagram.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect(),
-    })
+pub fn timing(diagram: Diagram) -> Option<TimingDiagram> {
+    let lanes = diagram.lanes.into_iter().map(|lane| (lane.unit, lane.interval, lane.points));
+    TimingDiagram::of(
+        diagram.span,
+        lanes.collect(),
+        diagram.arrows.iter().map(|arrow| (arrow.from, arrow.to)),
+    )
 }

@@ -7,6 +7,7 @@ mod fuzz;
 mod merge;
 mod pack;
 mod portable;
+mod program;
 mod shells;
 
 use cargo_fmi2::{Result, archive, at, library, package, platform};
@@ -94,9 +95,14 @@ fn acroscope(arguments: &[OsString]) -> ExitCode {
         shells.retain(|shell| {
             *shell != shells::blank(root()) || arguments.iter().any(|word| word == "container")
         });
-        pack::pack_stale(root(), &shells)?;
-        let program = cargo::build_program(root(), "acroscope")?;
-        cargo::become_program(&program, arguments)
+        // Side by side: each unit is optimised whole, by one core.
+        let (units, program) = std::thread::scope(|scope| {
+            let units = scope.spawn(|| pack::pack_stale(root(), &shells).map_err(|why| why.to_string()));
+            let program = program::build(root(), arguments);
+            (units.join().unwrap_or_else(|_| Err("packing the units failed".to_owned())), program)
+        });
+        units?;
+        cargo::become_program(&program?, arguments)
     };
     exit_code(run())
 }

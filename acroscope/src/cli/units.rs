@@ -1,7 +1,7 @@
 //! Commands about units and packages: what makes them, and what looks at them.
 
-use super::above_zero;
 use clap::Args;
+use runner::cli::above_zero;
 use std::path::PathBuf;
 
 /// `acroscope check`

@@ -3,9 +3,9 @@
 use crate::cli::Containing;
 use crate::commands::ssp::{named, write};
 use crate::error::Error;
-use crate::request::sets;
 use orchestrator::Simulation;
 use orchestrator::fmu::Causality;
+use runner::request::sets;
 
 /// Writes the unit.
 pub fn container(arguments: &Containing, quiet: bool) -> Result<(), Error> {

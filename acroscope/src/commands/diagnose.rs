@@ -2,11 +2,11 @@
 
 use crate::cli::Diagnose;
 use crate::error::Error;
-use crate::folder::Folder;
-use crate::request::folder_name;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use orchestrator::Isolation;
+use runner::folder::Folder;
+use runner::request::folder_name;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -37,7 +37,7 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     spinner.finish_and_clear();
     let mut diagnosis = diagnosis?;
     diagnosis.provenance.command = command(arguments);
-    let commit = crate::provenance::program().commit;
+    let commit = runner::provenance::program().commit;
     diagnosis.provenance.version.push_str(&format!(", commit {commit}"));
     folder.clear(&diagnosis::FILES)?;
     diagnosis.write(&out)?;

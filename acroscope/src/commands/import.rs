@@ -1,8 +1,8 @@
 //! `acroscope import`: a data set of a unit and measured logs, or of images of a real camera.
 
 use crate::cli::{Import, StampOf};
+use crate::data_set::data_set;
 use crate::error::Error;
-use crate::folder::data_set;
 use frames::{Recording, Stamp, Times};
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
     let earlier = data_set(&arguments.out, arguments.force)?;
     let is = |one: &Path, other: &Path| one.canonicalize().ok() == other.canonicalize().ok();
     if let Some(log) = arguments.logs.iter().find(|log| earlier.iter().any(|path| is(path, log))) {
-        return Err(Error::Words(format!(
+        return Err(Error::words(format!(
             "{}: this log would be written over; choose another --out",
             log.display()
         )));
@@ -51,7 +51,7 @@ fn images(arguments: &Import, quiet: bool) -> Result<(), Error> {
     };
     if times.is_empty() {
         let words = "--frames needs to know when they were taken: expected --rate HZ, or --times FILE.csv with a column time in s";
-        return Err(Error::Words(words.to_owned()));
+        return Err(Error::words(words));
     }
     let recording = Recording {
         folders: arguments.frames.clone(),

@@ -2,8 +2,8 @@
 
 use crate::cli::{Arguments, Man};
 use crate::error::Error;
-use crate::folder::Folder;
 use clap::CommandFactory as _;
+use runner::folder::Folder;
 
 /// Writes the pages.
 pub fn man(arguments: &Man, quiet: bool) -> Result<(), Error> {

@@ -10,15 +10,13 @@ mod new;
 mod params;
 mod record;
 mod reproduce;
-mod run;
 mod ssp;
 mod sweep;
 mod view;
 
-pub use run::carry_out;
-
 use crate::cli::{Arguments, Command};
 use crate::error::Error;
+use crate::formats;
 
 /// Does what was typed.
 pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
@@ -34,7 +32,7 @@ pub fn dispatch(arguments: &Arguments) -> Result<(), Error> {
         Command::Record(record) => record::record(record, arguments.quiet),
         Command::Reproduce(reproduce) => reproduce::reproduce(reproduce, arguments.quiet),
         Command::View(view) => view::view(view, arguments.quiet),
-        Command::Run(run) => run::run(run, arguments.quiet),
+        Command::Run(run) => Ok(runner::run(run, arguments.quiet, &formats::write)?),
         Command::Ssp(packing) => ssp::ssp(packing, arguments.quiet),
         Command::Sweep(sweep) => sweep::sweep(sweep, arguments.quiet),
     }

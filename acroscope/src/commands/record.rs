@@ -1,8 +1,8 @@
 //! `acroscope record`: finished runs become a measured data set, to rehearse a diagnosis.
 
 use crate::cli::Record;
+use crate::data_set::data_set;
 use crate::error::Error;
-use crate::folder::data_set;
 use diagnosis::{Recording, recorded};
 
 /// Writes the data set.

@@ -2,11 +2,11 @@
 
 use crate::cli::Reproduce;
 use crate::error::Error;
-use crate::folder::Folder;
-use crate::provenance;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use orchestrator::Simulation;
 use report::Provenance;
+use runner::folder::Folder;
+use runner::provenance;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 

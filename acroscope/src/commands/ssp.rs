@@ -2,8 +2,8 @@
 
 use crate::cli::Packing;
 use crate::error::Error;
-use crate::request::sets;
 use orchestrator::Simulation;
+use runner::request::sets;
 use std::path::Path;
 
 /// Writes the package.
@@ -41,7 +41,7 @@ pub fn named(path: &Path, ending: &str) -> Result<(), Error> {
         true => Ok(()),
         false => {
             let why = format!("wanted is a name that ends in .{ending}, by which such files are known");
-            Err(Error::File { path: path.to_owned(), why })
+            Err(runner::Error::File { path: path.to_owned(), why }.into())
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use crate::cli::Sweep;
 use crate::error::Error;
-use crate::folder::Folder;
-use crate::request::folder_name;
-use crate::signals::{self, Looking};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::head::shell_word;
+use runner::folder::Folder;
+use runner::request::folder_name;
+use runner::signals::{self, Looking};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,7 +22,7 @@ pub fn sweep(arguments: &Sweep, quiet: bool) -> Result<(), Error> {
         out: out.clone(),
         jobs: arguments.jobs.map(usize::from),
         partition: arguments.partition,
-        program: crate::provenance::program(),
+        program: runner::provenance::program(),
         command: command(arguments),
     };
     let looker = Looker { bar: bar(quiet), quiet, _looking: Looking::now() };
@@ -55,7 +55,7 @@ fn study(arguments: &Sweep) -> Result<Study, Error> {
 fn limits(arguments: &Sweep) -> Result<Limits, Error> {
     let set = |given: &String| match given.split_once('=') {
         Some((name, value)) => Ok((name.trim().to_owned(), value.trim().to_owned())),
-        None => Err(Error::Override { given: given.clone() }),
+        None => Err(Error::from(runner::Error::Override { given: given.clone() })),
     };
     Ok(Limits {
         set: arguments.set.iter().map(set).collect::<Result<_, _>>()?,

@@ -2,7 +2,8 @@
 
 use crate::cli::View;
 use crate::error::Error;
-use crate::signals::{self, Looking};
+use crate::serve::serve;
+use runner::signals::{self, Looking};
 
 /// Writes the page, or serves it until a signal comes.
 pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
@@ -17,5 +18,5 @@ pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
     let _looking = Looking::now();
     // The address is what was asked for, so that it is told in any case.
     let told = |address: &str| tell!("the page is at {address} until Ctrl-C");
-    Ok(viewer::serve(&html, told, || signals::caught().is_some())?)
+    serve(&html, told, || signals::caught().is_some())
 }

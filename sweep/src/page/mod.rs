@@ -6,9 +6,9 @@ use crate::data;
 use crate::error::Error;
 use crate::parts::Parts;
 use crate::plan::Plan;
-use crate::scalar::{Reduce, Test};
 use crate::sweep::{Options, write as write_file};
 use report::head::short;
+use report::tally::{Reduce, Test};
 use report::{Cell, Figure, Filtered, Input, Marked, Page, Provenance, Standing, Table, Verdict};
 use std::path::PathBuf;
 

@@ -4,8 +4,8 @@ use super::{Columns, words};
 use crate::design::Design;
 use crate::error::Error;
 use crate::plan::Plan;
-use crate::scalar::Reduce;
 use report::head::short;
+use report::tally::Reduce;
 use report::{Axis, Graph, HeatMap, Line, Markup, Page, Readings};
 
 /// Pictures of one scalar, at most, and points of one picture.

@@ -28,10 +28,11 @@ pub(crate) use text::Origin;
 
 use crate::design::Design;
 use crate::error::Error;
-use crate::scalar::{Scalar, Test};
+use crate::scalar::Scalar;
 use orchestrator::Value;
 use orchestrator::scenario::Placed;
 use orchestrator::time::Rational;
+use report::tally::Test;
 use std::path::{Path, PathBuf};
 
 /// Name, and text of the file. A new one is a file in `sweep/studies/` and a line here.

@@ -3,10 +3,11 @@
 use super::text::{self, Entry, Origin, Text};
 use super::{Parameter, Signals, Study, Until, designs};
 use crate::error::Error;
-use crate::scalar::{Reduce, Scalar, Test};
+use crate::scalar::Scalar;
 use orchestrator::scenario::Placed;
 use orchestrator::suggest::nearest;
 use orchestrator::time::Rational;
+use report::tally::{Reduce, Test};
 use std::path::Path;
 
 const KEYS: [&str; 13] = [

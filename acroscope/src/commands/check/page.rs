@@ -3,12 +3,12 @@
 use super::count;
 use crate::cli::Check;
 use crate::error::Error;
-use crate::folder::Folder;
-use crate::provenance;
 use inspection::{Finding, Severity};
 use orchestrator::Fmu;
 use report::head::shell_word;
 use report::{Cell, Figure, Filtered, Marked, Origin, Page, Provenance, Standing, Verdict};
+use runner::folder::Folder;
+use runner::provenance;
 use std::path::{Path, PathBuf};
 
 /// Writes the page into a folder, and answers its path.

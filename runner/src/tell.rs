@@ -8,6 +8,7 @@ pub fn line(text: std::fmt::Arguments<'_>) {
 }
 
 /// As `println!`, without its panic at a closed pipe.
+#[macro_export]
 macro_rules! tell {
     ($($text:tt)*) => { $crate::tell::line(format_args!($($text)*)) };
 }

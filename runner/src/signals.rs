@@ -4,7 +4,7 @@
 //! since it is no run, or its unit hangs, or the person asks a second time, ends at once; units that were unpacked and
 //! folders that are empty are taken away first. The exit status is 128 + the signal's number, as a shell has it.
 
-use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
 
 /// Within this long after the first one a signal is the same request: `timeout` and shells send it to the program and then to its whole
 /// group. A person who asks again takes longer.
@@ -15,6 +15,16 @@ const SAME: std::time::Duration = std::time::Duration::from_millis(200);
 static CAUGHT: AtomicI32 = AtomicI32::new(0);
 /// How many parts of the program look at [`caught`] by themselves.
 static LOOKING: AtomicUsize = AtomicUsize::new(0);
+
+/// Whether the program is being ended at once: files vanish under what still works.
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Before an error is told: one that comes since the program is being ended at once is none, and its end comes first.
+pub fn let_end_come() {
+    if ENDING.load(Ordering::Acquire) {
+        std::thread::sleep(std::time::Duration::from_secs(10));
+    }
+}
 
 /// The signal that asks for the end.
 pub fn caught() -> Option<i32> {
@@ -96,6 +106,7 @@ pub fn listen() {}
 
 #[cfg(unix)]
 fn end_at_once(signal: i32) {
+    ENDING.store(true, Ordering::Release);
     for word in orchestrator::give_up() {
         eprintln!("error: {word}");
     }

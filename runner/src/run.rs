@@ -8,22 +8,46 @@ use crate::request::Request;
 use crate::results::Results;
 use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
-use crate::{formats, provenance, run_report};
+use crate::{provenance, run_report, tell};
 use orchestrator::{
     Checkpoint, Checkpoints, Ended, Isolation, Lateness, NoRecorder, Progress, Recorder, Scenario,
     Simulation, Twice,
 };
-use report::Figure;
+use report::{Figure, Provenance};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What a run writes, beside `frames`.
-const FILES: [&str; 7] =
-    ["results.csv", "resolved.toml", "report.html", "summary.json", formats::MCAP, formats::PARQUET, PACING];
+const FILES: [&str; 7] = [
+    "results.csv",
+    "resolved.toml",
+    "report.html",
+    "summary.json",
+    "results.mcap",
+    "results.parquet",
+    PACING,
+];
 /// How well a run kept to the real clock: apart from what is the same each time.
 const PACING: &str = "pacing.json";
 /// The newest checkpoint, beside the results.
 const CHECKPOINT: &str = "checkpoint.bin";
+
+/// A run that came to its end, for what else is written of it.
+pub struct Ran<'a> {
+    /// What was asked.
+    pub arguments: &'a Run,
+    /// Its folder, with `results.csv`.
+    pub folder: &'a Folder,
+    /// What was run.
+    pub simulation: &'a Simulation,
+    /// What its page shows.
+    pub layout: &'a Layout,
+    /// Where it comes from.
+    pub provenance: &'a Provenance,
+}
+
+/// Writes the formats of other tools that were asked for. [`run`] by itself has none.
+pub type Formats<'a> = &'a dyn Fn(&Ran<'_>) -> Result<(), Error>;
 
 /// What a run left.
 pub struct CarriedOut {
@@ -42,9 +66,12 @@ pub struct CarriedOut {
 }
 
 /// Runs the scenario and writes `results.csv`, `resolved.toml`, `report.html` and `summary.json`.
-pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
+///
+/// # Errors
+/// As [`carry_out`], and what ended the run itself.
+pub fn run(arguments: &Run, quiet: bool, formats: Formats<'_>) -> Result<(), Error> {
     let mut bar = Bar::new(quiet);
-    let done = carry_out(arguments, quiet, &mut NoRecorder, &mut bar)?;
+    let done = carry_out(arguments, quiet, formats, &mut NoRecorder, &mut bar)?;
     if !quiet {
         for start in done.replaced_starts.iter().filter(|_| arguments.verbose) {
             eprintln!("note: start value gave way to a connected output: {start}");
@@ -64,11 +91,14 @@ pub fn run(arguments: &Run, quiet: bool) -> Result<(), Error> {
     }
 }
 
-/// The run, for a second recorder beside the file of results. An error before the first step, or in the report of a run that
-/// ended well, is answered as such.
+/// The run, for a second recorder beside the file of results.
+///
+/// # Errors
+/// What happens before the first step, or in the report of a run that ended well; how the run itself ended is in the answer.
 pub fn carry_out(
     arguments: &Run,
     quiet: bool,
+    formats: Formats<'_>,
     also: &mut dyn Recorder,
     progress: &mut dyn Progress,
 ) -> Result<CarriedOut, Error> {
@@ -106,10 +136,13 @@ pub fn carry_out(
         let (timing, lateness) = (Vec::new(), None);
         return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing, lateness });
     }
-    let mut exported = if arguments.mcap { formats::mcap(&folder, &simulation, &layout) } else { Ok(()) };
-    if arguments.parquet {
-        exported = exported.and(formats::parquet(&folder, &simulation, &provenance));
-    }
+    let exported = formats(&Ran {
+        arguments,
+        folder: &folder,
+        simulation: &simulation,
+        layout: &layout,
+        provenance: &provenance,
+    });
     let lateness = simulation.lateness().cloned();
     if let Some(lateness) = &lateness {
         folder.write(PACING, &lateness.to_json())?;

@@ -1,6 +1,6 @@
 //! Shows a page on the loopback interface, at a port that is free, until it is told to end.
 
-use crate::Error;
+use crate::error::Error;
 use std::time::Duration;
 use tiny_http::{Header, Request, Response, Server};
 

@@ -87,7 +87,7 @@ impl VerdictEntry {
 #[derive(Debug, Clone)]
 pub enum Tally {
     /// What scalars of a sweep are, too.
-    Reduced(sweep::Tally),
+    Reduced(report::tally::Tally),
     /// Counts that are lost.
     Lost(Lost),
 }
@@ -104,15 +104,15 @@ impl Tally {
     /// Nothing yet.
     pub fn new(reduce: Reduce) -> Self {
         let shared = match reduce {
-            Reduce::Last => sweep::Reduce::Last,
-            Reduce::Min => sweep::Reduce::Min,
-            Reduce::Max => sweep::Reduce::Max,
-            Reduce::Mean => sweep::Reduce::Mean,
-            Reduce::Rms => sweep::Reduce::Rms,
-            Reduce::Peak => sweep::Reduce::Peak,
+            Reduce::Last => report::tally::Reduce::Last,
+            Reduce::Min => report::tally::Reduce::Min,
+            Reduce::Max => report::tally::Reduce::Max,
+            Reduce::Mean => report::tally::Reduce::Mean,
+            Reduce::Rms => report::tally::Reduce::Rms,
+            Reduce::Peak => report::tally::Reduce::Peak,
             Reduce::Lost => return Self::Lost(Lost::default()),
         };
-        Self::Reduced(sweep::Tally::new(shared))
+        Self::Reduced(report::tally::Tally::new(shared))
     }
 
     /// The next row. What is no number counts as none.

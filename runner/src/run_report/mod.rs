@@ -9,7 +9,7 @@ mod summary;
 pub mod timing;
 mod verdict;
 
-pub use layout::Layout;
+pub use layout::{Layout, PictureEntry};
 pub use picture::{Dated, clear as clear_pictures, dated as dated_pictures, pictures};
 pub use summary::{Ended, How, Summary};
 

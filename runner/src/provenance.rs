@@ -12,7 +12,7 @@ use std::path::Path;
 /// This program.
 pub fn program() -> Program {
     Program {
-        name: env!("CARGO_PKG_NAME").to_owned(),
+        name: "acroscope".to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: env!("ACROSCOPE_COMMIT").to_owned(),
     }

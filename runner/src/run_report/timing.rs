@@ -2,6 +2,7 @@
 
 use orchestrator::Simulation;
 use orchestrator::timing::{budget_of, diagram_of};
+use report::TimingDiagram;
 
 /// Loops that are told of, the latest first.
 const LOOPS: usize = 5;
@@ -31,7 +32,9 @@ const EARLY: &str = " The scheme is negative where units are stepped one after t
 pub fn figure(simulation: &Simulation) -> Option<(String, String)> {
     let lines = lines(simulation);
     let diagram = diagram_of(simulation).ok().filter(|_| !lines.is_empty())?;
-    let drawn = viewer::timing(&diagram)?;
+    let lanes = diagram.lanes.into_iter().map(|lane| (lane.unit, lane.interval, lane.points));
+    let arrows = diagram.arrows.iter().map(|arrow| (arrow.from, arrow.to));
+    let drawn = TimingDiagram::of(diagram.span, lanes.collect(), arrows)?;
     let words = format!(
         "When each unit is stepped, and when a value that one gives is first used by another. How late a value is on average \
          once round, without what the units delay inside: {}.{}",

@@ -42,15 +42,29 @@ pub fn write_mcap(
     columns: &[Column],
     pictures: Option<&Pictures>,
 ) -> Result<(), Error> {
+    let written = write(target, results, columns, pictures);
+    if written.is_err() {
+        // Without its end readers refuse it.
+        let _ = std::fs::remove_file(target);
+    }
+    written
+}
+
+fn write(
+    target: &Path,
+    results: &Path,
+    columns: &[Column],
+    pictures: Option<&Pictures>,
+) -> Result<(), Error> {
     let mut rows = Rows::open(results)?;
     // Whole chunks without compression: no C library, and the same bytes everywhere.
     let options =
         mcap::WriteOptions::new().compression(None).library(concat!("acroscope ", env!("CARGO_PKG_VERSION")));
     let output = BufWriter::new(File::create(target).map_err(file(target))?);
-    let mut writer = options.create(output).map_err(file(target))?;
-    let topics = topics(&mut writer, &rows.head, columns).map_err(file(target))?;
+    let mut writer = options.create(output).map_err(refused(target))?;
+    let topics = topics(&mut writer, &rows.head, columns).map_err(refused(target))?;
     let mut images = match pictures {
-        Some(pictures) => images(&mut writer, &rows.head, pictures).map_err(file(target))?,
+        Some(pictures) => images(&mut writer, &rows.head, pictures).map_err(refused(target))?,
         None => None,
     };
     let mut sequence = 0;
@@ -58,20 +72,29 @@ pub fn write_mcap(
         let time = nanoseconds(rows.number(0)?);
         for topic in &topics {
             let message = values(&rows, topic)?.to_string();
-            put(&mut writer, topic.channel, sequence, time, message.as_bytes()).map_err(file(target))?;
+            put(&mut writer, topic.channel, sequence, time, message.as_bytes()).map_err(refused(target))?;
         }
         if let Some(images) = &mut images {
             let number = rows.number(images.index)?;
             // Numbers of pictures are counts, from 0; -1 and the like are none.
             if let Some(path) = (number >= 0.0).then(|| images.files.remove(&(number as u64))).flatten() {
                 let message = image(images.unit, time, path)?.to_string();
-                put(&mut writer, images.channel, sequence, time, message.as_bytes()).map_err(file(target))?;
+                put(&mut writer, images.channel, sequence, time, message.as_bytes())
+                    .map_err(refused(target))?;
             }
         }
         sequence += 1;
     }
-    writer.finish().map_err(file(target))?;
+    writer.finish().map_err(refused(target))?;
     Ok(())
+}
+
+/// What the system said, where it said something.
+fn refused(path: &Path) -> impl Fn(mcap::McapError) -> Error {
+    move |error| match error {
+        mcap::McapError::Io(why) => file(path)(why),
+        other => file(path)(other),
+    }
 }
 
 fn put(writer: &mut Writer, channel_id: u16, sequence: u32, time: u64, data: &[u8]) -> mcap::McapResult<()> {

@@ -68,3 +68,17 @@ fn every_text_in_place_of_a_number_is_told_with_its_line() {
     let error = write_mcap(&folder.path().join("x.mcap"), &results, &columns, None).expect_err("refused");
     assert!(error.to_string().ends_with("results.csv:3: a.x is \"often\", not a number"), "{error}");
 }
+
+/// A device on which nothing has room stands for the disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn law_a_full_disk_is_told_and_no_half_file_is_left() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (results, target) = (folder.path().join("results.csv"), folder.path().join("results.mcap"));
+    std::fs::write(&results, "time,a.x\n0.0,0.1\n").expect("writable");
+    std::os::unix::fs::symlink("/dev/full", &target).expect("writable");
+    let error = write_mcap(&target, &results, &[column("a.x", Kind::Real, None)], None).expect_err("no room");
+    let text = error.to_string();
+    assert_eq!(text, format!("{}: No space left on device (os error 28)", target.display()));
+    assert!(target.symlink_metadata().is_err(), "the name is free");
+}

@@ -39,7 +39,11 @@ pub fn write(sensor: &Sensor, k: i64, picture: &Plane<u8>) -> Result<(), ModelEr
         writer.write_image_data(&rows.concat())?;
         writer.finish()
     };
-    encode().map_err(|error| failure(&path, &error))
+    encode().map_err(|error| {
+        // No picture rather than the begin of one. What stood in the way may stand in the way of this, too.
+        let _ = std::fs::remove_file(&path);
+        failure(&path, &error)
+    })
 }
 
 fn failure(path: &Path, error: &dyn std::fmt::Display) -> ModelError {
@@ -47,5 +51,25 @@ fn failure(path: &Path, error: &dyn std::fmt::Display) -> ModelError {
         name: "frames_dir",
         value: path.display().to_string(),
         expected: format!("a place that frames can be written to ({error})"),
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::{Plane, Sensor, write};
+
+    /// A device on which nothing has room stands for the disk.
+    #[test]
+    fn law_a_full_disk_is_told_and_leaves_no_half_picture() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let frame = folder.path().join("frame_000002.png");
+        std::os::unix::fs::symlink("/dev/full", &frame).expect("writable");
+        let sensor = Sensor { frames_dir: folder.path().display().to_string(), ..Sensor::default() };
+        let error = write(&sensor, 2, &Plane::filled(8, 8, 0, 0)).expect_err("no room").to_string();
+        let told = format!("frames_dir = {}", frame.display());
+        assert!(error.contains(&told) && error.contains("No space left on device"), "{error}");
+        assert!(frame.symlink_metadata().is_err(), "the name is free");
+        // The next one may have room again.
+        write(&sensor, 2, &Plane::filled(8, 8, 0, 0)).expect("written");
     }
 }

@@ -264,3 +264,28 @@ fn law_slopes_are_the_differences_of_the_law() {
         }
     }
 }
+
+#[test]
+fn value_nine_knots_are_enough_for_a_spline() {
+    let values: Vec<[f64; 1]> = (0..9).map(|knot| [f64::from(knot)]).collect();
+    let spline = Spline::through(0.0, 1.0, &values).expect("as many as its conditions need");
+    // A line is one of the polynomials that it holds.
+    assert!((spline.at(3.5)[0] - 3.5).abs() < 1e-12);
+    assert_eq!(Spline::through(0.0, 1.0, &values[1..]), None);
+}
+
+#[test]
+fn law_the_table_stands_still_from_its_end_on() {
+    let schedule = Schedule::new(&Theta::default()).expect("controllable");
+    let end = schedule.end();
+    for q2 in [end, -end, 3.0] {
+        let slope = schedule.slope(q2);
+        assert_eq!((slope.q2, slope.q1, slope.z, slope.torque, slope.cp), (0.0, 0.0, 0.0, 0.0, [0.0; 2]));
+    }
+    assert!(schedule.slope(end - 1e-9).z > 0.0);
+    let h = 1e-5; // differences of a sine: good to h² and to 1e-16/h
+    let difference = (schedule.at(1.1 + h).torque - schedule.at(1.1 - h).torque) / (2.0 * h);
+    assert!((schedule.slope(1.1).torque - difference).abs() < 1e-9);
+    // What is written at the upright is 0, not -0.
+    assert_eq!(schedule.at(0.0).q2.to_bits(), 0);
+}

@@ -158,3 +158,67 @@ fn every_word_of_the_description_is_committed() {
         "stale: cargo xtask pack"
     );
 }
+
+#[test]
+fn law_derivatives_are_the_differences_of_the_outputs() {
+    let inputs = |v: &mut Variables, moved: usize, by: f64| {
+        let inputs = &mut v.inputs;
+        let places = [
+            &mut inputs.link1_angle,
+            &mut inputs.link2_angle,
+            &mut inputs.link1_rate,
+            &mut inputs.link2_rate,
+            &mut inputs.desired_place,
+        ];
+        // Far from the upright, where the torque that holds an equilibrium bends.
+        for (at, (place, value)) in places.into_iter().zip([-0.5, 1.1, 0.2, -0.3, 0.25]).enumerate() {
+            *place = value + if at == moved { by } else { 0.0 };
+        }
+    };
+    for side in [1.0, -1.0] {
+        let (mut controller, variables) = start(|v| {
+            inputs(v, 5, 0.0);
+            v.inputs.link2_angle *= side;
+        })
+        .unwrap();
+        let from_bytes = Controller::default();
+        for (known, name) in ["q1", "q2", "dq1", "dq2", "z_desired"].iter().enumerate() {
+            let h = 1e-5;
+            let [tau, z_hat] = [-h, h]
+                .map(|by| {
+                    let mut moved = variables.clone();
+                    inputs(&mut moved, known, if *name == "q2" { side * by } else { by });
+                    moved.inputs.link2_angle *= side;
+                    step(&mut controller, &mut moved);
+                    [moved.outputs.torque, moved.outputs.estimated_place]
+                })
+                .into_iter()
+                .reduce(|low, high| [0, 1].map(|output| (high[output] - low[output]) / (2.0 * h)))
+                .unwrap();
+            for (unknown, difference) in [("tau", tau), ("z_hat", z_hat)] {
+                let derivative = controller.derivative(&variables, unknown, name).unwrap();
+                // The differences are good to h² and to 1e-16/h of torques of some 10 N·m.
+                let allowed = 1e-6 * (1.0 + difference.abs());
+                assert!(
+                    (derivative - difference).abs() < allowed,
+                    "{unknown} by {name}: {derivative} {difference}"
+                );
+                // A state that came as bytes has no table yet.
+                assert_eq!(from_bytes.derivative(&variables, unknown, name), Some(derivative));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_derivative_before_the_first_estimate_is_zero_and_of_others_there_is_none() {
+    let (controller, variables) = start(|v| v.inputs.frame = 0).unwrap();
+    assert_eq!(controller.derivative(&variables, "tau", "q2"), Some(0.0));
+    assert_eq!(controller.derivative(&variables, "tau", "frame"), None);
+    assert_eq!(controller.derivative(&variables, "theta_1", "q2"), None);
+    // A table of other parameters is not asked.
+    let (controller, mut variables) = start(|v| v.inputs.link2_angle = 0.5).unwrap();
+    let before = controller.derivative(&variables, "tau", "q2");
+    variables.parameters.theta_10 *= 1.1;
+    assert_ne!(controller.derivative(&variables, "tau", "q2"), before);
+}

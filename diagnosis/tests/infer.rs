@@ -2,7 +2,8 @@
 
 #![allow(clippy::needless_range_loop, reason = "rows and indices of matrices, as in the formulas")]
 
-use diagnosis::infer::{Disturbance, Linearised, Measured, Noise, smooth, sweep};
+use diagnosis::infer::likelihood::{maximise, profile, reduced};
+use diagnosis::infer::{Disturbance, Linearised, Measured, Noise, Sizes, smooth, sweep};
 use nalgebra::{DMatrix, DVector};
 
 /// Deterministic numbers in (-1, 1).
@@ -55,6 +56,7 @@ fn run() -> Linearised {
         start: (numbers.some(n, 0.3), vec![0.8, 1.2, 0.5]),
         // behind one interval the state is as unknown as the first
         torn: (0..rows - 1).map(|row| row == 2).collect(),
+        left_out: 0.0,
         time,
         first,
         measured,
@@ -220,6 +222,7 @@ fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
         direct: vec![1.0; rows],
         start: (vec![0.0], vec![1.0]),
         torn: Vec::new(),
+        left_out: 0.0,
     }
 }
 
@@ -284,5 +287,22 @@ fn law_the_gradient_by_the_adjoint_is_that_of_differences() {
             }
         };
         same(found.disturbance.first, by(&scaled), "unlisted input");
+    }
+}
+
+#[test]
+fn law_what_values_left_out_would_have_counts_wherever_a_deviance_is_compared() {
+    let plain = white(|row| row % 2 == 0, 0.3);
+    let without = Linearised { left_out: 7.0, ..plain.clone() };
+    let sizes =
+        Sizes { channels: vec![Some(0.01)], process: vec![(1e-6, 1.0)], pinned: Vec::new(), jitter: 0.0 };
+    let noise = Noise { channels: vec![0.2], process: vec![0.1], jitter: 0.0, disturbance: None };
+    let both = |run: &Linearised| {
+        let runs = [run.clone()];
+        [profile(&reduced(&runs, &noise, &[])), maximise(&runs, &[], &noise, &sizes).1]
+    };
+    for (with, without) in both(&without).iter().zip(both(&plain)) {
+        // sums of a hundred logarithms in another order
+        assert!((with - without - 7.0).abs() < 1e-9, "{with} {without}");
     }
 }

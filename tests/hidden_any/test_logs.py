@@ -28,9 +28,10 @@ def made(name, case, seed, tmp_path):
     return tmp_path / "set"
 
 
-@pytest.mark.parametrize(("name", "command"), [("motor", "u_cmd")])
+@pytest.mark.parametrize(("name", "command"), [("motor", "u_cmd"), ("cell", "i_cmd"), ("cabin", "P_a_cmd")])
 def test_a_step_in_rows_that_were_lost_is_no_force(tmp_path, name, command):
-    """Five rows are gone around the largest step of each run, and the command's first value after it with them."""
+    """Five rows are gone around the largest step of each run, and the command's first value after it with them. The cell's voltage
+    follows its current at once; the cabin is simulated whole."""
     folder = made(name, "none", 51, tmp_path)
     for path in folder.glob("run-*.csv"):
         with path.open(newline="") as file:
@@ -39,6 +40,22 @@ def test_a_step_in_rows_that_were_lost_is_no_force(tmp_path, name, command):
         step = 20 + int(np.argmax(np.abs(np.diff(values[20:-20]))))
         kept = rows[: step - 1] + rows[step + 4 :]
         path.write_text("\n".join(",".join(row) for row in [head, *kept]) + "\n")
+    found = diagnosed(folder)
+    assert found["verdict"] == "none", [found["effects"], found["unknown"]]
+
+
+def test_a_step_in_an_empty_cell_is_no_force(tmp_path):
+    """The command's first three values after each run's largest step weren't logged; the outputs were."""
+    folder = made("motor", "none", 53, tmp_path)
+    for path in folder.glob("run-*.csv"):
+        with path.open(newline="") as file:
+            head, *rows = csv.reader(file)
+        place = head.index("u_cmd")
+        values = np.array([float(row[place]) for row in rows])
+        step = 21 + int(np.argmax(np.abs(np.diff(values[20:-20]))))
+        for row in rows[step : step + 3]:
+            row[place] = ""
+        path.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
     found = diagnosed(folder)
     assert found["verdict"] == "none", [found["effects"], found["unknown"]]
 

@@ -220,7 +220,7 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
     let mut grid = Grid {
         name: "next".into(),
         origin: time[0],
-        torn: vec![false; time.len().saturating_sub(1)],
+        lost: Vec::new(),
         time: time.to_vec(),
         samples: Vec::new(),
         inputs: inputs.collect(),

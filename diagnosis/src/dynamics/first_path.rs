@@ -28,6 +28,7 @@ impl Engine {
         let effects = output_effects(machine, theta);
         let set = self.set(theta);
         let (mean, sd) = &self.starts[run];
+        let torn = grid.torn();
         let mut state = DVector::from_column_slice(mean);
         let mut covariance = DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 });
         let mut path = Vec::with_capacity(grid.time.len() * n);
@@ -53,7 +54,10 @@ impl Engine {
                 }
                 let before = state.clone();
                 while let Some(at) = placed.next_if(|at| at.row == row) {
-                    if at.early || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
+                    if at.early
+                        || grid.is_blind(row, machine.reading)
+                        || self.outliers[run].get(at.sample).copied().unwrap_or(false)
+                    {
                         continue;
                     }
                     let sample = grid.samples[at.sample];
@@ -91,7 +95,7 @@ impl Engine {
                     };
                     covariance = &transition * &covariance * transition.transpose();
                     for i in 0..n {
-                        let anew = if grid.torn[row] { sd[i] * sd[i] } else { 0.0 };
+                        let anew = if torn.get(row) == Some(&true) { sd[i] * sd[i] } else { 0.0 };
                         covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
                     }
                     covariance = 0.5 * (&covariance + covariance.transpose());

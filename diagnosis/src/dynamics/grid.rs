@@ -1,8 +1,8 @@
 //! The rows of a run: every time at which a compared channel has a value.
 
 use super::machine::Machine;
-use crate::observe::{Hold, Run};
-use crate::statistics::levels::{FINE, SEVERAL, SLIGHT};
+use crate::observe::{Hold, Reading, Run};
+use crate::statistics::levels::{FINE, HALF, MORE, SEVERAL, SMALL};
 
 /// A value of a compared channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,43 +69,76 @@ pub struct Grid {
     pub inputs: Vec<Course>,
     /// When the run begins, s: drifts count from there.
     pub origin: f64,
-    /// Whether rows are missing after each row, with what was fed meanwhile.
-    pub torn: Vec<bool>,
+    /// Where nobody knows what was fed.
+    pub lost: Vec<Lost>,
 }
 
 /// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
 const SAME: f64 = FINE;
 
-/// Intervals of more than so many usual ones lack rows, if a held input is another after it; of twice as many in any case.
+/// Rows of an input that are so many times as far apart as usual lack some between them, if a held input is another after it; twice as far
+/// in any case.
 const MISSING: f64 = 1.8;
-/// Where more than this share of the intervals would lack rows, the log is irregular and none of them does.
-const SELDOM: f64 = SLIGHT;
+/// Where more than this share of an input's rows would lack some, it is logged irregularly by intent and none is.
+const SELDOM: f64 = SMALL;
 
-/// Intervals in which rows are missing, and with them what a held input was that is logged row by row.
-fn torn(machine: &Machine, time: &[f64], inputs: &[Course]) -> Vec<bool> {
-    let usual = |time: &[f64]| {
-        let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(f64::INFINITY)
-    };
+/// A stretch in which nobody knows what a fed input was: rows of the log are missing, or its cells are empty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lost {
+    /// Place among [`Machine::inputs`].
+    pub input: usize,
+    /// The row before it, s.
+    pub from: f64,
+    /// The row after it, s.
+    pub to: f64,
+    /// Its rows' usual distance, s: so long what was logged before holds.
+    pub usual: f64,
+}
+
+impl Lost {
+    /// Whether some of an interval of rows lies in it. Stamps scatter: half a row is none.
+    fn meets(&self, from: f64, to: f64) -> bool {
+        to > self.from + MORE * self.usual && from < self.to - HALF * self.usual
+    }
+
+    /// Whether what was read at a time was read with an input that nobody knows.
+    fn covers(&self, time: f64, reading: Reading) -> bool {
+        let (late, early) = match reading {
+            Reading::Before => (MORE, -HALF),
+            Reading::After => (HALF, HALF),
+        };
+        time > self.from + late * self.usual && time < self.to - early * self.usual
+    }
+}
+
+fn usual(time: &[f64]) -> f64 {
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+/// Where nobody knows what the inputs were that are logged row by row.
+fn lost(time: &[f64], inputs: &[(bool, &Course)]) -> Vec<Lost> {
     let row = usual(time);
-    let held = machine.inputs.iter().zip(inputs).filter(|(input, course)| {
-        input.channel.is_some() && course.hold == Hold::Zero && usual(&course.time) < MISSING * row
-    });
-    let held: Vec<&Course> = held.map(|(_, course)| course).collect();
-    let lacks = |pair: &[f64]| {
-        let (from, to) = (pair[0], pair[1]);
-        let long = (to - from) / row;
-        long > MISSING
-            && held.iter().any(|course| {
-                let until = course.time.partition_point(|time| *time < to);
-                let logged = course.time.partition_point(|time| *time <= from) < until;
-                !logged && (long > 2.0 * MISSING || course.value(from) != course.value(to))
-            })
+    let of = |(input, (logged, course)): (usize, &(bool, &Course))| {
+        let own = usual(&course.time);
+        if !logged || own >= MISSING * row {
+            return Vec::new();
+        }
+        let lacks = |place: &usize| {
+            let long = (course.time[place + 1] - course.time[*place]) / own;
+            let other = course.hold == Hold::Zero && course.values[*place] != course.values[place + 1];
+            long > MISSING && (other || long > 2.0 * MISSING)
+        };
+        let places: Vec<usize> = (0..course.time.len() - 1).filter(lacks).collect();
+        if places.len() as f64 > SELDOM * course.time.len() as f64 {
+            return Vec::new();
+        }
+        let one =
+            |place: usize| Lost { input, from: course.time[place], to: course.time[place + 1], usual: own };
+        places.into_iter().map(one).collect()
     };
-    let torn: Vec<bool> = time.windows(2).map(lacks).collect();
-    let count = torn.iter().filter(|torn| **torn).count();
-    if count as f64 > SELDOM * torn.len() as f64 { vec![false; torn.len()] } else { torn }
+    inputs.iter().enumerate().flat_map(of).collect()
 }
 
 impl Grid {
@@ -142,14 +175,87 @@ impl Grid {
                 Course { time, values, hold: input.hold }
             })
             .collect();
-        let torn = torn(machine, &time, &inputs);
+        let logged = machine.inputs.iter().map(|input| input.channel.is_some());
+        let lost = lost(&time, &logged.zip(&inputs).collect::<Vec<_>>());
         let begins = machine.channels.iter().filter_map(|output| run.series[output.channel].time.first());
         let origin = begins.copied().fold(f64::INFINITY, f64::min);
-        Self { name: run.name.clone(), time, samples, inputs, origin, torn }
+        Self { name: run.name.clone(), time, samples, inputs, origin, lost }
+    }
+
+    /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
+    pub fn torn(&self) -> Vec<bool> {
+        let meets = |pair: &[f64]| self.lost.iter().any(|lost| lost.meets(pair[0], pair[1]));
+        self.time.windows(2).map(meets).collect()
+    }
+
+    /// Whether a row was read with an input that nobody knows: the first, too, if before its own inputs acted.
+    pub fn is_blind(&self, row: usize, reading: Reading) -> bool {
+        row == 0 && reading == Reading::Before
+            || self.lost.iter().any(|lost| lost.covers(self.time[row], reading))
     }
 
     /// Length, s.
     pub fn span(&self) -> f64 {
         self.time.last().zip(self.time.first()).map_or(0.0, |(last, first)| last - first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows one apart but for so many between two rows, with another value from there on or the same.
+    fn gap(rows: f64, other: bool, hold: Hold) -> Course {
+        let time: Vec<f64> =
+            (0..100).map(|row| f64::from(row) + if row < 50 { 0.0 } else { rows - 1.0 }).collect();
+        let values = time.iter().map(|time| if *time < 50.0 || !other { 1.0 } else { 2.0 }).collect();
+        Course { time, values, hold }
+    }
+
+    fn found(course: &Course) -> Vec<(f64, f64)> {
+        let lost = lost(&course.time, &[(true, course)]);
+        lost.iter().map(|one| (one.from, one.to)).collect()
+    }
+
+    #[test]
+    fn policy_an_input_is_unknown_where_rows_of_it_are_missing() {
+        assert_eq!(found(&gap(2.0, true, Hold::Zero)), [(49.0, 51.0)]);
+        // a row that came late is none that is missing: at half the threshold it would be
+        assert_eq!(found(&gap(1.0, true, Hold::Zero)), []);
+        assert_eq!(found(&gap(1.5, true, Hold::Zero)), []);
+        // one row with the same value on either side was as these say; of a long stretch nobody knows
+        assert_eq!(found(&gap(3.0, false, Hold::Zero)), []);
+        assert_eq!(found(&gap(5.0, false, Hold::Zero)), [(49.0, 54.0)]);
+        // between rows of a line the line is as good a guess
+        assert_eq!(found(&gap(3.0, true, Hold::Linear)), []);
+        assert_eq!(found(&gap(5.0, true, Hold::Linear)), [(49.0, 54.0)]);
+    }
+
+    #[test]
+    fn policy_an_input_that_often_skips_a_row_is_logged_so_by_intent() {
+        let every = |rows: usize| {
+            let time: Vec<f64> = (0..1000).filter(|row| row % rows != 0).map(|row| row as f64).collect();
+            let values = time.clone();
+            found(&Course { time, values, hold: Hold::Zero }).len()
+        };
+        assert!(every(15) > 60, "7 % of the rows are lost");
+        assert_eq!(every(7), 0, "14 % are missing");
+    }
+
+    #[test]
+    fn law_an_empty_cell_hides_the_input_from_its_row_to_the_next() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        let (mut course, rows) = (gap(1.0, true, Hold::Zero), time.clone());
+        course.time.remove(50);
+        course.values.remove(50);
+        let lost = lost(&rows, &[(true, &course)]);
+        let grid =
+            Grid { name: "a".into(), time, samples: Vec::new(), inputs: vec![course], origin: 0.0, lost };
+        let torn: Vec<usize> = (0..99).filter(|row| grid.torn()[*row]).collect();
+        assert_eq!(torn, [50], "until row 50 the value of row 49 held");
+        let blind = |reading| (1..100).filter(|row| grid.is_blind(*row, reading)).collect::<Vec<usize>>();
+        assert_eq!(blind(Reading::After), [50], "it was read with what its cell would say");
+        assert_eq!(blind(Reading::Before), [51], "it was read with what was there before it");
+        assert!(grid.is_blind(0, Reading::Before) && !grid.is_blind(0, Reading::After));
     }
 }

@@ -280,7 +280,7 @@ impl Engine {
             parameters: p,
             time: grid.time.clone(),
             first: vec![0],
-            torn: grid.torn.clone(),
+            torn: grid.torn(),
             start: self.start(run, path),
             ..Linearised::default()
         };
@@ -306,12 +306,17 @@ impl Engine {
                 let slope = slope(parts, grid, row, n + sample.channel);
                 let since = sample.time - grid.origin;
                 let outlier = self.outliers[run].get(at.sample).copied().unwrap_or(false);
+                let left_out = at.early || grid.is_blind(row, machine.reading);
+                if left_out && !outlier {
+                    // as one that is met to within its noise
+                    out.left_out += 1.0 + 2.0 * libm::log(self.sensors[sample.channel]);
+                }
                 out.measured.push(Measured {
                     channel: sample.channel,
                     time: sample.time,
                     residual: sample.value - effect.shown(value, since),
                     slope: effect.gain * slope,
-                    weight: if at.early || outlier { 0.0 } else { 1.0 },
+                    weight: if left_out || outlier { 0.0 } else { 1.0 },
                 });
                 out.observe.extend(parts[row].states.iter().map(|column| effect.gain * column[entry]));
                 for (place, chord) in chords.iter().enumerate() {

@@ -4,16 +4,21 @@
 //! What a channel shows beyond the model is then a state of its own, one a channel: a random walk with process noise, which is at
 //! its floor where the model explains the data. Search and verdict are those of linked states; an unlisted input is one that
 //! adds to this residual.
+//!
+//! What an input was where rows of it are missing is a few states more for each such stretch, one for each piece of it, which stay as they
+//! are: what the outputs show from there on of another input is what they show.
 
-use super::grid::Grid;
+use super::grid::{Course, Grid, Lost};
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Reference, State};
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;
 use crate::error::Error;
 use crate::infer::fit::Path;
+use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
-use crate::statistics::levels::SAMPLE;
+use crate::observe::Hold;
+use crate::statistics::levels::{FEW, FINE, SAMPLE};
 use rayon::prelude::*;
 
 /// Rows over which a unit is watched after a fresh start.
@@ -29,6 +34,39 @@ pub(super) fn states(machine: &Machine) -> Vec<State> {
         channel: Some(channel),
     };
     machine.channels.iter().enumerate().map(own).collect()
+}
+
+/// A stretch in which an input is unknown is so many pieces at most, in each of which it may have been another: more than most units
+/// have states that remember it.
+const PIECES: usize = FEW;
+
+/// Times between which each piece of a stretch lies: from where what was logged last no longer holds.
+fn pieces(lost: &Lost) -> Vec<(f64, f64)> {
+    let from = lost.from + lost.usual;
+    let count = (((lost.to - from) / lost.usual).round() as usize).clamp(1, PIECES);
+    let at = |piece: usize| from + (lost.to - from) * piece as f64 / count as f64;
+    (0..count).map(|piece| (at(piece), at(piece + 1))).collect()
+}
+
+/// An input that is another by so much between two times.
+fn moved(own: &Course, (from, to): (f64, f64), by: f64) -> Course {
+    // along lines it goes there and back within a thousandth of the time
+    let short = if own.hold == Hold::Linear { FINE * (to - from) } else { 0.0 };
+    let ends = [(from, 0.0), (from + short, by), (to - short, by), (to, 0.0)];
+    let mut points: Vec<(f64, f64)> = own.time.iter().copied().zip(own.values.iter().copied()).collect();
+    points.retain(|(time, _)| *time <= from || *time >= to);
+    let before = points.partition_point(|(time, _)| *time < from);
+    points.splice(before..before, ends.map(|(time, by)| (time, own.value(time) + by)));
+    // of the points at one time the last holds; that which was logged there is there already
+    points.dedup_by(|later, earlier| {
+        let same = later.0 == earlier.0;
+        if same {
+            *earlier = *later;
+        }
+        same
+    });
+    let (time, values) = points.into_iter().unzip();
+    Course { time, values, hold: own.hold }
 }
 
 impl Engine {
@@ -81,6 +119,25 @@ impl Engine {
         Ok(shown)
     }
 
+    /// What the outputs show of another input where nobody knows it, by its whole size in each piece of a stretch; of the longest
+    /// stretches, as many as there is room for.
+    fn unknown_inputs(&self, grid: &Grid, theta: &[f64], base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let (begin, end) = (grid.time[0], grid.time[grid.time.len() - 1]);
+        let mut lost: Vec<&Lost> =
+            grid.lost.iter().filter(|lost| lost.to > begin && lost.from < end).collect();
+        lost.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
+        let each = lost.iter().flat_map(|lost| pieces(lost).into_iter().map(|piece| (lost.input, piece)));
+        let room = MOST_STATES - 1 - self.machine.order();
+        let all: Vec<(usize, (f64, f64))> = each.take(room).collect();
+        let shows = |(input, piece): &(usize, (f64, f64))| -> Result<Vec<f64>, Error> {
+            let mut other = grid.clone();
+            other.inputs[*input] = moved(&grid.inputs[*input], *piece, self.input_scales[*input]);
+            let there = self.simulated(&other, theta)?;
+            Ok(there.iter().zip(base).map(|(there, here)| there - here).collect())
+        };
+        all.par_iter().map(shows).collect()
+    }
+
     /// A run about its path of rests.
     pub(super) fn whole(
         &self,
@@ -98,19 +155,25 @@ impl Engine {
             Ok(there.iter().zip(&base).map(|(there, here)| (there - here) / chord.per).collect())
         };
         let columns = chords.par_iter().map(column).collect::<Result<Vec<_>, _>>()?;
+        let unknown = self.unknown_inputs(grid, theta, &base)?;
         let rows = grid.time.len();
+        let wide = n + unknown.len();
         let mut out = Linearised {
-            states: n,
+            states: wide,
             parameters: p,
             time: grid.time.clone(),
             first: vec![0],
             start: self.start(run, path),
-            drive: vec![0.0; (rows - 1) * n * p],
+            drive: vec![0.0; (rows - 1) * wide * p],
             ..Linearised::default()
         };
+        out.start.0.extend(unknown.iter().map(|_| 0.0));
+        out.start.1.extend(unknown.iter().map(|_| 1.0));
         for row in 0..rows - 1 {
-            out.transition.extend((0..n * n).map(|place| if place % (n + 1) == 0 { 1.0 } else { 0.0 }));
+            let one = |place| if place % (wide + 1) == 0 { 1.0 } else { 0.0 };
+            out.transition.extend((0..wide * wide).map(one));
             out.defect.extend((0..n).map(|i| path[row * n + i] - path[(row + 1) * n + i]));
+            out.defect.extend(unknown.iter().map(|_| 0.0));
         }
         let mut samples = grid.samples.iter().zip(&self.outliers[run]).peekable();
         for row in 0..rows {
@@ -126,6 +189,7 @@ impl Engine {
                     weight: if *outlier { 0.0 } else { 1.0 },
                 });
                 out.observe.extend((0..n).map(|i| if i == sample.channel { 1.0 } else { 0.0 }));
+                out.observe.extend(unknown.iter().map(|shows| shows[entry]));
                 out.direct.extend(columns.iter().map(|column| column[entry]));
             }
             out.first.push(out.measured.len());
@@ -139,5 +203,35 @@ impl Engine {
         let (here, there) = (self.simulated(grid, theta)?, self.simulated(grid, there)?);
         let changes = here.iter().zip(&there).enumerate();
         Ok(changes.map(|(entry, (a, b))| (b - a).abs() / noise[entry % noise.len()]).fold(0.0, f64::max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_each_piece_of_an_unknown_stretch_moves_the_mean_of_the_input_and_nothing_else() {
+        let lost = Lost { input: 0, from: 3.0, to: 9.0, usual: 1.0 };
+        let (time, values) = (vec![0.0, 1.0, 2.0, 3.0, 9.0, 10.0], vec![1.0, 4.0, 4.0, 2.0, 7.0, 7.0]);
+        assert_eq!(pieces(&lost).first().map(|piece| piece.0), Some(4.0), "until then row 3 holds");
+        assert_eq!(pieces(&lost).last().map(|piece| piece.1), Some(9.0));
+        assert_eq!(pieces(&Lost { to: 5.0, ..lost }), [(4.0, 5.0)], "one row, one piece");
+        for hold in [Hold::Zero, Hold::Linear] {
+            let own = Course { time: time.clone(), values: values.clone(), hold };
+            for (from, to) in pieces(&lost) {
+                let other = moved(&own, (from, to), 10.0);
+                let inside = |at: f64| at > from && at < to;
+                for at in (0..100).map(|part| 0.1 * f64::from(part) + 0.05) {
+                    let by = if inside(at) { 10.0 } else { 0.0 };
+                    // along lines two numbers of size 10 are rounded
+                    assert!((other.value(at) - own.value(at) - by).abs() < 1e-12, "{hold:?} {from} {at}");
+                }
+                assert!(
+                    time.iter()
+                        .all(|row| (other.value(*row) - own.value(*row)).abs() < 1e-12 || inside(*row))
+                );
+            }
+        }
     }
 }

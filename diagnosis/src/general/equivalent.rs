@@ -230,7 +230,7 @@ mod tests {
             samples: Vec::new(),
             inputs: vec![logged],
             origin: 0.0,
-            torn: vec![false; 2],
+            lost: Vec::new(),
         };
         let sum = with_course(&grid, 0, &[10.0, 20.0, 0.0]);
         assert_eq!(sum.inputs[0].time, [0.0, 1.0, 1.5, 2.0]);

@@ -167,7 +167,6 @@ fn window(
     let grid = &engine.grids[run];
     let mut part = grid.clone();
     part.time = grid.time[from..to].to_vec();
-    part.torn = grid.torn[from..to - 1].to_vec();
     let (begin, end) = (part.time[0], part.time[part.time.len() - 1]);
     let inside = |sample: &crate::dynamics::grid::Sample| (begin..=end).contains(&sample.time);
     let outliers = (part.samples.iter().zip(&engine.outliers[run]))

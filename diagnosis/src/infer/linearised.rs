@@ -38,9 +38,12 @@ pub struct Linearised {
     pub observe: Vec<f64>,
     /// ∂h/∂θ of each value (p).
     pub direct: Vec<f64>,
-    /// Whether rows are missing in each interval, with what was fed meanwhile: the state behind it is as unknown as the first.
+    /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
     /// Empty: none is.
     pub torn: Vec<bool>,
+    /// Deviance that values would have had which are left out because of where a parameter puts them (before the run's begin, by a
+    /// sensor's delay): without it a model that leaves them out is likelier, or not, by the unit of measurement.
+    pub left_out: f64,
     /// Prior of the deviation of the first row's state: mean and standard deviation (n each).
     pub start: (Vec<f64>, Vec<f64>),
 }
@@ -56,7 +59,7 @@ impl Linearised {
         self.first[row]..self.first[row + 1]
     }
 
-    /// Whether rows are missing after a row.
+    /// Whether nobody knows what was fed after a row.
     pub fn is_torn(&self, row: usize) -> bool {
         self.torn.get(row).copied().unwrap_or(false)
     }
@@ -91,6 +94,7 @@ impl Linearised {
             measured: self.measured.clone(),
             observe: self.observe.clone(),
             torn: self.torn.clone(),
+            left_out: self.left_out,
             start: self.start.clone(),
         }
     }

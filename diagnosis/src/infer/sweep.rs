@@ -167,7 +167,7 @@ fn filter<const N: usize>(
     let mut innovation_columns = vec![0.0; p];
     let mut score = vec![0.0; p];
     let mut gram = vec![0.0; p * p];
-    let (mut square, mut log_det, mut count) = (0.0, 0.0, 0.0);
+    let (mut square, mut log_det, mut count) = (0.0, run.left_out, 0.0);
     for row in 0..run.rows() {
         for value in run.values(row) {
             let measured = &run.measured[value];

@@ -144,6 +144,29 @@ fn law_derivatives_foretell_neighbouring_states() {
 }
 
 #[test]
+fn every_stage_that_takes_time_keeps_a_command_from_the_torque_at_once() {
+    let passed = |change: fn(&mut Variables)| {
+        let rig = Rig::at([0.0; 4], |v| {
+            v.inputs.torque = 0.5;
+            v.effects.gain.factor = 1.5;
+            change(v);
+        });
+        rig.plant.derivative(&rig.variables, "tau_applied", "tau").unwrap()
+    };
+    assert_eq!(passed(|_| {}), 1.5);
+    assert_eq!(passed(|v| v.effects.delay.time = 0.01), 0.0);
+    assert_eq!(passed(|v| v.effects.rate_limit.limit = 3.0), 0.0);
+    assert_eq!(passed(|v| v.effects.lag.time = 0.02), 0.0);
+    // At the limit itself a greater command adds nothing.
+    for (limit, expected) in [(0.6, 1.5), (0.5, 0.0), (0.4, 0.0)] {
+        let rig = Rig::at([0.0; 4], |v| {
+            (v.inputs.torque, v.effects.gain.factor, v.effects.saturation.limit) = (0.5, 1.5, limit);
+        });
+        assert_eq!(rig.plant.derivative(&rig.variables, "tau_applied", "tau"), Some(expected), "{limit}");
+    }
+}
+
+#[test]
 fn every_contact_holds_the_state() {
     let mut rig = Rig::new(|variables| variables.effects.lag.time = 0.1);
     let mut log = Kept::default();
@@ -229,7 +252,7 @@ fn every_contact_is_in_the_bytes_of_a_state() {
 #[test]
 fn every_bad_value_is_refused_by_name() {
     type Change = fn(&mut Variables);
-    let cases: [(&str, Change); 16] = [
+    let cases: [(&str, Change); 21] = [
         ("theta_1", |v| v.parameters.theta_1 = 0.0),
         ("theta_5", |v| v.parameters.theta_5 = -0.1),
         ("theta_9", |v| v.parameters.theta_9 = f64::INFINITY),
@@ -242,6 +265,11 @@ fn every_bad_value_is_refused_by_name() {
         ("tau_delay", |v| v.effects.delay.time = -1e-3),
         ("T_act", |v| v.effects.lag.time = f64::NAN),
         ("T_act", |v| v.effects.lag.time = 1e-320),
+        ("tau_max", |v| v.effects.saturation.limit = -1.0),
+        ("dtau_max", |v| v.effects.rate_limit.limit = f64::NAN),
+        ("tau_bias", |v| v.effects.bias.torque = f64::INFINITY),
+        ("fc_roll", |v| v.effects.coulomb.roll = -1.0),
+        ("fc_joint", |v| v.effects.coulomb.joint = f64::NAN),
         ("k_tau", |v| v.effects.gain.factor = f64::NAN),
         ("I_rotor", |v| v.effects.rotor.inertia = -1e-3),
         ("tolerance", |v| v.solver.tolerance = 0.0),

@@ -227,3 +227,21 @@ fn value_a_looser_tolerance_is_kept() {
         assert!(error < tolerance && error > CLOSE, "{tolerance:e}: {error:e}");
     }
 }
+
+#[test]
+fn law_a_torque_that_begins_at_zero_and_grows_acts() {
+    let end = |start: f64| {
+        let mut rig = Rig::at([0.3, -0.4, 0.0, 0.0], |v| v.inputs.link1_torque = start);
+        rig.step_with(0.2, &[("tau_1", 2.0)]);
+        rig.state()
+    };
+    let (zero, next_to_it) = (end(0.0), end(1e-13));
+    let mut still = Rig::at([0.3, -0.4, 0.0, 0.0], |_| {});
+    still.step(0.2);
+    for (place, (found, expected)) in zero.into_iter().zip(next_to_it).enumerate() {
+        // The integrator's tolerance is far above what 1e-13 N·m does.
+        assert!((found - expected).abs() < 1e-9, "{place}: {found}, not {expected}");
+    }
+    // 0.2 N·m in the mean for 0.2 s turns links of some 0.2 kg·m² by far more than this.
+    assert!((zero[2] - still.state()[2]).abs() > 0.01);
+}

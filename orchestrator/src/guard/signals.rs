@@ -1,16 +1,22 @@
-//! The signals that stand for crashes, and the functions that end a program.
+//! The signals that end a program and that nobody but a unit brings about, and the functions that end a program.
 
 use super::ending;
 use std::ffi::{c_int, c_void};
 use std::ptr;
 use std::sync::OnceLock;
 
-const SIGNALS: [(c_int, &str); 5] = [
+const SIGNALS: [(c_int, &str); 10] = [
     (libc::SIGSEGV, "crashed with a segmentation fault (SIGSEGV)"),
     (libc::SIGBUS, "crashed with a bus error (SIGBUS)"),
     (libc::SIGILL, "crashed with an illegal instruction (SIGILL)"),
     (libc::SIGFPE, "crashed with an arithmetic fault (SIGFPE)"),
     (libc::SIGABRT, "gave up (SIGABRT)"),
+    // Timers and messages that a unit's author meant for a program of his own: unhandled, they end this one.
+    (libc::SIGALRM, "was ended by a timer (SIGALRM)"),
+    (libc::SIGVTALRM, "was ended by a timer of its processor time (SIGVTALRM)"),
+    (libc::SIGPROF, "was ended by a profiling timer (SIGPROF)"),
+    (libc::SIGUSR1, "was ended by SIGUSR1"),
+    (libc::SIGUSR2, "was ended by SIGUSR2"),
 ];
 
 /// What was done about each signal before: Rust's own handler tells overflows of a stack.
@@ -40,12 +46,25 @@ pub(super) fn install() {
     for (signal, _) in SIGNALS {
         // SAFETY: as above.
         unsafe {
+            if !is_fault(signal) && signal != libc::SIGABRT {
+                // Somebody's own timer or message is left to him.
+                let mut now: libc::sigaction = std::mem::zeroed();
+                libc::sigaction(signal, ptr::null(), &mut now);
+                if now.sa_sigaction != libc::SIG_DFL {
+                    continue;
+                }
+            }
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = on_signal as *const () as usize;
             action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
             libc::sigaction(signal, &action, ptr::null_mut());
         }
     }
+}
+
+/// What a processor answers to an instruction, which comes again once the handler returns.
+fn is_fault(signal: c_int) -> bool {
+    matches!(signal, libc::SIGSEGV | libc::SIGBUS | libc::SIGILL | libc::SIGFPE)
 }
 
 #[cfg(target_os = "linux")]
@@ -64,7 +83,7 @@ extern "C" fn on_signal(signal: c_int, _: *mut libc::siginfo_t, _: *mut c_void) 
             Some(before) => libc::sigaction(signal, &before[place], ptr::null_mut()),
             None => libc::sigaction(signal, &std::mem::zeroed(), ptr::null_mut()),
         };
-        if signal == libc::SIGABRT {
+        if !is_fault(signal) {
             libc::raise(signal);
         }
     }

@@ -64,3 +64,21 @@ def test_a_drift_counts_from_the_begin_of_the_run_in_the_gap_as_well(tmp_path):
     found = diagnosed(made("motor", "w:drift", 52, tmp_path))
     assert [effect["name"] for effect in found["effects"]] == ["motor.w:drift"]
     assert found["gap"]["closed"] > 0.9, found["gap"]
+
+
+def test_how_rows_were_read_is_told_by_runs_in_which_the_input_jumps(tmp_path):
+    """The cell's voltage follows its current at once. The first run ends before the current first changes, so that the rows that are
+    searched first, without the last run, can't tell whether a row was read before its own current acted."""
+    folder = made("cell", "none", 51, tmp_path)
+    runs = sorted(folder.glob("run-*.csv"))
+    with runs[0].open(newline="") as file:
+        head, *rows = csv.reader(file)
+    values = [row[head.index("i_cmd")] for row in rows]
+    still = next(place for place, value in enumerate(values) if value != values[0])
+    assert still > 8, "rows enough to be a run"
+    runs[0].write_text("\n".join(",".join(row) for row in [head, *rows[:still]]) + "\n")
+    text = (folder / "dataset.toml").read_text()
+    top, *tables = text.split("[[run]]")
+    (folder / "dataset.toml").write_text("[[run]]".join([top, *tables[:2]]))
+    found = diagnosed(folder)
+    assert found["verdict"] == "none", [found["effects"], found["unknown"]]

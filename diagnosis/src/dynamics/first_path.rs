@@ -28,7 +28,7 @@ impl Engine {
         let effects = output_effects(machine, theta);
         let set = self.set(theta);
         let (mean, sd) = &self.starts[run];
-        let torn = grid.torn();
+        let (torn, blind) = (grid.torn(), grid.blind(machine.reading));
         let mut state = DVector::from_column_slice(mean);
         let mut covariance = DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 });
         let mut path = Vec::with_capacity(grid.time.len() * n);
@@ -54,10 +54,7 @@ impl Engine {
                 }
                 let before = state.clone();
                 while let Some(at) = placed.next_if(|at| at.row == row) {
-                    if at.early
-                        || grid.is_blind(row, machine.reading)
-                        || self.outliers[run].get(at.sample).copied().unwrap_or(false)
-                    {
+                    if at.early || blind[row] || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
                         continue;
                     }
                     let sample = grid.samples[at.sample];

@@ -3,6 +3,7 @@
 use super::machine::Machine;
 use crate::observe::{Hold, Reading, Run};
 use crate::statistics::levels::{FINE, HALF, MORE, SEVERAL, SMALL};
+use std::ops::Range;
 
 /// A value of a compared channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,18 +97,25 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Whether some of an interval of rows lies in it. Stamps scatter: half a row is none.
-    fn meets(&self, from: f64, to: f64) -> bool {
-        to > self.from + MORE * self.usual && from < self.to - HALF * self.usual
+    /// Intervals of rows of which some lies in it. Stamps scatter: half a row is none.
+    fn intervals(&self, time: &[f64]) -> Range<usize> {
+        let rows = self.between(time, MORE, HALF);
+        rows.start.saturating_sub(1)..rows.end.min(time.len().saturating_sub(1))
     }
 
-    /// Whether what was read at a time was read with an input that nobody knows.
-    fn covers(&self, time: f64, reading: Reading) -> bool {
-        let (late, early) = match reading {
-            Reading::Before => (MORE, -HALF),
-            Reading::After => (HALF, HALF),
-        };
-        time > self.from + late * self.usual && time < self.to - early * self.usual
+    /// Rows at which what was read was read with an input that nobody knows.
+    fn rows(&self, time: &[f64], reading: Reading) -> Range<usize> {
+        match reading {
+            Reading::Before => self.between(time, MORE, -HALF),
+            Reading::After => self.between(time, HALF, HALF),
+        }
+    }
+
+    /// Rows in it, but for so many usual ones at its begin and at its end.
+    fn between(&self, time: &[f64], late: f64, early: f64) -> Range<usize> {
+        let begin = time.partition_point(|time| *time <= self.from + late * self.usual);
+        let end = time.partition_point(|time| *time < self.to - early * self.usual);
+        begin..end
     }
 }
 
@@ -184,20 +192,32 @@ impl Grid {
 
     /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
     pub fn torn(&self) -> Vec<bool> {
-        let meets = |pair: &[f64]| self.lost.iter().any(|lost| lost.meets(pair[0], pair[1]));
-        self.time.windows(2).map(meets).collect()
+        let count = self.time.len().saturating_sub(1);
+        marked(count, self.lost.iter().map(|lost| lost.intervals(&self.time)))
     }
 
-    /// Whether a row was read with an input that nobody knows: the first, too, if before its own inputs acted.
-    pub fn is_blind(&self, row: usize, reading: Reading) -> bool {
-        row == 0 && reading == Reading::Before
-            || self.lost.iter().any(|lost| lost.covers(self.time[row], reading))
+    /// Whether each row was read with an input that nobody knows: the first, too, if before its own inputs acted.
+    pub fn blind(&self, reading: Reading) -> Vec<bool> {
+        let first = 0..usize::from(reading == Reading::Before).min(self.time.len());
+        let rows = self.lost.iter().map(|lost| lost.rows(&self.time, reading));
+        marked(self.time.len(), rows.chain([first]))
     }
 
     /// Length, s.
     pub fn span(&self) -> f64 {
         self.time.last().zip(self.time.first()).map_or(0.0, |(last, first)| last - first)
     }
+}
+
+/// Which of so many lie in one of the ranges.
+fn marked(count: usize, ranges: impl Iterator<Item = Range<usize>>) -> Vec<bool> {
+    let mut marked = vec![false; count];
+    for range in ranges {
+        for place in range {
+            marked[place] = true;
+        }
+    }
+    marked
 }
 
 #[cfg(test)]
@@ -253,9 +273,9 @@ mod tests {
             Grid { name: "a".into(), time, samples: Vec::new(), inputs: vec![course], origin: 0.0, lost };
         let torn: Vec<usize> = (0..99).filter(|row| grid.torn()[*row]).collect();
         assert_eq!(torn, [50], "until row 50 the value of row 49 held");
-        let blind = |reading| (1..100).filter(|row| grid.is_blind(*row, reading)).collect::<Vec<usize>>();
+        let blind = |reading| (1..100).filter(|row| grid.blind(reading)[*row]).collect::<Vec<usize>>();
         assert_eq!(blind(Reading::After), [50], "it was read with what its cell would say");
         assert_eq!(blind(Reading::Before), [51], "it was read with what was there before it");
-        assert!(grid.is_blind(0, Reading::Before) && !grid.is_blind(0, Reading::After));
+        assert!(grid.blind(Reading::Before)[0] && !grid.blind(Reading::After)[0]);
     }
 }

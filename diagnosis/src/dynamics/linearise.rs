@@ -297,6 +297,7 @@ impl Engine {
         let sensed: Vec<Option<Vec<f64>>> =
             chords.iter().map(|chord| self.sensed(grid, parts, theta, chord)).collect();
         let mut placed = schedule.placed.iter().peekable();
+        let blind = grid.blind(machine.reading);
         for row in 0..rows {
             while let Some(at) = placed.next_if(|at| at.row == row) {
                 let sample = grid.samples[at.sample];
@@ -306,7 +307,7 @@ impl Engine {
                 let slope = slope(parts, grid, row, n + sample.channel);
                 let since = sample.time - grid.origin;
                 let outlier = self.outliers[run].get(at.sample).copied().unwrap_or(false);
-                let left_out = at.early || grid.is_blind(row, machine.reading);
+                let left_out = at.early || blind[row];
                 if left_out && !outlier {
                     // as one that is met to within its noise
                     out.left_out += 1.0 + 2.0 * libm::log(self.sensors[sample.channel]);

@@ -1,7 +1,8 @@
 //! Whether a row's outputs were read before or after its inputs began to act, where an output follows an input at once.
 //!
 //! A master that steps a unit and reads it sees the inputs of the interval that ends; a logger that writes an input and then
-//! reads sees the row's own. The data tell, since each jump of the input shows in the output: the likelier one is taken.
+//! reads sees the row's own. The data tell, since each jump of the input shows in the output: the likelier one is taken. All rows
+//! are asked, as for units and signs: it is a fact of the logger, and in a part of them no input may jump.
 
 use super::study::nominal;
 use crate::dynamics::build::{Span, build};
@@ -12,7 +13,8 @@ use crate::observe::{Problem, Reading, Run};
 ///
 /// # Errors
 /// A unit failed.
-pub(super) fn read(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Problem, Error> {
+pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
+    let runs: &[(&Run, Span)] = &problem.runs.iter().map(|run| (run, run.span())).collect::<Vec<_>>();
     let Some((output, input)) = build(problem, runs)?.engine.at_once()? else { return Ok(problem.clone()) };
     let deviance = |reading: Reading| {
         let other = Problem { reading, ..problem.clone() };

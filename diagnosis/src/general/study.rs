@@ -54,7 +54,7 @@ pub fn diagnosed(
     let watch = &mut Watch::new(listener, until);
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
-    let problem = &reading::read(problem, &parted(problem).0)?;
+    let problem = &reading::read(problem)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");
     let trained = studied(problem, &kept, options, None, false, watch)?;

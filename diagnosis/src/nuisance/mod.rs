@@ -29,7 +29,10 @@ const ROUNDED: f64 = levels::HALF;
 pub fn scatter(runs: &[&[f64]]) -> Scatter {
     let all: Vec<f64> = runs.iter().flat_map(|run| run.iter().copied()).collect();
     let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-    let size = (all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / all.len().max(1) as f64).sqrt();
+    let squares = all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+    // of what never changes the mean is rounded, and that is no size
+    let still = all.windows(2).all(|pair| pair[0] == pair[1]);
+    let size = if still { 0.0 } else { (squares / all.len().max(1) as f64).sqrt() };
     let (mut noise, mut quiet) = (f64::INFINITY, f64::INFINITY);
     let mut weight = 1.0;
     let mut differences: Vec<Vec<f64>> = runs.iter().map(|run| run.to_vec()).collect();
@@ -70,6 +73,13 @@ fn quantum(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::statistics::random::Random;
+
+    #[test]
+    fn law_what_never_changes_has_no_size() {
+        let still = [1.4585064; 14]; // their mean is rounded
+        assert!(still.iter().sum::<f64>() / 14.0 != still[0]);
+        assert_eq!(scatter(&[&still[..6], &still[6..]]).size, 0.0);
+    }
 
     #[test]
     fn law_noise_is_found_beside_a_motion_and_rounding_is_seen() {

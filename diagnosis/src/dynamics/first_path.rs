@@ -35,7 +35,7 @@ impl Engine {
         let mut placed = schedule.placed.iter().peekable();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            for row in 0..grid.time.len() {
+            for (row, blind) in blind.into_iter().enumerate() {
                 let mut at: Vec<f64> = state.iter().copied().collect();
                 let job = |states: &[f64], out: &mut Vec<f64>, worker: &mut Worker| {
                     let job = Job { parameters: &set, ..self.job(grid, &schedule, row, states) };
@@ -54,7 +54,7 @@ impl Engine {
                 }
                 let before = state.clone();
                 while let Some(at) = placed.next_if(|at| at.row == row) {
-                    if at.early || blind[row] || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
+                    if at.early || blind || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
                         continue;
                     }
                     let sample = grid.samples[at.sample];

@@ -279,7 +279,30 @@ pub fn give_up() -> Vec<String> {
     running.iter().filter_map(word).collect()
 }
 
-/// For a program that exports it as `_exit`, so that units which call that are found out.
+/// In the `main.rs` of a program: functions `_exit` and `_Exit` of its own, which units that call those of the C library find first, so that
+/// an end of theirs is told. The program's build script has to export both (`-Wl,--export-dynamic-symbol=_exit`).
+#[macro_export]
+macro_rules! own_exit {
+    () => {
+        /// In place of the C library's.
+        #[cfg(target_os = "linux")]
+        #[allow(unsafe_code)] // a name of the C library
+        #[unsafe(no_mangle)]
+        extern "C" fn _exit(status: i32) -> ! {
+            $crate::exit_at_once(status)
+        }
+
+        /// The same by its name in the C standard.
+        #[cfg(target_os = "linux")]
+        #[allow(unsafe_code)] // a name of the C library
+        #[unsafe(no_mangle)]
+        extern "C" fn _Exit(status: i32) -> ! {
+            $crate::exit_at_once(status)
+        }
+    };
+}
+
+/// For a program that exports it as `_exit`, so that units which call that are found out: see [`own_exit!`](crate::own_exit).
 #[cfg(unix)]
 pub fn exit_at_once(status: i32) -> ! {
     ending::exit_at_once(status)

@@ -109,6 +109,18 @@ impl Simulation {
         let stop = self.stops.iter().find(|stop| stop.holds(&self.wiring.system.values))?;
         Some(Ended::When { condition: stop.text(), time: self.now.time })
     }
+
+    /// Where units have processes of their own that are called one after the other, these and this thread may share a
+    /// processor as long as this lives.
+    #[cfg(isolation)]
+    fn stepping_of_processes(&self) -> Option<crate::isolation::Stepping> {
+        let any = self.wiring.names.units.iter().any(|(_, fmu)| fmu.isolation().is_some());
+        (any && !self.algorithm.side_by_side()).then(crate::isolation::Stepping::begin)
+    }
+
+    /// There are no such units here.
+    #[cfg(not(isolation))]
+    fn stepping_of_processes(&self) {}
 }
 
 pub(crate) fn run(

@@ -191,18 +191,6 @@ impl Simulation {
         Err(*error)
     }
 
-    /// Where units have processes of their own that are called one after the other, these and this thread may share a
-    /// processor as long as this lives.
-    #[cfg(isolation)]
-    pub(crate) fn stepping_of_processes(&self) -> Option<crate::isolation::Stepping> {
-        let any = self.wiring.names.units.iter().any(|(_, fmu)| fmu.isolation().is_some());
-        (any && !self.algorithm.side_by_side()).then(crate::isolation::Stepping::begin)
-    }
-
-    /// There are no such units here.
-    #[cfg(not(isolation))]
-    pub(crate) fn stepping_of_processes(&self) {}
-
     /// Tells all units that the run is over, which units do at the latest when they are dropped; what they answer is
     /// among the notices. Only a reset leads on.
     pub fn terminate(&mut self) {

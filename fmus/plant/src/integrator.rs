@@ -37,6 +37,9 @@ const MOST_STEPS_PER_SECOND: f64 = 1e6;
 const SHORT_LAG: f64 = 1.0;
 /// Halvings of a step in search of an instant: from [`LONGEST_STEP`] to below 1e-15 s.
 const HALVINGS: u32 = 46;
+/// Pieces of a step that are looked at for a turn of link 2: rates that change sign twice within a step, or begin at rest, don't
+/// show at its ends.
+const PIECES: u32 = 8;
 
 /// Where within the step the stages after the first lie.
 const NODES: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
@@ -215,18 +218,14 @@ impl Course<'_> {
         let mut high = step;
         let (begin, end) = (self.seen(at, state), self.seen(at + step, &trial.state));
         if !beyond(end[1]) {
-            // There and back within one step: only where q₂ turns, and only if it can get there at all.
-            let turns = begin[3] * end[3] < 0.0;
+            // There and back within one step: only if it can get there at all.
             let fastest =
                 slope[3].abs() + self.transient.as_ref().map_or(0.0, |transient| transient.a[1].abs());
             let reach = begin[1].abs() + step * (begin[3].abs().max(end[3].abs()) + step * fastest);
-            if !turns || reach < self.stretch.contact_angle {
+            if reach < self.stretch.contact_angle {
                 return None;
             }
-            high = self.turning(at, state, slope, step);
-            if !beyond(after(high)[1]) {
-                return None;
-            }
+            high = turns(&after, begin, end, step).find(|instant| beyond(after(*instant)[1]))?;
         }
         let mut low = 0.0;
         for _ in 0..HALVINGS {
@@ -234,19 +233,6 @@ impl Course<'_> {
             if beyond(after(middle)[1]) { high = middle } else { low = middle }
         }
         Some(high)
-    }
-
-    /// When q̇₂ changes sign within a step.
-    fn turning(&self, at: f64, state: &State, slope: &State, step: f64) -> f64 {
-        let (mut low, mut high) = (0.0, step);
-        let begin = self.seen(at, state)[3];
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let there = self.seen(at + middle, &self.trial(at, state, slope, middle).state);
-            let turned = there[3] * begin <= 0.0;
-            if turned { high = middle } else { low = middle }
-        }
-        high
     }
 
     /// Why no step succeeds.
@@ -275,6 +261,25 @@ fn combined(weights: &[f64], slopes: &[State; 7]) -> State {
         }
     }
     sum
+}
+
+/// When q̇₂ changes sign within a step: by halving in each of its pieces at whose ends the signs differ, or which begins at
+/// rest. `after` gives the state some time after the step's beginning.
+fn turns(after: impl Fn(f64) -> State, begin: State, end: State, step: f64) -> impl Iterator<Item = f64> {
+    let mut before = begin[3];
+    (1..=PIECES).filter_map(move |piece| {
+        let length = step / f64::from(PIECES);
+        let mut high = if piece == PIECES { step } else { f64::from(piece) * length };
+        let mut low = f64::from(piece - 1) * length;
+        let rate = if piece == PIECES { end[3] } else { after(high)[3] };
+        let turned = before * rate <= 0.0;
+        before = rate;
+        for _ in 0..if turned { HALVINGS } else { 0 } {
+            let middle = 0.5 * (low + high);
+            if after(middle)[3] * rate > 0.0 { high = middle } else { low = middle }
+        }
+        turned.then_some(high)
+    })
 }
 
 struct Trial {

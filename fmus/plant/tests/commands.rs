@@ -71,6 +71,49 @@ fn value_a_rate_limit_follows_ramps_of_either_sign() {
 }
 
 #[test]
+fn value_a_rate_limit_beside_a_command_as_fast_as_itself_keeps_its_distance() {
+    for sign in [1.0, -1.0] {
+        let mut rig = Rig::at([0.0; 4], |variables| {
+            variables.effects.rate_limit.limit = 3.0;
+            variables.inputs.torque = sign;
+        });
+        rig.step_with(1.0, &[("tau", 3.0 * sign)]);
+        assert!((sign * rig.variables.outputs.applied_torque - 3.0).abs() < CLOSE, "1 N.m behind");
+        // The command stands at what it has become, and is caught up with after a third of a second.
+        rig.variables.inputs.torque = 4.0 * sign;
+        rig.step(1.25);
+        assert!((sign * rig.variables.outputs.applied_torque - 3.75).abs() < CLOSE);
+        rig.step(2.0);
+        assert!((sign * rig.variables.outputs.applied_torque - 4.0).abs() < CLOSE);
+    }
+}
+
+#[test]
+fn law_a_rate_limit_has_no_scale() {
+    // Limit, commands and their rates times a power of two give torques times that power, to the bit: it holds for micronewtons
+    // and for cranes. The links touch, so that none of these torques is integrated.
+    let torques = |scale: f64| {
+        let mut rig = Rig::at([0.0, 2.0, 0.0, 0.0], |variables| {
+            variables.parameters.contact_angle = 1.0;
+            variables.effects.rate_limit.limit = 3.0 * scale;
+        });
+        let mut torques = Vec::new();
+        for k in 0..200_u32 {
+            let rate = scale * f64::from(k % 5) - 2.0 * scale;
+            rig.variables.inputs.torque = scale * (0.7 * f64::from(k / 3)).sin();
+            rig.step_with(f64::from(k + 1) * 0.03, &[("tau", rate)]);
+            torques.push(rig.variables.outputs.applied_torque / scale);
+        }
+        torques
+    };
+    let expected = torques(1.0);
+    assert!(expected.iter().any(|torque| torque.abs() > 0.5));
+    for power in [-300, -40, -10, 10, 40, 300] {
+        assert_eq!(torques(2.0_f64.powi(power)), expected, "2^{power}");
+    }
+}
+
+#[test]
 fn value_ramps_through_delay_saturation_and_lag() {
     for sign in [1.0, -1.0] {
         let delayed = |limit: f64, lag: f64| {

@@ -2,6 +2,7 @@
 
 mod common;
 use common::{Rig, WILD, distance};
+use mechanics::Theta;
 use plant::Variables;
 
 #[test]
@@ -26,6 +27,31 @@ fn law_energy_of_the_free_plant_is_constant() {
             assert!(worst < 1e-10, "{start:?}, {steps} steps: {worst:e}");
         }
     }
+}
+
+#[test]
+fn value_energy_of_known_poses() {
+    // Gravity's torques are the heights' energies: upright their sum, hanging the opposite, level 0; a turning drum adds its half.
+    let energy = |start: [f64; 4], change: fn(&mut Variables)| Rig::at(start, change).variables.locals.energy;
+    let Theta { theta_1, theta_2, theta_5, theta_9, theta_10, .. } = Theta::TABLE_2;
+    let close =
+        |found: f64, expected: f64| assert!((found - expected).abs() < 1e-14, "{found}, not {expected}"); // rounding
+    let pi = std::f64::consts::PI;
+    close(energy([0.0; 4], |_| {}), theta_9 + theta_10);
+    close(energy([pi, pi, 0.0, 0.0], |_| {}), -theta_9 - theta_10);
+    close(energy([pi / 2.0, -pi / 2.0, 0.0, 0.0], |_| {}), 0.0);
+    close(energy([0.0, pi, 0.0, 0.0], |_| {}), theta_9 - theta_10);
+    close(energy([0.0, 0.0, 0.0, 2.0], |_| {}), theta_9 + theta_10 + 2.0 * theta_5);
+    close(energy([0.0, 0.0, 2.0, 0.0], |_| {}), theta_9 + theta_10 + 2.0 * (theta_1 + theta_2));
+    // Friction and a motor that stands store nothing; a motor that turns does.
+    let rough = |v: &mut Variables| {
+        (v.effects.viscous.roll, v.effects.viscous.joint) = (0.3, 0.2);
+        (v.effects.coulomb.roll, v.effects.coulomb.joint) = (0.3, 0.2);
+    };
+    close(energy(WILD, rough), energy(WILD, |_| {}));
+    let motor = |v: &mut Variables| v.effects.rotor.inertia = 0.01;
+    close(energy(WILD, motor), energy(WILD, |_| {}) + 0.5 * 0.01 * 9.0); // (−2 − 1)²
+    close(energy([0.5, -1.0, 2.0, 2.0], motor), energy([0.5, -1.0, 2.0, 2.0], |_| {}));
 }
 
 #[test]

@@ -252,7 +252,7 @@ fn every_contact_is_in_the_bytes_of_a_state() {
 #[test]
 fn every_bad_value_is_refused_by_name() {
     type Change = fn(&mut Variables);
-    let cases: [(&str, Change); 21] = [
+    let cases: [(&str, Change); 23] = [
         ("theta_1", |v| v.parameters.theta_1 = 0.0),
         ("theta_5", |v| v.parameters.theta_5 = -0.1),
         ("theta_9", |v| v.parameters.theta_9 = f64::INFINITY),
@@ -272,6 +272,8 @@ fn every_bad_value_is_refused_by_name() {
         ("fc_joint", |v| v.effects.coulomb.joint = f64::NAN),
         ("k_tau", |v| v.effects.gain.factor = f64::NAN),
         ("I_rotor", |v| v.effects.rotor.inertia = -1e-3),
+        ("slope", |v| v.effects.slope.angle = f64::NAN),
+        ("incline", |v| v.effects.slope.rig = f64::INFINITY),
         ("tolerance", |v| v.solver.tolerance = 0.0),
         ("tolerance", |v| v.solver.tolerance = f64::NAN),
     ];
@@ -310,6 +312,9 @@ fn every_absurd_torque_ends_with_an_error() {
         let step = Step { from: 0.0, to: 0.01, input_rates: &[] };
         let error = rig.plant.step(&mut rig.variables, &step, &mut Silence).unwrap_err().to_string();
         assert!(error.contains(&format!("tau_applied = {torque} N.m")), "{error}");
+        // Not before steps were tried that nothing needs.
+        let last = error.split("the last of ").nth(1).unwrap().split(' ').next().unwrap();
+        assert!(last.parse::<f64>().unwrap() < 1e-12, "{error}");
     }
 }
 

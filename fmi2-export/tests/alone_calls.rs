@@ -98,7 +98,9 @@ fn every_refused_set_names_the_variable_and_changes_nothing() {
         refused(fmi2::fmi2SetReal(toy.c, ptr::null(), 1, &1.0), &["vr is a null pointer"]);
         refused(fmi2::fmi2SetReal(toy.c, &vr::V, 1, ptr::null()), &["value is a null pointer"]);
         refused(fmi2::fmi2GetReal(toy.c, &vr::V, 1, ptr::null_mut()), &["value is a null pointer"]);
-        refused(fmi2::fmi2SetReal(toy.c, &vr::V, usize::MAX, &1.0), &["impossible length"]);
+        for length in [usize::MAX, isize::MAX as usize, isize::MAX as usize / 4 + 1] {
+            refused(fmi2::fmi2SetReal(toy.c, &vr::V, length, &1.0), &["impossible length"]);
+        }
         assert_eq!(fmi2::fmi2SetReal(toy.c, ptr::null(), 0, ptr::null()), 0);
         assert_eq!(fmi2::fmi2GetReal(toy.c, ptr::null(), 0, ptr::null_mut()), 0);
     }
@@ -131,10 +133,10 @@ fn every_step_that_makes_no_sense_is_refused_and_the_next_one_works() {
     assert_eq!(toy.setup(0.0, Some(1.0)), 0);
     assert_eq!(toy.enter() + toy.exit(), 0);
     for (from, size, why) in [
-        (0.0, 0.0, "communicationStepSize = 0"),
-        (0.0, -0.1, "communicationStepSize = -0.1"),
-        (0.0, f64::NAN, "communicationStepSize = NaN"),
-        (0.0, f64::INFINITY, "communicationStepSize = inf"),
+        (0.0, 0.0, "communicationStepSize = 0: a positive number is needed"),
+        (0.0, -0.1, "communicationStepSize = -0.1: a positive number is needed"),
+        (0.0, f64::NAN, "communicationStepSize = NaN: a positive number is needed"),
+        (0.0, f64::INFINITY, "communicationStepSize = inf: a positive number is needed"),
         (f64::NAN, 0.1, "currentCommunicationPoint = NaN"),
         (0.1, 0.1, "the instance is at t = 0 s"),
         (0.0, 1.1, "past stopTime = 1 s"),
@@ -145,6 +147,28 @@ fn every_step_that_makes_no_sense_is_refused_and_the_next_one_works() {
     }
     assert_eq!(toy.step(0.0, 0.3), 0);
     assert_eq!(toy.step(0.1 + 0.2, 0.7 + 1e-12), 0, "rounding of the master is let through");
+}
+
+#[test]
+fn alone_outputs_at_the_start_are_computed_once_for_what_was_set() {
+    let toy = Instance::new();
+    assert_eq!(toy.setup(0.0, None) + toy.enter(), 0);
+    let starts = || toy.lines().iter().filter(|line| line.3.starts_with("starts at")).count();
+    assert_eq!(starts(), 0);
+    assert_eq!(toy.get_real(vr::X), Ok(0.0));
+    assert_eq!(starts(), 1);
+    assert_eq!(toy.get_real(vr::X), Ok(0.0));
+    assert_eq!(unsafe { fmi2::fmi2SetReal(toy.c, ptr::null(), 0, ptr::null()) }, 0);
+    assert_eq!(toy.get_real(vr::DX), Ok(0.0));
+    assert_eq!(starts(), 0, "nothing was set");
+    assert_eq!(toy.set_real(vr::X_0, 2.0), 0);
+    assert_eq!(starts(), 0, "nobody has asked");
+    assert_eq!(toy.get_real(vr::X), Ok(2.0));
+    assert_eq!(toy.exit(), 0);
+    assert_eq!(starts(), 1);
+    assert_eq!(toy.set_real(vr::GAIN, 2.0), 0);
+    assert_eq!(toy.get_real(vr::X), Ok(2.0));
+    assert_eq!(starts(), 0, "it has begun");
 }
 
 #[test]
@@ -203,6 +227,10 @@ fn alone_input_derivatives_serve_one_step() {
     assert!((first - 1.0).abs() < 2e-5, "0.5 * 200 * 0.1^2, and the toy's noise: {first}");
     assert_eq!(toy.step(0.1, 0.1), 0);
     assert!((toy.get_real(vr::X).unwrap() - first).abs() < 2e-5, "forgotten after the step");
+    // The last one said counts.
+    assert_eq!(toy.rate(vr::V, 1, 300.0) + toy.rate(vr::V, 1, 200.0), 0);
+    assert_eq!(toy.step(0.2, 0.1), 0);
+    assert!((toy.get_real(vr::X).unwrap() - 2.0 * first).abs() < 4e-5);
     for (reference, order, value) in [
         (vr::V, 2, 1.0),
         (vr::V, 0, 1.0),

@@ -132,6 +132,31 @@ fn alone_a_promise_never_to_go_back_may_be_broken_and_is_told_once() {
 }
 
 #[test]
+fn alone_a_promise_never_to_go_back_is_kept_up_to_rounding() {
+    // A state at `saved`, a promise at `limit`, which rounding lets pass for the same time.
+    let warned = |start: f64, saved: f64, limit: f64| {
+        let toy = Instance::new();
+        assert_eq!(toy.setup(start, None) + toy.enter() + toy.exit(), 0);
+        if saved > start {
+            assert_eq!(toy.step(start, saved - start), 0);
+        }
+        let mut state = ptr::null_mut();
+        assert_eq!(toy.get_state(&mut state), 0);
+        if limit - saved > 1e-6 * limit {
+            assert_eq!(toy.step(saved, limit - saved), 0);
+        }
+        assert_eq!(toy.step_and_forget(limit, 0.25), 0, "{limit}");
+        toy.lines();
+        assert_eq!(toy.set_state(state), 0);
+        toy.lines().iter().any(|line| line.2 == "logStatusWarning")
+    };
+    assert!(!warned(0.0, 0.0, 0.0), "the very point");
+    assert!(!warned(999.0, 1000.0 - 1e-7, 1000.0), "rounding");
+    assert!(warned(0.0, 1e-3 - 1e-7, 1e-3), "a ten-thousandth of the time");
+    assert!(!warned(-1.0, 0.0, 0.0));
+}
+
+#[test]
 fn alone_a_failed_step_can_be_taken_back() {
     let toy = Instance::ready();
     let mut state = ptr::null_mut();

@@ -1,6 +1,6 @@
 //! Mistakes in a declaration that no compiler sees. The packer refuses a unit that has any.
 
-use super::Unit;
+use super::{Unit, derivative};
 use crate::model::Dependencies;
 use crate::table::{Causality, Kind};
 
@@ -24,11 +24,23 @@ impl Unit {
                     found.push(format!("variable {name}: it or {of}, whose derivative it is, is no Real"));
                 }
             }
+            if self.is_in_a_circle(name) {
+                found.push(format!(
+                    "variable {name}: a derivative of its own, whose derivatives go in a circle"
+                ));
+            }
             if variable.causality == Causality::Output {
                 self.check_dependencies(name, (self.dependencies)(name), &mut found);
             }
         }
         found
+    }
+
+    /// Whether this variable is a derivative of itself, of whatever order.
+    fn is_in_a_circle(&self, name: &str) -> bool {
+        let place = self.place(name);
+        (1..=self.variables.len())
+            .any(|order| derivative(&self.variables, name, order).is_some_and(|of| Some(of) == place))
     }
 
     fn check_head(&self, found: &mut Vec<String>) {

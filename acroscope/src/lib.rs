@@ -40,7 +40,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(()) => 0,
         Err(error) => {
             runner::signals::let_end_come();
-            eprintln!("error: {error}");
+            complain!("error: {error}");
             error.exit_status()
         }
     }

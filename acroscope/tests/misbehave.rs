@@ -69,11 +69,77 @@ fn every_end_that_a_library_brings_about_when_it_is_loaded_or_unloaded_is_told()
         text.contains("error: unit a: in fmi2Instantiate its process ended by exit with status 0"),
         "{text}"
     );
+    // All is done by then.
     let (status, text, left) = run_with("crashes_when_unloaded.c", &[]);
-    assert_eq!((status, left.len()), (Some(1), 0), "{text}");
-    assert!(text.contains(&format!("error: unit a: it gave up (SIGABRT) {when}")), "{text}");
+    assert_eq!((status, left.len()), (Some(0), 0), "{text}");
+    assert!(text.contains(&format!("note: all is done, but unit a gave up (SIGABRT) {when}")), "{text}");
     let (status, text, left) = run_with("crashes_when_unloaded.c", &["--isolate"]);
     assert_eq!((status, left.len()), (Some(0), 0), "{text}");
+}
+
+#[test]
+fn law_whole_results_stay_whole_though_a_unit_ends_the_program_when_it_is_freed() {
+    const EXIT_WHEN_FREED: i32 = 33;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    let (status, text, last) = run(&units, out.path(), EXIT_WHEN_FREED, &[]);
+    assert_eq!((status, last), (Some(0), 1.0), "{text}");
+    let word = "note: all is done, but unit a ended the program by calling exit in fmi2FreeInstance";
+    assert!(text.contains(word), "{text}");
+    assert!(out.path().join(EXIT_WHEN_FREED.to_string()).join("report.html").is_file());
+    let (status, text, _) = run(&units, out.path(), EXIT_WHEN_FREED, &["--isolate"]);
+    assert_eq!((status, text.as_str()), (Some(0), ""));
+}
+
+/// A program that goes on in the background closes what it has open; the one that it is a part of has rows to write.
+#[test]
+fn law_a_unit_that_closes_all_descriptors_costs_no_row() {
+    const CLOSES_ALL: i32 = 30;
+    const TAKES_ALL: i32 = 31;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    let rows =
+        |fault: i32| std::fs::read(out.path().join(fault.to_string()).join("results.csv")).expect("rows");
+    run(&units, out.path(), 0, &[]);
+    for fault in [CLOSES_ALL, TAKES_ALL] {
+        for more in [&[][..], &["--isolate"]] {
+            let (status, text, last) = run(&units, out.path(), fault, more);
+            assert_eq!((status, last), (Some(0), 1.0), "{text}");
+            assert!(!text.contains("panicked"), "{text}");
+            assert!(out.path().join(fault.to_string()).join("report.html").is_file(), "{text}");
+            assert!(rows(fault) == rows(0), "every row is there");
+        }
+    }
+}
+
+#[test]
+fn law_a_disk_that_is_full_for_a_unit_is_the_users_to_mend() {
+    const NO_ROOM: i32 = 32;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    for more in [&[][..], &["--isolate"]] {
+        let (status, text, last) = run(&units, out.path(), NO_ROOM, more);
+        assert_eq!((status, last), (Some(2), 0.375), "{text}");
+        assert!(text.contains("my file: No space left on device"), "{text}");
+    }
+}
+
+#[test]
+fn law_a_run_that_a_unit_ended_says_so() {
+    const WANTS_TO_END: i32 = 15;
+    let units = Units::new();
+    let out = tempfile::TempDir::new().expect("a temporary folder");
+    let (status, text, last) = run(&units, out.path(), WANTS_TO_END, &[]);
+    assert_eq!((status, last), (Some(0), 0.4375), "{text}");
+    assert_eq!(noted(out.path(), WANTS_TO_END, "\"how\": \"unit\""), 1);
+    assert_eq!(noted(out.path(), WANTS_TO_END, "to t = 0.4375 s, where unit a ended the run"), 1);
+}
+
+#[test]
+fn law_an_error_keeps_its_status_where_nobody_can_be_told() {
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("Linux has one");
+    let done = Command::new(env!("CARGO_BIN_EXE_acroscope")).args(["run", "none.toml"]).stderr(full).status();
+    assert_eq!(done.expect("starts").code(), Some(2));
 }
 
 #[test]

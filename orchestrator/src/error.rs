@@ -259,8 +259,12 @@ pub enum Error {
 
 impl Error {
     /// The user's input is wrong, rather than a unit or the machine: exit status 2 of the command line. A unit that
-    /// refuses a call before the first step refuses the values that it was given.
+    /// refuses a call before the first step refuses the values that it was given; one that logs that its disk is full can be
+    /// given another.
     pub fn is_input(&self) -> bool {
+        if matches!(self, Self::Call { log, .. } if says_that_there_is_no_room(log)) {
+            return true;
+        }
         matches!(
             self,
             Self::File { .. }
@@ -289,6 +293,20 @@ impl Error {
         }
         self
     }
+}
+
+/// What the system calls a disk that is full, and one that is not to be written.
+#[cfg(unix)]
+const NO_ROOM: [i32; 3] = [libc::ENOSPC, libc::EDQUOT, libc::EROFS];
+/// Likewise: `ERROR_DISK_FULL`, `ERROR_HANDLE_DISK_FULL`, `ERROR_WRITE_PROTECT`.
+#[cfg(not(unix))]
+const NO_ROOM: [i32; 3] = [112, 39, 19];
+
+/// Whether a unit hands on the system's own words for such a disk, which a unit in C has of `strerror`.
+fn says_that_there_is_no_room(log: &[LogLine]) -> bool {
+    let words = NO_ROOM.map(|number| io::Error::from_raw_os_error(number).to_string());
+    let words = words.each_ref().map(|word| word.split(" (os error").next().unwrap_or_default());
+    log.iter().rev().take(SHOWN).any(|line| words.iter().any(|word| line.text.contains(word)))
 }
 
 fn at(time: Option<f64>) -> String {
@@ -324,8 +342,10 @@ fn listed(what: &str, items: &[String]) -> String {
 }
 
 /// The last lines of a log, each on its own line.
+/// Lines of a log that are told with an error.
+const SHOWN: usize = 5;
+
 fn tail(log: &[LogLine]) -> String {
-    const SHOWN: usize = 5;
     let newest = &log[log.len().saturating_sub(SHOWN)..];
     newest.iter().map(|line| format!("\n  {line}")).collect()
 }

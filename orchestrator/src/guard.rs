@@ -198,10 +198,18 @@ impl Guard {
     /// The program has done its work, and ends with a status: what units' libraries do when they are unloaded, as the last of all,
     /// is told, but changes it no more.
     pub fn done(self, status: u8) -> u8 {
-        #[cfg(unix)]
-        ending::done(status);
+        all_done(status);
         status
     }
+}
+
+/// The program's work is done and told, and it will end with this status: what units do when they are freed and unloaded is told,
+/// but changes the status no more. To be called before the last simulation is dropped.
+pub fn all_done(status: u8) {
+    #[cfg(unix)]
+    ending::done(status);
+    #[cfg(not(unix))]
+    let _ = status;
 }
 
 impl Drop for Guard {

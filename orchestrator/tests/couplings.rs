@@ -74,6 +74,21 @@ fn cross_step_halving_comes_as_near_as_it_is_asked_to() {
 }
 
 #[test]
+fn every_error_is_found_by_stars() {
+    let text = |record: &str| {
+        let options = "stop = 1, algorithm = \"step-halving\", options = { tolerance = 1e-4 }";
+        oscillator(options, "0.5") + &format!("[record]\nvariables = [{record}]\n")
+    };
+    let found = results(&text("\"*:error\""));
+    let names: Vec<&str> = found.columns().iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["x.y1:error", "x.y2:error", "v.y1:error", "v.y2:error"]);
+    let named = results(&text("\"x.y1:error\""));
+    assert_eq!(found.series("x.y1:error").expect("recorded"), named.series("x.y1:error").expect("recorded"));
+    let all = results(&text("\"*\""));
+    assert!(all.columns().iter().all(|column| !column.name.contains(':')), "a star alone means signals");
+}
+
+#[test]
 fn every_algorithm_goes_on_from_a_saved_state() {
     let units = Units::new();
     for algorithm in orchestrator::algorithms() {

@@ -140,6 +140,10 @@ fn every_mistake_in_a_scenario_is_named() {
             with("[record]\nvariables = [\"b.y1:error\"]"),
             "test.toml:12: b.y1:error with algorithm \"gauss-seidel\": algorithm = \"step-halving\", which estimates errors",
         ),
+        (
+            with("[record]\nvariables = [\"*:error\"]"),
+            "test.toml:12: nothing matches \"*:error\": errors of Real outputs, by algorithm = \"step-halving\"",
+        ),
         (way("seed = 3"), "test.toml:14: seed: it goes with jitter or drop"),
         (way("drop = 0.1\nseed = -3"), "test.toml:15: seed = -3: an integer, not less than zero"),
         (BASE.replace("stop = 1", "stop = 1, seed = -1"), "test.toml:2: seed = -1: an integer, not less"),

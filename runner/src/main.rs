@@ -1,7 +1,7 @@
 //! `acroscope-run`: the program `acroscope` without its other commands.
 
 use clap::{Parser, Subcommand};
-use runner::{Error, cli::Run, signals};
+use runner::{Error, cli::Run, complain, signals};
 use std::process::ExitCode;
 
 /// Co-simulation bench for visual servoing, as far as a fresh machine builds it for its first run.
@@ -44,7 +44,7 @@ fn command_line() -> u8 {
         Ok(()) => 0,
         Err(error) => {
             signals::let_end_come();
-            eprintln!("error: {error}");
+            complain!("error: {error}");
             error.exit_status()
         }
     }

@@ -8,7 +8,7 @@ use crate::request::Request;
 use crate::results::Results;
 use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
-use crate::{provenance, run_report, tell};
+use crate::{complain, provenance, run_report, tell};
 use orchestrator::{
     Checkpoint, Checkpoints, Ended, Isolation, Lateness, NoRecorder, Progress, Recorder, Scenario,
     Simulation, Twice,
@@ -63,6 +63,8 @@ pub struct CarriedOut {
     timing: Vec<String>,
     /// How well it kept to the real clock, if it had to.
     lateness: Option<Lateness>,
+    /// Its units, which are freed last: what they do then changes nothing of the above.
+    _simulation: Simulation,
 }
 
 /// Runs the scenario and writes `results.csv`, `resolved.toml`, `report.html` and `summary.json`.
@@ -74,7 +76,7 @@ pub fn run(arguments: &Run, quiet: bool, formats: Formats<'_>) -> Result<(), Err
     let done = carry_out(arguments, quiet, formats, &mut NoRecorder, &mut bar)?;
     if !quiet {
         for start in done.replaced_starts.iter().filter(|_| arguments.verbose) {
-            eprintln!("note: start value gave way to a connected output: {start}");
+            complain!("note: start value gave way to a connected output: {start}");
         }
         if let Some(summary) = &done.summary {
             tell_all(summary, &done.timing, &bar, &done.folder);
@@ -87,7 +89,10 @@ pub fn run(arguments: &Run, quiet: bool, formats: Formats<'_>) -> Result<(), Err
         Ended::Interrupted { time } => {
             Err(Error::Interrupted { signal: signals::caught().unwrap_or_default(), time })
         }
-        _ => Ok(()),
+        _ => {
+            orchestrator::all_done(0);
+            Ok(())
+        }
     }
 }
 
@@ -134,7 +139,16 @@ pub fn carry_out(
         let ended = ended.map_err(|error| results.failed().unwrap_or(error));
         let replaced_starts = simulation.replaced_starts().to_vec();
         let (timing, lateness) = (Vec::new(), None);
-        return Ok(CarriedOut { folder: shown, summary: None, ended, replaced_starts, timing, lateness });
+        let _simulation = simulation;
+        return Ok(CarriedOut {
+            folder: shown,
+            summary: None,
+            ended,
+            replaced_starts,
+            timing,
+            lateness,
+            _simulation,
+        });
     }
     let exported = formats(&Ran {
         arguments,
@@ -152,6 +166,10 @@ pub fn carry_out(
         layout: &layout,
         folder: &out,
         how: how(&ended),
+        by: match &ended {
+            Ok(Ended::ByUnit { unit, .. }) => Some(unit.clone()),
+            _ => None,
+        },
         error: ended.as_ref().err().map(ToString::to_string),
         provenance,
     };
@@ -167,7 +185,8 @@ pub fn carry_out(
     drop(frames);
     let replaced_starts = simulation.replaced_starts().to_vec();
     let timing = run_report::timing::lines(&simulation);
-    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing, lateness })
+    let _simulation = simulation;
+    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing, lateness, _simulation })
 }
 
 /// Where the run goes on, if it is to.
@@ -179,8 +198,8 @@ fn checkpoint(arguments: &Run, folder: &Folder, quiet: bool) -> Result<Option<Ch
     let from = Checkpoint::load(&file)?;
     match &from {
         _ if quiet => {}
-        Some(checkpoint) => eprintln!("note: the run goes on from t = {} s", checkpoint.time()),
-        None => eprintln!("note: there is no {}, so the run begins at its start", file.display()),
+        Some(checkpoint) => complain!("note: the run goes on from t = {} s", checkpoint.time()),
+        None => complain!("note: there is no {}, so the run begins at its start", file.display()),
     }
     Ok(from)
 }
@@ -216,6 +235,7 @@ fn go(
 fn how(ended: &Result<Ended, Error>) -> How {
     match ended {
         Ok(Ended::Interrupted { .. }) => How::Interrupted,
+        Ok(Ended::ByUnit { .. }) => How::Unit,
         Ok(_) => How::Stop,
         Err(_) => How::Error,
     }

@@ -4,12 +4,19 @@
 //! since it is no run, or its unit hangs, or the person asks a second time, ends at once; units that were unpacked and
 //! folders that are empty are taken away first. The exit status is 128 + the signal's number, as a shell has it.
 
+#[cfg(unix)]
+use crate::complain;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
 
 /// Within this long after the first one a signal is the same request: `timeout` and shells send it to the program and then to its whole
 /// group. A person who asks again takes longer.
 #[cfg(unix)]
 const SAME: std::time::Duration = std::time::Duration::from_millis(200);
+
+/// How long a signal may lie until it is seen. Looked for by the clock: a pipe, as others have it, is gone when a unit closes all
+/// descriptors.
+#[cfg(unix)]
+const LOOK_EVERY: std::time::Duration = std::time::Duration::from_millis(20);
 
 /// The signal that came; 0: none.
 static CAUGHT: AtomicI32 = AtomicI32::new(0);
@@ -78,10 +85,23 @@ pub fn listen() {
 #[cfg(unix)]
 fn begin() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
+    use std::sync::Arc;
+    let came = Arc::new(AtomicUsize::new(0));
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        let registered =
+            signal_hook::flag::register_usize(signal, Arc::clone(&came), signal.unsigned_abs() as usize);
+        if registered.is_err() {
+            return;
+        }
+    }
     std::thread::spawn(move || {
         let mut began: Option<std::time::Instant> = None;
-        for signal in signals.forever() {
+        loop {
+            std::thread::sleep(LOOK_EVERY);
+            let signal = match came.swap(0, Ordering::Relaxed) {
+                0 => continue,
+                number => i32::try_from(number).unwrap_or(SIGTERM),
+            };
             if began.is_some_and(|began| began.elapsed() < SAME) {
                 continue;
             }
@@ -108,7 +128,7 @@ pub fn listen() {}
 fn end_at_once(signal: i32) {
     ENDING.store(true, Ordering::Release);
     for word in orchestrator::give_up() {
-        eprintln!("error: {word}");
+        complain!("error: {word}");
     }
     orchestrator::fmu::discard_unpacked();
     crate::folder::remove_empty();

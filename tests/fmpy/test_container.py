@@ -76,6 +76,11 @@ def container(made, tmp_path):
         one.slave.freeInstance()
 
 
+def test_our_own_check_finds_it_without_a_fault(made, acroscope):
+    """It runs the unit: a thousand instances, say, none of which may leave anything behind."""
+    assert ": 0 errors, " in acroscope("check", made[0]).stdout
+
+
 def test_fmpy_finds_it_valid(made):
     assert validate_fmu(str(made[0])) == []
 

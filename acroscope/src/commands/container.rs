@@ -22,7 +22,7 @@ pub fn container(arguments: &Containing, quiet: bool) -> Result<(), Error> {
     if quiet {
         return Ok(());
     }
-    simulation.notices().iter().for_each(|notice| eprintln!("note: {notice}"));
+    simulation.notices().iter().for_each(|notice| complain!("note: {notice}"));
     let count =
         |causality| interface.variables.iter().filter(|variable| variable.causality == causality).count();
     tell!(

@@ -115,7 +115,7 @@ fn unknown(unknown: &Unknown) {
 /// The verdict in a few lines, and where it comes from.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
-        eprintln!("note: {notice}");
+        complain!("note: {notice}");
     }
     tell!(
         "{}",

@@ -39,7 +39,7 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
 
 fn notes(notices: &[String]) {
     for notice in notices {
-        eprintln!("note: {notice}");
+        complain!("note: {notice}");
     }
 }
 

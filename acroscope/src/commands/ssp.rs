@@ -18,13 +18,13 @@ pub fn ssp(arguments: &Packing, quiet: bool) -> Result<(), Error> {
     let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     if arguments.delay_units {
         let (with_units, notes) = ssp::with_delay_units(&simulation);
-        notes.iter().filter(|_| !quiet).for_each(|note| eprintln!("note: {note}"));
+        notes.iter().filter(|_| !quiet).for_each(|note| complain!("note: {note}"));
         simulation = Simulation::new(&with_units, &scenarios::unit_path())?;
         scenario = with_units;
     }
     write(output, &ssp::write(&simulation)?)?;
     if !quiet {
-        simulation.notices().iter().for_each(|notice| eprintln!("note: {notice}"));
+        simulation.notices().iter().for_each(|notice| complain!("note: {notice}"));
         tell!(
             "{}: {} units, {} connections",
             output.display(),

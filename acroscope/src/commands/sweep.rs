@@ -122,7 +122,7 @@ impl Watch for Looker {
 
     fn note(&self, text: &str) {
         if !self.quiet {
-            self.bar.suspend(|| eprintln!("note: {text}"));
+            self.bar.suspend(|| complain!("note: {text}"));
         }
     }
 

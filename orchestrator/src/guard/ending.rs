@@ -6,7 +6,7 @@ use std::path::Path;
 use std::ptr;
 use std::sync::atomic::{AtomicI32, AtomicPtr};
 
-/// The folder in which units are unpacked, as a C string that is never freed; null if there is none.
+/// The folder in which units are unpacked, as a C string of whoever takes it out; null if there is none.
 static UNPACKED: AtomicPtr<c_char> = AtomicPtr::new(ptr::null_mut());
 /// Exit status of a program that has done its work, and one more; 0 before that.
 static DONE: AtomicI32 = AtomicI32::new(0);
@@ -15,7 +15,11 @@ static DONE: AtomicI32 = AtomicI32::new(0);
 pub(crate) fn unpacked_in(folder: Option<&Path>) {
     use std::os::unix::ffi::OsStrExt as _;
     let path = folder.and_then(|folder| CString::new(folder.as_os_str().as_bytes()).ok());
-    UNPACKED.store(path.map_or(ptr::null_mut(), CString::into_raw), Ordering::Relaxed);
+    let before = UNPACKED.swap(path.map_or(ptr::null_mut(), CString::into_raw), Ordering::Relaxed);
+    if !before.is_null() {
+        // SAFETY: it was made below here by `into_raw`, and has been taken out, so that nobody else has it.
+        drop(unsafe { CString::from_raw(before) });
+    }
 }
 
 /// The program has done its work: what libraries do when they go changes its exit status no more.
@@ -30,16 +34,17 @@ pub(super) fn is_guarded() -> bool {
 
 /// A signal that stands for a crash has come to this thread. Returns if it is nobody's unit that it met.
 pub(super) fn crashed(what: &str) {
+    if is_guarded() && under_way().is_some() {
+        end(what);
+    }
     let done = DONE.load(Ordering::Relaxed);
     if done > 0 {
         say(&["\nnote: all is done, but a library of a unit ", what, " when it was unloaded\n"]);
+        remove_unpacked();
         leave(done - 1);
     }
     if !is_guarded() {
         return;
-    }
-    if under_way().is_some() {
-        end(what);
     }
     say(&[
         "\nerror: the program ",
@@ -84,6 +89,17 @@ pub(super) fn exit_at_once(status: c_int) -> ! {
 fn end(what: &str) -> ! {
     // Only once, whatever happens below.
     GUARDED.store(0, Ordering::Relaxed);
+    let done = DONE.load(Ordering::Relaxed);
+    if done > 0 {
+        match under_way() {
+            Some((unit, function)) => {
+                say(&["\nnote: all is done, but unit ", unit, " ", what, " in ", function, "\n"])
+            }
+            None => say(&["\nnote: all is done, but a unit, or a library that it brought, ", what, "\n"]),
+        }
+        remove_unpacked();
+        leave(done - 1);
+    }
     let rescue = RESCUE.get();
     match under_way() {
         Some((unit, function)) => say(&["\nerror: unit ", unit, ": it ", what, " in ", function]),

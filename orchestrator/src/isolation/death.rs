@@ -62,13 +62,13 @@ pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
         format!(", perhaps for want of memory: it may have {mebibytes} MiB (memory_limit)")
     });
     match (status.code(), status.signal()) {
-        // These have other reasons.
         (Some(0), _) => "ended by exit with status 0".into(),
-        (_, Some(signal @ (libc::SIGTERM | libc::SIGINT | libc::SIGHUP))) => {
-            format!("was ended by signal {signal}{}", name(signal))
-        }
         (Some(code), _) => format!("ended by exit with status {code}{limit}"),
-        (_, Some(signal)) => format!("was ended by signal {signal}{}{limit}", name(signal)),
+        // What comes of memory that is not there; other signals have other reasons.
+        (_, Some(signal @ (libc::SIGSEGV | libc::SIGBUS | libc::SIGABRT | libc::SIGKILL))) => {
+            format!("was ended by signal {signal}{}{limit}", name(signal))
+        }
+        (_, Some(signal)) => format!("was ended by signal {signal}{}", name(signal)),
         _ => format!("ended ({status}){limit}"),
     }
 }
@@ -82,6 +82,8 @@ fn name(signal: i32) -> &'static str {
         libc::SIGABRT => " (SIGABRT, it gave up)",
         libc::SIGTERM => " (SIGTERM)",
         libc::SIGKILL => " (SIGKILL)",
+        libc::SIGALRM => " (SIGALRM, a timer)",
+        libc::SIGXFSZ => " (SIGXFSZ, a file longer than it may be)",
         _ => "",
     }
 }

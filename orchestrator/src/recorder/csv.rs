@@ -3,6 +3,8 @@
 //! Numbers are the shortest ones that read back to the same bits; Booleans are 0 and 1. Only whole rows are handed
 //! to the system, at the latest when a simulated second is full, so that a killed run leaves a readable file.
 
+#[cfg(unix)]
+use super::lasting::Lasting;
 use super::{Cell, Column, Position, Recorder, Row, Waiting};
 use crate::error::Error;
 use std::fs::File;
@@ -13,13 +15,18 @@ use std::ptr;
 /// Rows are handed over when this many bytes wait, or when a simulated second is full.
 const WAITING: usize = 1 << 16;
 
+/// Makes of a file that was opened again what is written to.
+#[cfg(unix)]
+type Opened<W> = fn(File) -> W;
+
 /// Writes CSV to a file or to anything else that takes bytes.
 pub struct CsvRecorder<W: Write> {
     sink: W,
     path: Option<PathBuf>,
     waiting: Vec<u8>,
-    /// Of the file, if it is one.
-    descriptor: Option<i32>,
+    /// The file, if it is one.
+    #[cfg(unix)]
+    file: Option<(Lasting, Opened<W>)>,
     /// Bytes that were handed over.
     written: u64,
     /// Simulated time at which the next second is full.
@@ -67,10 +74,14 @@ impl CsvRecorder<File> {
 
     fn to(path: &Path, sink: File) -> Result<Self, Error> {
         #[cfg(unix)]
-        let descriptor = Some(std::os::fd::AsRawFd::as_raw_fd(&sink));
-        #[cfg(not(unix))]
-        let descriptor = None;
-        Ok(Self { path: Some(path.into()), descriptor, ..Self::new(sink) })
+        let file = Lasting::new(path, &sink)
+            .map_err(|source| Error::Record { target: Some(path.into()), source })?;
+        Ok(Self {
+            path: Some(path.into()),
+            #[cfg(unix)]
+            file: Some((file, std::convert::identity)),
+            ..Self::new(sink)
+        })
     }
 }
 
@@ -80,7 +91,8 @@ impl<W: Write> CsvRecorder<W> {
         Self {
             sink,
             path: None,
-            descriptor: None,
+            #[cfg(unix)]
+            file: None,
             written: 0,
             waiting: Vec::with_capacity(WAITING + 4096),
             next_second: f64::NEG_INFINITY,
@@ -95,14 +107,15 @@ impl<W: Write> CsvRecorder<W> {
 
     #[cold]
     fn hand_over(&mut self) -> Result<(), Error> {
-        let result = self.sink.write_all(&self.waiting).and_then(|()| self.sink.flush());
+        let result =
+            self.found().and_then(|()| self.sink.write_all(&self.waiting)).and_then(|()| self.sink.flush());
         match result {
             Ok(()) => self.written += self.waiting.len() as u64,
             #[cfg(unix)]
             Err(_) => {
-                if let (Some(descriptor), Ok(length)) = (self.descriptor, i64::try_from(self.written)) {
-                    // Half a row is none. SAFETY: plain values; if it can't be done, half a row stays.
-                    unsafe { libc::ftruncate(descriptor, length) };
+                if let Some((file, _)) = &self.file {
+                    // Half a row is none.
+                    file.cut_at(self.written);
                 }
             }
             #[cfg(not(unix))]
@@ -110,6 +123,24 @@ impl<W: Write> CsvRecorder<W> {
         }
         self.waiting.clear();
         result.map_err(|source| self.failed(source))
+    }
+
+    /// Opens the file again if a unit has closed it, with all that the process had open.
+    #[cfg(unix)]
+    fn found(&mut self) -> io::Result<()> {
+        if let Some((file, sink)) = &mut self.file
+            && let Some(again) = file.found(self.written)?
+        {
+            // The number of the old one is somebody else's by now.
+            std::mem::forget(std::mem::replace(&mut self.sink, sink(again)));
+        }
+        Ok(())
+    }
+
+    /// No unit closes it.
+    #[cfg(not(unix))]
+    fn found(&mut self) -> io::Result<()> {
+        Ok(())
     }
 
     fn failed(&self, source: io::Error) -> Error {
@@ -153,18 +184,16 @@ impl<W: Write> Recorder for CsvRecorder<W> {
     fn position(&mut self) -> Result<Position, Error> {
         self.hand_over()?;
         #[cfg(unix)]
-        if let Some(descriptor) = self.descriptor {
-            // SAFETY: takes a number. The rows must be on the disk before the checkpoint that counts on them.
-            if unsafe { libc::fdatasync(descriptor) } != 0 {
-                return Err(self.failed(io::Error::last_os_error()));
-            }
+        if let Some((file, _)) = &self.file {
+            // The rows must be on the disk before the checkpoint that counts on them.
+            file.sync().map_err(|source| self.failed(source))?;
         }
         Ok(Position { bytes: self.written, next_second: self.next_second })
     }
 
     #[cfg(unix)]
     fn rescue(&self) -> Option<Waiting> {
-        self.descriptor?;
+        self.file.as_ref()?;
         Some(Waiting { write: write_waiting::<W>, recorder: ptr::from_ref(self).cast() })
     }
 
@@ -181,9 +210,9 @@ impl<W: Write> Recorder for CsvRecorder<W> {
 unsafe fn write_waiting<W: Write>(recorder: *const ()) {
     // SAFETY: as promised.
     let recorder = unsafe { &*recorder.cast::<CsvRecorder<W>>() };
-    let (Some(descriptor), waiting) = (recorder.descriptor, &recorder.waiting) else { return };
-    // SAFETY: the bytes are there; what can't be written is lost.
-    unsafe { libc::write(descriptor, waiting.as_ptr().cast(), waiting.len()) };
+    if let Some((file, _)) = &recorder.file {
+        file.append(&recorder.waiting);
+    }
 }
 
 impl<W: Write> CsvRecorder<W> {

@@ -1,6 +1,8 @@
 //! Where results go. A new one is a file with an implementation of [`Recorder`].
 
 mod csv;
+#[cfg(unix)]
+mod lasting;
 mod memory;
 
 pub use csv::CsvRecorder;

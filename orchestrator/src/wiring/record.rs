@@ -106,11 +106,19 @@ fn matching(scenario: &Scenario, names: &Names, connections: &[Connection]) -> R
         // A pattern for signals means no ages: it would have other columns than it had before there were any.
         let ages = (0..connections.len()).filter(|_| pattern.ends_with(AGE));
         let ages = ages.filter(|&age| matches(pattern, &names.age(&connections[age]))).map(Recorded::Age);
-        let mut found = signals.chain(ages).peekable();
+        // Likewise.
+        let estimates = pattern.ends_with(ERROR) && crate::algorithm::estimates(&scenario.algorithm.value);
+        let outputs = all().filter(|&v| estimates && causality(v) == Causality::Output);
+        let errors =
+            outputs.filter(|&v| names.variable(v).kind == Kind::Real && matches(pattern, &names.error(v)));
+        let mut found = signals.chain(ages).chain(errors.map(Recorded::Error)).peekable();
         if found.peek().is_none() {
             let unit = pattern.split('.').next().unwrap_or_default();
             let expected = match names.unit(unit) {
                 Err((what, expected)) if !unit.contains('*') => format!("{what}: {expected}"),
+                _ if pattern.ends_with(ERROR) => {
+                    "errors of Real outputs, by algorithm = \"step-halving\", which estimates them".into()
+                }
                 _ => "inputs, outputs or locals by unit.variable, with * for any text".into(),
             };
             return Err(wrong((format!("nothing matches {pattern:?}"), expected)));

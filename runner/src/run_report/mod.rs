@@ -31,6 +31,8 @@ pub struct Finished<'a> {
     pub folder: &'a Path,
     /// How it ended.
     pub how: How,
+    /// The unit that ended it, if one wanted to.
+    pub by: Option<String>,
     /// The error that ended it.
     pub error: Option<String>,
     /// Where it comes from.
@@ -98,7 +100,7 @@ impl Finished<'_> {
         let entry = &self.layout.verdict;
         let last = short(series.last);
         let words = match (series.failed, self.how) {
-            (Some(failed), How::Stop) => format!("{} at t = {} s", entry.failed, short(failed)),
+            (Some(failed), How::Stop | How::Unit) => format!("{} at t = {} s", entry.failed, short(failed)),
             (Some(failed), How::Interrupted) => {
                 format!("{} at t = {} s, interrupted at t = {last} s", entry.failed, short(failed))
             }
@@ -106,12 +108,18 @@ impl Finished<'_> {
                 format!("{} at t = {} s, ended by an error after t = {last} s", entry.failed, short(failed))
             }
             (None, How::Stop) => format!("{} to t = {last} s", entry.held),
+            (None, How::Unit) => {
+                let unit = self.by.as_deref().unwrap_or("?");
+                format!("{} to t = {last} s, where unit {unit} ended the run", entry.held)
+            }
             (None, How::Interrupted) => format!("{} until it was interrupted at t = {last} s", entry.held),
             (None, How::Error) => format!("ended by an error after t = {last} s"),
         };
         let standing = match (series.failed, self.how) {
             (Some(_), _) | (_, How::Error) => Standing::Bad,
-            (None, How::Stop) if entry.fails_when.is_some() && series.not_finite.is_empty() => Standing::Good,
+            (None, How::Stop | How::Unit) if entry.fails_when.is_some() && series.not_finite.is_empty() => {
+                Standing::Good
+            }
             _ => Standing::Plain,
         };
         let figures = entry.figures.iter().zip(&series.figures);

@@ -42,6 +42,8 @@ pub struct Ended {
 pub enum How {
     /// At its stop time.
     Stop,
+    /// By a unit that wanted the end.
+    Unit,
     /// By a signal.
     Interrupted,
     /// By an error.

@@ -46,11 +46,50 @@ fn law_each_row_is_a_message_of_each_unit_at_its_time() {
             (1_000_000_000, serde_json::json!({ "x": 0.3, "on": true })),
         ]
     );
+    // Messages are counted by rows.
+    let sequences: Vec<u32> = mcap::MessageStream::new(&bytes)
+        .expect("an MCAP file")
+        .map(|message| message.expect("a message"))
+        .filter(|message| message.channel.topic == "/a")
+        .map(|message| message.sequence)
+        .collect();
+    assert_eq!(sequences, [0, 1, 2]);
     // A picture comes once, at the first row with its number.
     let images = of("/b/image");
     assert_eq!(images.len(), 1);
     assert_eq!(images[0].0, 500_000_000);
     assert_eq!(images[0].1["data"], "bm90IGxvb2tlZCBpbnRv");
+}
+
+#[test]
+fn value_the_first_picture_has_the_number_0() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let results = folder.path().join("results.csv");
+    std::fs::write(&results, "time,b.frame\n0.0,-1\n0.25,0\n0.5,0\n0.75,1\n").expect("writable");
+    let files = (0..2).map(|number| {
+        let path = folder.path().join(format!("{number}.png"));
+        std::fs::write(&path, [number as u8; 3]).expect("writable");
+        (path, number)
+    });
+    let pictures = Pictures { unit: "b".into(), index: "b.frame".into(), files: files.collect() };
+    let target = folder.path().join("results.mcap");
+    write_mcap(&target, &results, &[column("b.frame", Kind::Integer, None)], Some(&pictures))
+        .expect("written");
+    let bytes = std::fs::read(target).expect("readable");
+    let images: Vec<(u64, Value)> = mcap::MessageStream::new(&bytes)
+        .expect("an MCAP file")
+        .map(|message| message.expect("a message"))
+        .filter(|message| message.channel.topic == "/b/image")
+        .map(|message| (message.log_time, serde_json::from_slice(&message.data).expect("JSON")))
+        .collect();
+    let found: Vec<_> = images
+        .iter()
+        .map(|(at, image)| (*at, image["data"].as_str(), image["timestamp"]["nsec"].as_u64()))
+        .collect();
+    assert_eq!(
+        found,
+        [(250_000_000, Some("AAAA"), Some(250_000_000)), (750_000_000, Some("AQEB"), Some(750_000_000))]
+    );
 }
 
 #[test]

@@ -254,6 +254,16 @@ mod tests {
     }
 
     #[test]
+    fn value_figures_and_programs_in_a_line() {
+        let figure = |value, unit: &str| Figure { label: "peak".into(), value, unit: unit.into() }.line();
+        assert_eq!(figure(Some(1.25), "N·m"), "peak 1.25 N·m");
+        assert_eq!(figure(Some(3.0), ""), "peak 3");
+        assert_eq!(figure(None, "N·m"), "peak none");
+        let program = Program { name: "p".into(), version: "1".into(), commit: "abc".into() };
+        assert_eq!(program.line(), "p 1, commit abc");
+    }
+
+    #[test]
     fn law_a_word_comes_back_from_the_shell() {
         for word in ["camera.k1=0.1", "a b", "it's", "$HOME", "", "*", "ä"] {
             let output = std::process::Command::new("sh")
@@ -261,6 +271,9 @@ mod tests {
                 .output()
                 .expect("there is a shell");
             assert_eq!(String::from_utf8_lossy(&output.stdout), word);
+        }
+        for plain in ["camera.k1=0.1", "a/b_c-d.toml", "x:y,z@1%", "A+"] {
+            assert_eq!(shell_word(plain), plain, "what needs no quotes has none");
         }
     }
 

@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod clip;
 mod compact;
 pub mod field;
 pub mod filter;

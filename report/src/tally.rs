@@ -141,6 +141,34 @@ mod tests {
     }
 
     #[test]
+    fn every_name_means_its_reduction() {
+        let test = Test::Above(1.5);
+        let rows = [-3.0, 2.0, 1.0];
+        let expected = [1.0, -3.0, 2.0, 0.0, (14.0_f64 / 3.0).sqrt(), 3.0, 0.5];
+        for (name, expected) in Reduce::NAMES.into_iter().zip(expected) {
+            let reduce = Reduce::named(name, test).expect("a name");
+            assert_eq!(of(reduce, &rows), Some(expected), "{name}");
+        }
+        assert_eq!(Reduce::named("median", test), None);
+    }
+
+    #[test]
+    fn law_a_cleared_tally_is_a_new_one() {
+        for name in Reduce::NAMES {
+            let reduce = Reduce::named(name, Test::True).expect("a name");
+            let mut tally = Tally::new(reduce);
+            (0..5).for_each(|row| tally.push(f64::from(row), 9.0));
+            tally.clear();
+            assert_eq!(tally.finish(), None, "{name}");
+            [0.0, 2.0, 1.0]
+                .into_iter()
+                .zip([0.0, 0.5, 1.0])
+                .for_each(|(value, time)| tally.push(time, value));
+            assert_eq!(tally.finish(), of(reduce, &[0.0, 2.0, 1.0]), "{name}");
+        }
+    }
+
+    #[test]
     fn value_first_times() {
         let first = |test, rows: &[f64]| of(Reduce::FirstTrue(test), rows);
         assert_eq!(first(Test::True, &[0.0, 0.0, 1.0, 0.0, 1.0]), Some(1.0));

@@ -220,6 +220,10 @@ mod tests {
         let xs = shared_x(&lines).expect("both go on");
         assert_eq!(xs, [0.0, 1.0, 2.0]);
         assert_eq!(spread(&lines[0].points, &xs), [1.0_f64.to_bits(), MISSING, f64::NAN.to_bits()]);
+        let zeros =
+            [Line::solid("a", vec![(-0.0, 1.0), (1.0, 1.0)]), Line::solid("b", vec![(0.0, 1.0), (1.0, 1.0)])];
+        let xs = shared_x(&zeros).expect("both go on");
+        assert_eq!((xs.len(), xs[0].to_bits()), (2, 0), "zero has one sign");
         assert!(shared_x(&[Line::solid("back", vec![(0.0, 1.0), (1.0, 1.0), (0.5, 1.0)])]).is_none());
     }
 

@@ -83,7 +83,12 @@ fn logged(course: &Course) -> Lines {
         };
         Line { from: course.time[row], first, last }
     };
-    Lines((0..count).map(line).collect())
+    let mut lines: Vec<Line> = (0..count).map(line).collect();
+    // rows at which nothing changes are one line: each break costs a step of the unit
+    lines.dedup_by(|next, known| {
+        known.first == known.last && next.first == known.last && next.last == known.last
+    });
+    Lines(lines)
 }
 
 /// Before the log the first value holds.
@@ -258,5 +263,45 @@ impl Lines {
         *near = self.place(from, *near);
         let after = self.0[*near + 1..].iter().map(|line| line.from);
         into.extend(after.take_while(|time| *time < to).filter(|time| *time > from));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A command that jumps once in 100 rows.
+    fn step() -> Course {
+        let time = (0..100).map(|row| 0.01 * f64::from(row)).collect();
+        let values = (0..100).map(|row| if row < 40 { 1.0 } else { 3.0 }).collect();
+        Course { time, values, hold: Hold::Zero }
+    }
+
+    #[test]
+    fn law_a_held_command_breaks_only_where_it_changes() {
+        let late = arriving(&step(), &Effects { delay: 0.004, ..Effects::OFF });
+        let mut breaks = Vec::new();
+        late.breaks(0.0, 0.99, &mut 0, &mut breaks);
+        // where the log begins, and the jump
+        assert_eq!(breaks, [0.004, 0.4 + 0.004]);
+        let near = &mut 0;
+        assert_eq!(
+            [late.after(0.403, near), late.after(0.405, near), late.after(5.0, near)],
+            [1.0, 3.0, 3.0]
+        );
+    }
+
+    #[test]
+    fn law_a_lag_after_a_jump_settles_once() {
+        let slow = arriving(&step(), &Effects { lag: 0.02, ..Effects::OFF });
+        // 3 - 2 exp(-t / T); lines over an eighth of T are off by (1/8)²/8 of the height at most
+        for t in [0.0, 0.013, 0.05, 0.2, 0.31] {
+            let exact = 3.0 - 2.0 * libm::exp(-t / 0.02);
+            assert!((slow.after(0.4 + t, &mut 0) - exact).abs() < 2.0 / 512.0, "{t}");
+        }
+        let mut breaks = Vec::new();
+        slow.breaks(0.0, 0.99, &mut 0, &mut breaks);
+        // eight lines over each of sixteen time constants, and what is settled; before the jump nothing moves
+        assert_eq!(breaks.len(), 129);
     }
 }

@@ -289,10 +289,11 @@ fn screen(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<f64, Err
 fn losses(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Losses, Error> {
     let noise = question.noise();
     let row = |truth: &Alternative| {
-        let engine = simulated(question, wave, time, &question.with(Some(truth)))?;
+        let theta = question.with(Some(truth));
+        let engine = simulated(question, wave, time, &theta)?;
+        let paths = engine.first_paths(&theta, &noise)?;
         let fitted = |member: &Alternative| {
             let theta = question.with(Some(member));
-            let paths = engine.first_paths(&theta, &noise)?;
             let beside = question.effects.iter().copied().filter(|effect| *effect != question.own);
             let free: Vec<usize> = std::iter::once(member.parameter)
                 .chain(beside)
@@ -300,7 +301,7 @@ fn losses(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Losses, 
                     !matches!(engine.machine.parameters[*place].scale, Scale::Switch | Scale::Count)
                 })
                 .collect();
-            let at = At { theta, paths, noise: noise.clone() };
+            let at = At { theta, paths: paths.clone(), noise: noise.clone() };
             Ok::<f64, Error>(fit(&engine, &at, &free, None, &Options::default())?.deviance)
         };
         let all = question.class.iter().map(fitted).collect::<Result<Vec<f64>, Error>>()?;

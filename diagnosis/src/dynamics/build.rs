@@ -1,6 +1,7 @@
 //! From a problem to an engine: sizes of states, inputs and steps, and what the units can do.
 
 use super::excluded::excluded;
+use super::first_path::Trails;
 use super::grid::Grid;
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Role};
@@ -51,12 +52,13 @@ pub struct Built {
 }
 
 impl Built {
-    /// Path and noises at these parameters, before anything is fitted.
+    /// Path and noises at these parameters, before anything is fitted, and the runs about it without columns. Where runs were followed
+    /// already the path begins there.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn begun(&mut self, theta: &[f64]) -> Result<At, Error> {
-        let paths = self.engine.first_paths(theta, &self.noise)?;
+    pub fn begun(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
+        let paths = self.engine.paths(theta, &self.noise, known)?;
         self.engine.calibrate(theta, &paths, &self.noise)?;
         let runs = self.engine.chords(theta, &paths, &[])?;
         let from = |share: &f64| {
@@ -65,7 +67,7 @@ impl Built {
         };
         let best = BEGIN.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
         let noise = best.map_or(self.noise.clone(), |(noise, _)| noise);
-        Ok(At { theta: theta.to_vec(), paths, noise })
+        Ok((At { theta: theta.to_vec(), paths, noise }, runs))
     }
 }
 

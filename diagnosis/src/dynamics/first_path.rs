@@ -1,22 +1,65 @@
-//! A path to begin with: an extended Kalman filter over each run, with process noise as large as the motion itself.
+//! A path to begin with: an extended Kalman filter over each run, with process noise as large as the motion itself. Where another
+//! search went along a run already, its path is taken.
 
+use super::about::{About, Along};
+use super::grid::Grid;
 use super::linearise::Engine;
-use super::linearise::MOVE;
 use super::schedule::{Schedule, output_effects};
-use super::worker::{Job, Worker};
+use super::worker::Worker;
 use crate::error::Error;
 use crate::infer::Noise;
 use crate::infer::fit::Path;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Where runs were followed already: paths with the times of their rows, by the run's name.
+#[derive(Debug, Clone, Default)]
+pub struct Trails(BTreeMap<String, Vec<(f64, Vec<f64>)>>);
+
+impl Trails {
+    /// Adds paths of an engine's runs.
+    pub fn add(&mut self, engine: &Engine, paths: &[Path]) {
+        let order = engine.machine.order();
+        engine.grids.iter().zip(paths).for_each(|(grid, path)| self.follow(grid, path, order));
+    }
+
+    fn follow(&mut self, grid: &Grid, path: &[f64], order: usize) {
+        let states = path.chunks(order.max(1)).map(<[f64]>::to_vec);
+        let trail = self.0.entry(grid.name.clone()).or_default();
+        trail.extend(grid.time.iter().copied().zip(states));
+        trail.sort_by(|a, b| a.0.total_cmp(&b.0));
+        trail.dedup_by(|a, b| a.0 == b.0);
+    }
+
+    /// The path along a run, if it was followed at each of its rows.
+    fn along(&self, grid: &Grid) -> Option<Path> {
+        let trail = self.0.get(&grid.name)?;
+        let at = |time: &f64| trail.binary_search_by(|(known, _)| known.total_cmp(time)).ok();
+        let rows = grid.time.iter().map(|time| at(time).map(|place| trail[place].1.as_slice()));
+        Some(rows.collect::<Option<Vec<_>>>()?.concat())
+    }
+}
 
 impl Engine {
+    /// A path along every run: a known one, or filtered states.
+    ///
+    /// # Errors
+    /// A unit failed from the first row on.
+    pub fn paths(&self, theta: &[f64], noise: &Noise, known: &Trails) -> Result<Vec<Path>, Error> {
+        let path = |run| match known.along(&self.grids[run]) {
+            Some(path) => Ok(path),
+            None => self.first_path(run, theta, noise),
+        };
+        (0..self.grids.len()).into_par_iter().map(path).collect()
+    }
+
     /// Filtered states of every run.
     ///
     /// # Errors
     /// A unit failed from the first row on.
     pub fn first_paths(&self, theta: &[f64], noise: &Noise) -> Result<Vec<Path>, Error> {
-        (0..self.grids.len()).into_par_iter().map(|run| self.first_path(run, theta, noise)).collect()
+        self.paths(theta, noise, &Trails::default())
     }
 
     fn first_path(&self, run: usize, theta: &[f64], noise: &Noise) -> Result<Path, Error> {
@@ -26,7 +69,7 @@ impl Engine {
         }
         let schedule = Schedule::new(machine, grid, theta);
         let effects = output_effects(machine, theta);
-        let set = self.set(theta);
+        let along = Along { engine: self, grid, schedule: &schedule, set: &self.set(theta) };
         let (mean, sd) = &self.starts[run];
         let (torn, blind) = (grid.torn(), grid.blind(machine.reading));
         let mut state = DVector::from_column_slice(mean);
@@ -34,25 +77,8 @@ impl Engine {
         let mut path = Vec::with_capacity(grid.time.len() * n);
         let mut placed = schedule.placed.iter().peekable();
         self.with_worker(|worker| {
-            let (mut base, mut out) = (Vec::new(), Vec::new());
+            let mut about = along.about(worker, 0, &state)?;
             for (row, blind) in blind.into_iter().enumerate() {
-                let mut at: Vec<f64> = state.iter().copied().collect();
-                let job = |states: &[f64], out: &mut Vec<f64>, worker: &mut Worker| {
-                    let job = Job { parameters: &set, ..self.job(grid, &schedule, row, states) };
-                    worker.interval(machine, &job, out)
-                };
-                job(&at, &mut base, worker)?;
-                let mut columns = DMatrix::zeros(base.len(), n);
-                for i in 0..n {
-                    let step = MOVE * self.scales[i];
-                    at[i] += step;
-                    job(&at, &mut out, worker)?;
-                    at[i] = state[i];
-                    for (entry, (there, here)) in out.iter().zip(&base).enumerate() {
-                        columns[(entry, i)] = (there - here) / step;
-                    }
-                }
-                let before = state.clone();
                 while let Some(at) = placed.next_if(|at| at.row == row) {
                     if at.early || blind || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
                         continue;
@@ -60,36 +86,18 @@ impl Engine {
                     let sample = grid.samples[at.sample];
                     let effect = effects[sample.channel];
                     let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
-                    let observe = columns.row(entry).transpose() * effect.gain;
-                    let shown = effect.shown(base[entry], sample.time - grid.origin);
+                    let observe = about.columns.row(entry).transpose() * effect.gain;
+                    let shown = effect.shown(about.near(entry, &state), sample.time - grid.origin);
                     let gain = &covariance * &observe;
                     let spread = observe.dot(&gain) + noise.variance(sample.channel, 0.0);
-                    let innovation = sample.value - shown - observe.dot(&(&state - &before));
-                    state += &gain * (innovation / spread);
+                    state += &gain * ((sample.value - shown) / spread);
                     covariance -= &gain * gain.transpose() / spread;
                 }
                 path.extend(state.iter().copied());
                 if row + 1 < grid.time.len() {
-                    let to: Vec<f64> = state.iter().copied().collect();
                     let dt = grid.time[row + 1] - grid.time[row];
-                    let transition = if machine.horizon == 0 {
-                        let transition = columns.rows(0, n).into_owned();
-                        // a correction that the unit can't follow is followed to first order
-                        state = match job(&to, &mut out, worker) {
-                            Ok(()) => DVector::from_column_slice(&out[..n]),
-                            Err(_) => {
-                                DVector::from_column_slice(&base[..n]) + &transition * (&state - &before)
-                            }
-                        };
-                        transition
-                    } else {
-                        job(&to, &mut out, worker)?;
-                        let reads = schedule.reads[row].len();
-                        let (next, reader) =
-                            self.shown_next(worker, grid, &schedule, &set, row, &to, &out)?;
-                        state = DVector::from_vec(next);
-                        &reader * columns.rows(n + machine.channels.len() + reads, reader.ncols())
-                    };
+                    let transition;
+                    (state, transition, about) = along.next(worker, row, &state, &about)?;
                     covariance = &transition * &covariance * transition.transpose();
                     for i in 0..n {
                         let anew = if torn.get(row) == Some(&true) { sd[i] * sd[i] } else { 0.0 };
@@ -100,5 +108,60 @@ impl Engine {
             }
             Ok(path)
         })
+    }
+}
+
+impl Along<'_> {
+    /// The state at the next row, its derivative by this one, and what follows from it.
+    fn next(
+        &self,
+        worker: &mut Worker,
+        row: usize,
+        state: &DVector<f64>,
+        about: &About,
+    ) -> Result<(DVector<f64>, DMatrix<f64>, About), Error> {
+        let n = state.len();
+        let mut out = Vec::new();
+        let there = self.from(worker, row, state.as_slice(), &mut out);
+        if self.engine.machine.horizon > 0 {
+            there?;
+            return self.read_next(worker, row, state, about, &out);
+        }
+        // a correction that the unit can't follow is followed to first order
+        let next = match there {
+            Ok(()) => DVector::from_column_slice(&out[..n]),
+            Err(_) => DVector::from_fn(n, |i, _| about.near(i, state)),
+        };
+        let following = self.about(worker, row + 1, &next)?;
+        Ok((next, about.columns.rows(0, n).into_owned(), following))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(name: &str, time: &[f64]) -> Grid {
+        Grid {
+            name: name.into(),
+            time: time.to_vec(),
+            samples: Vec::new(),
+            inputs: Vec::new(),
+            origin: 0.0,
+            lost: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn law_a_trail_is_taken_where_it_knows_every_row_of_the_run() {
+        let mut trails = Trails::default();
+        trails.follow(&grid("a", &[0.2, 0.3]), &[5.0, 6.0, 7.0, 8.0], 2);
+        trails.follow(&grid("a", &[0.0, 0.1, 0.2]), &[1.0, 2.0, 3.0, 4.0, 9.0, 9.0], 2);
+        // parts of one run join; a row of both is known from the first of them
+        let whole = trails.along(&grid("a", &[0.0, 0.1, 0.2, 0.3]));
+        assert_eq!(whole, Some(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]));
+        assert_eq!(trails.along(&grid("a", &[0.1, 0.3])), Some(vec![3.0, 4.0, 7.0, 8.0]));
+        assert_eq!(trails.along(&grid("a", &[0.1, 0.15])), None);
+        assert_eq!(trails.along(&grid("b", &[0.1])), None);
     }
 }

@@ -16,8 +16,10 @@
 //! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
 //! - `at_once.rs`: outputs that follow an input without a state between them
+//! - `about.rs`: one interval about a state, with its derivatives
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
 
+mod about;
 mod at_once;
 pub mod build;
 mod excluded;

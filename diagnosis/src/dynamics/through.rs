@@ -4,101 +4,97 @@
 //! x̂(k+1) it gives O there. Where it is, x(k+1), is where O(x) = Y: to first order x(k+1) = x̂(k+1) + J⁺ (Y - O), J = ∂O/∂x.
 //! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ). No noise is in Y and O, so the horizon may be short.
 
-use super::grid::Grid;
-use super::linearise::{Engine, RowParts};
-use super::machine::Reference;
+use super::about::{About, Along};
+use super::linearise::{Engine, MOVE, RowParts};
 use super::schedule::Schedule;
-use super::worker::{Job, Worker};
+use super::worker::Worker;
 use crate::error::Error;
 use crate::infer::fit::Path;
-use crate::statistics::levels::{FEW, FINE, ROUNDING, SAMPLE};
+use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE};
 use nalgebra::{DMatrix, DVector};
 
 /// Directions of the states that show less than this share of the clearest are left as they are: differences are good to 1e-6.
 const CLEAR: f64 = ROUNDING;
-/// A horizon is long enough when every direction shows more than this share of the clearest.
+/// A horizon is long enough when a small move of all states is read back to this share.
 const ENOUGH: f64 = FINE;
 /// Longest horizon, rows.
 const FARTHEST: usize = SAMPLE;
-/// Rounds of reading a state anew: each is quadratic.
+/// Rounds of reading a state anew, at most.
 const ROUNDS: usize = FEW;
 
-/// Pseudo-inverse of ∂O/∂x, rows weighed by the sensors, columns by the states' scales; and the share that shows least.
-fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> (DMatrix<f64>, f64) {
+/// Pseudo-inverse of ∂O/∂x, rows weighed by the sensors, columns by the states' scales.
+fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> DMatrix<f64> {
     let weighed = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| {
         jacobian[(i, j)] * scales[j] / sensors[i % sensors.len()]
     });
     let svd = weighed.svd(true, true);
     let most = svd.singular_values.amax();
-    let least = svd.singular_values.min() / most.max(1e-300);
     let inverse = svd
         .pseudo_inverse(CLEAR * most)
         .unwrap_or_else(|_| DMatrix::zeros(jacobian.ncols(), jacobian.nrows()));
-    let inverse = DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| {
+    DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| {
         inverse[(i, j)] * scales[i] / sensors[j % sensors.len()]
-    });
-    (inverse, least)
+    })
 }
 
 impl Engine {
-    /// Chooses the horizon: as few rows as show every state. How many.
+    /// Chooses the horizon: as few rows as a state is read back from, or, where none does, as few as read nearly as well. How many.
     ///
     /// # Errors
     /// A unit failed.
     pub(super) fn look_ahead(&mut self) -> Result<usize, Error> {
         let (n, outputs) = (self.machine.order(), self.machine.channels.len());
-        let mut horizon = n.div_ceil(outputs.max(1)) + 1;
-        loop {
+        let mut tried: Vec<(usize, f64)> = Vec::new();
+        let mut horizon = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
+        while tried.is_empty() || horizon <= FARTHEST.min(self.grids[0].time.len() / 2) {
             self.machine.horizon = horizon;
-            let grid = &self.grids[0];
-            let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-            let row = grid.time.len() / 2;
-            let here = self.nominal_states(grid, row);
-            let least = self.with_worker(|worker| {
-                let (_, jacobian) = self.outputs_from(worker, grid, &schedule, &[], row, &here)?;
-                Ok(reader(&jacobian, &self.sensors, &self.scales).1)
-            })?;
-            if least > ENOUGH || 2 * horizon > FARTHEST || 2 * horizon > grid.time.len() / 2 {
-                return Ok(horizon);
+            let misread = self.misread()?;
+            tried.push((horizon, misread));
+            if misread < ENOUGH {
+                break;
             }
             horizon *= 2;
         }
+        let least = tried.iter().map(|(_, misread)| *misread).fold(f64::INFINITY, f64::min);
+        let first = tried.iter().find(|(_, misread)| *misread <= (MORE * least).max(ENOUGH));
+        self.machine.horizon = first.map_or(horizon, |(horizon, _)| *horizon);
+        Ok(self.machine.horizon)
     }
 
-    /// O at a state, and its derivative.
-    fn outputs_from(
-        &self,
-        worker: &mut Worker,
-        grid: &Grid,
-        schedule: &Schedule,
-        set: &[(Reference, f64)],
-        row: usize,
-        states: &[f64],
-    ) -> Result<(Vec<f64>, DMatrix<f64>), Error> {
-        let (n, reads) = (self.machine.order(), schedule.reads[row].len());
-        let (mut base, mut out, mut at) = (Vec::new(), Vec::new(), states.to_vec());
-        let job = Job { parameters: set, ..self.job(grid, schedule, row, states) };
-        worker.interval(&self.machine, &job, &mut base)?;
-        let here = self.shown(&base, reads);
-        let mut jacobian = DMatrix::zeros(here.len(), n);
-        for state in 0..n {
-            let step = 1e-4 * self.scales[state];
-            at[state] += step;
-            worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-            at[state] = states[state];
-            for (entry, (there, here)) in self.shown(&out, reads).iter().zip(&here).enumerate() {
-                jacobian[(entry, state)] = (there - here) / step;
+    /// The largest share by which a small move of all states is misread, at rows in the first run.
+    fn misread(&self) -> Result<f64, Error> {
+        let grid = &self.grids[0];
+        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
+        let along = Along { engine: self, grid, schedule: &schedule, set: &[] };
+        let moves =
+            DVector::from_iterator(self.machine.order(), self.scales.iter().map(|scale| -MOVE * scale));
+        let mut largest = 0.0;
+        self.with_worker(|worker| {
+            for part in 0..FEW {
+                let row = (2 * part + 1) * grid.time.len() / (2 * FEW);
+                let here = DVector::from_vec(self.nominal_states(grid, row));
+                let about = along.about(worker, row, &here)?;
+                let (mut out, reads) = (Vec::new(), schedule.reads[row].len());
+                along.from(worker, row, (&here + &moves).as_slice(), &mut out)?;
+                let shown = |out: &[f64]| DVector::from_vec(self.shown(out, reads));
+                let told = along.reader(row, &about) * (shown(&out) - shown(&about.base));
+                let wrong = told.iter().zip(&moves).map(|(told, moved)| (told / moved - 1.0).abs());
+                largest = wrong.fold(largest, f64::max);
             }
-        }
-        Ok((here, jacobian))
+            Ok(largest)
+        })
     }
 
-    /// Outputs at a row and the H rows after it, of what [`Worker::interval`] gives.
-    fn shown(&self, out: &[f64], reads: usize) -> Vec<f64> {
+    /// Where outputs at a row and the H rows after it stand in what [`Worker::interval`] gives, and how many there are.
+    fn shown_at(&self, reads: usize) -> (impl Fn(usize) -> usize, usize) {
         let (n, outputs, horizon) = (self.machine.order(), self.machine.channels.len(), self.machine.horizon);
-        let mut shown = out[n..n + outputs].to_vec();
-        shown.extend_from_slice(&out[n + outputs + reads..n + outputs + reads + horizon * outputs]);
-        shown
+        (move |entry| n + entry + if entry < outputs { 0 } else { reads }, outputs * (1 + horizon))
+    }
+
+    /// Outputs at a row and the H rows after it.
+    fn shown(&self, out: &[f64], reads: usize) -> Vec<f64> {
+        let (at, count) = self.shown_at(reads);
+        (0..count).map(|entry| out[at(entry)]).collect()
     }
 
     /// Outputs at the H + 1 rows after the first.
@@ -107,37 +103,52 @@ impl Engine {
         let from = n + outputs + reads;
         &out[from..from + (horizon + 1) * outputs]
     }
+}
 
-    /// The state at the next row, which shows what followed from this one; and its reader.
-    #[allow(clippy::too_many_arguments, reason = "one row of a run with all that it depends on")]
-    pub(super) fn shown_next(
+impl Along<'_> {
+    /// The reader of the states at a row.
+    fn reader(&self, row: usize, about: &About) -> DMatrix<f64> {
+        let (first, rows) = self.engine.shown_at(self.schedule.reads[row].len());
+        let jacobian =
+            DMatrix::from_fn(rows, about.at.len(), |entry, state| about.columns[(first(entry), state)]);
+        reader(&jacobian, &self.engine.sensors, &self.engine.scales)
+    }
+
+    /// The state at the next row, which shows what followed from this one (`out`); its derivative by this one; what follows from it.
+    ///
+    /// This row's reader gives a first guess, about which the next row is linearised; from there its own reader goes on.
+    pub(super) fn read_next(
         &self,
         worker: &mut Worker,
-        grid: &Grid,
-        schedule: &Schedule,
-        set: &[(Reference, f64)],
         row: usize,
-        guess: &[f64],
+        state: &DVector<f64>,
+        about: &About,
         out: &[f64],
-    ) -> Result<(Vec<f64>, DMatrix<f64>), Error> {
-        let wanted = self.following(out, schedule.reads[row].len()).to_vec();
-        let mut state = guess.to_vec();
-        let mut round = 0;
-        loop {
-            let (here, jacobian) = self.outputs_from(worker, grid, schedule, set, row + 1, &state)?;
-            let (inverse, _) = reader(&jacobian, &self.sensors, &self.scales);
-            let rest = DVector::from_iterator(
-                here.len(),
-                wanted.iter().zip(&here).map(|(wanted, here)| wanted - here),
-            );
-            let by = &inverse * rest;
-            state.iter_mut().zip(by.iter()).for_each(|(state, by)| *state += by);
-            round += 1;
-            let small = by.iter().zip(&self.scales).all(|(by, scale)| by.abs() < 1e-3 * scale);
-            if small || round >= ROUNDS {
-                return Ok((state, inverse));
+    ) -> Result<(DVector<f64>, DMatrix<f64>, About), Error> {
+        let engine = self.engine;
+        let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
+        let wanted = DVector::from_column_slice(engine.following(out, reads));
+        let by = |inverse: &DMatrix<f64>, base: &[f64]| {
+            inverse * (&wanted - DVector::from_vec(engine.shown(base, next_reads)))
+        };
+        let mut base = Vec::new();
+        self.from(worker, row + 1, state.as_slice(), &mut base)?;
+        let guess = state + by(&self.reader(row, about), &base);
+        let following = self.about(worker, row + 1, &guess)?;
+        let inverse = self.reader(row + 1, &following);
+        let mut moved = by(&inverse, &following.base);
+        let mut next = &guess + &moved;
+        for _ in 0..ROUNDS {
+            if moved.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < FINE * scale) {
+                break;
             }
+            self.from(worker, row + 1, next.as_slice(), &mut base)?;
+            moved = by(&inverse, &base);
+            next += &moved;
         }
+        let first = engine.machine.order() + engine.machine.channels.len() + reads;
+        let transition = &inverse * about.columns.rows(first, inverse.ncols());
+        Ok((next, transition, following))
     }
 }
 
@@ -151,7 +162,7 @@ pub(super) fn next_states(engine: &Engine, path: &Path, schedule: &Schedule, par
         let columns: Vec<Vec<f64>> =
             there.states.iter().map(|column| engine.shown(column, next_reads)).collect();
         let jacobian = DMatrix::from_fn(columns[0].len(), n, |i, j| columns[j][i]);
-        let (inverse, _) = reader(&jacobian, &engine.sensors, &engine.scales);
+        let inverse = reader(&jacobian, &engine.sensors, &engine.scales);
         let read = |following: &[f64], shown: Option<Vec<f64>>| {
             let rest = DVector::from_fn(following.len(), |i, _| {
                 following[i] - shown.as_ref().map_or(0.0, |shown| shown[i])

@@ -6,8 +6,9 @@ use super::study::Studied;
 use crate::diagnosis::{Gap, Where};
 use crate::dynamics::Engine;
 use crate::dynamics::build::{Span, build};
+use crate::dynamics::first_path::Trails;
 use crate::error::Error;
-use crate::infer::fit::{At, Options, fit};
+use crate::infer::fit::{At, Options, Path, fit};
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
 use crate::statistics::levels::{DOUBTED, ROWS};
@@ -53,7 +54,8 @@ pub struct Point {
     pub row: usize,
 }
 
-/// The gap of each channel on rows left out, the largest first, and the courses of the last run of them.
+/// The gap of each channel on rows left out, the largest first, and the courses of the last run of them. Where the rows were followed
+/// joins what is known.
 ///
 /// # Errors
 /// A unit failed everywhere.
@@ -61,6 +63,7 @@ pub fn held_out(
     problem: &Problem,
     left: &[(&Run, Span)],
     trained: &Studied,
+    known: &mut Trails,
 ) -> Result<(Vec<Gap>, Vec<Channel>), Error> {
     let mut built = build(problem, left)?;
     let neutral = built.engine.machine.neutral();
@@ -68,11 +71,13 @@ pub fn held_out(
     let runs = built.engine.chords(&neutral, &paths, &[])?;
     let noise = crate::infer::Noise { disturbance: None, ..trained.fit.at.noise.clone() };
     built.engine.readmit(&neutral, &runs, &noise);
-    let before = windows(&built.engine, &neutral, trained)?;
+    known.add(&built.engine, &paths);
+    let before = windows(&built.engine, &neutral, &paths, trained);
     let after = if trained.effects.is_empty() {
         None
     } else {
-        Some(windows(&built.engine, &trained.fit.at.theta, trained)?)
+        let theta = &trained.fit.at.theta;
+        Some(windows(&built.engine, theta, &built.engine.first_paths(theta, &trained.built.noise)?, trained))
     };
     let after = after.as_ref().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
@@ -107,11 +112,10 @@ fn mean(windows: &[Window], channel: usize) -> f64 {
     if count > 0.0 { (square / count).sqrt() } else { 0.0 }
 }
 
-/// All windows of an engine's runs, each followed from its own start state.
-fn windows(engine: &Engine, theta: &[f64], trained: &Studied) -> Result<Vec<Window>, Error> {
+/// All windows of an engine's runs, each followed from its own start state, which is looked for from these paths on.
+fn windows(engine: &Engine, theta: &[f64], paths: &[Path], trained: &Studied) -> Vec<Window> {
     let mut noise = trained.fit.at.noise.clone();
     noise.disturbance = None;
-    let paths = engine.first_paths(theta, &trained.built.noise)?;
     let mut list: Vec<(usize, usize, usize)> = Vec::new();
     for (run, grid) in engine.grids.iter().enumerate() {
         let rows = grid.time.len();
@@ -127,7 +131,7 @@ fn windows(engine: &Engine, theta: &[f64], trained: &Studied) -> Result<Vec<Wind
         .into_par_iter()
         .map(|(run, from, to)| followed(engine, theta, run, &paths[run], (from, to), &noise, n))
         .collect();
-    Ok(all.into_iter().flatten().collect())
+    all.into_iter().flatten().collect()
 }
 
 /// One stretch of rows, or its halves where it can't be followed as a whole.
@@ -221,12 +225,9 @@ fn window(
 }
 
 /// Where the nominal model parts from the log, over all runs.
-///
-/// # Errors
-/// A unit failed everywhere.
-pub fn places(_problem: &Problem, studied: &Studied) -> Result<Vec<Where>, Error> {
+pub fn places(studied: &Studied) -> Vec<Where> {
     let engine = &studied.built.engine;
-    let windows = windows(engine, &engine.machine.neutral(), studied)?;
+    let windows = windows(engine, &engine.machine.neutral(), &studied.nominal, studied);
     let sizes = &studied.fit.at.noise.channels;
     let mut places: Vec<Where> = Vec::new();
     let excess = |window: &Window, channel: usize| {
@@ -252,5 +253,5 @@ pub fn places(_problem: &Problem, studied: &Studied) -> Result<Vec<Where>, Error
         }
     }
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
-    Ok(places)
+    places
 }

@@ -6,6 +6,7 @@
 
 use super::study::nominal;
 use crate::dynamics::build::{Span, build};
+use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::observe::{Problem, Reading, Run};
 
@@ -19,7 +20,7 @@ pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
     let deviance = |reading: Reading| {
         let other = Problem { reading, ..problem.clone() };
         let mut built = build(&other, runs)?;
-        Ok::<_, Error>((nominal(&mut built)?.deviance, other))
+        Ok::<_, Error>((nominal(&mut built, &Trails::default())?.deviance, other))
     };
     let (before, after) = (deviance(Reading::Before)?, deviance(Reading::After)?);
     let (mut likelier, words, by) = if before.0 <= after.0 {

@@ -6,11 +6,13 @@ use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Built, Span, build};
+use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::infer::Sizes;
-use crate::infer::fit::{At, Fit, Options as FitOptions, fit};
+use crate::infer::fit::{At, Fit, Options as FitOptions, Path, fit, fit_from};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
+use crate::search::screen::Last;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
 use crate::statistics::levels::PART;
@@ -29,10 +31,14 @@ pub struct Studied {
     pub effects: Vec<usize>,
     /// Their fit.
     pub fit: Fit,
+    /// The path of every run with the nominal model.
+    pub nominal: Vec<Path>,
     /// What process noise says.
     pub rest: Rest,
     /// Numbers of the search.
     pub policy: Policy,
+    /// Its last screening.
+    pub last: Option<Last>,
     /// In words.
     pub story: Vec<String>,
     /// Classes, if they were asked for.
@@ -59,10 +65,12 @@ pub fn diagnosed(
     watch.stage("searching without the rows left out");
     let trained = studied(problem, &kept, options, None, false, watch)?;
     watch.stage("measuring the gap on the rows left out");
-    let (gaps, channels) = mismatch::held_out(problem, &left, &trained)?;
+    let mut known = Trails::default();
+    known.add(&trained.built.engine, &trained.nominal);
+    let (gaps, channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
     watch.stage("searching in all rows");
     let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
-    let all = studied(problem, &whole, options, Some(&trained), true, watch)?;
+    let all = studied(problem, &whole, options, Some((&trained, &known)), true, watch)?;
     let effects = told::effects(problem, &all);
     let unknown = rest::unknown(problem, &all);
     let verdict = if unknown.is_some() {
@@ -92,7 +100,7 @@ pub fn diagnosed(
         units: told::units(problem),
         verdict,
         effects,
-        place: mismatch::places(problem, &all)?,
+        place: mismatch::places(&all),
         gap: gaps[0].clone(),
         unknown,
         correction: None,
@@ -155,9 +163,9 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 }
 
 /// The nominal model fitted: path and noises only.
-pub(super) fn nominal(built: &mut Built) -> Result<Fit, Error> {
-    let at = built.begun(&built.engine.machine.neutral())?;
-    let mut fitted = fit(&built.engine, &at, &[], Some(&built.sizes), &FitOptions::default())?;
+pub(super) fn nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
+    let (at, runs) = built.begun(&built.engine.machine.neutral(), known)?;
+    let mut fitted = fit_from(&built.engine, &at, runs, &[], Some(&built.sizes), &FitOptions::default())?;
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;
     }
@@ -165,7 +173,7 @@ pub(super) fn nominal(built: &mut Built) -> Result<Fit, Error> {
     Ok(fitted)
 }
 
-/// Searches in these rows; from what was found in others, if that is given.
+/// Searches in these rows; from what was found in others and where their runs were followed, if that is given.
 ///
 /// # Errors
 /// As [`diagnosed`].
@@ -173,14 +181,17 @@ pub fn studied(
     problem: &Problem,
     runs: &[(&Run, Span)],
     options: &Options,
-    before: Option<&Studied>,
+    before: Option<(&Studied, &Trails)>,
     classes: bool,
     watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
     let mut built = build(problem, runs)?;
     checked(&built.engine.machine, options)?;
     let candidates = candidates(&built, options);
-    let nominal = nominal(&mut built)?;
+    let nominal = match before {
+        Some((_, known)) => nominal(&mut built, known)?,
+        None => nominal(&mut built, &Trails::default())?,
+    };
     let sizes: Sizes = built.sizes.clone();
     let policy = Policy::of(candidates.len(), built.engine.machine.order());
     let beside: Sizes;
@@ -192,9 +203,10 @@ pub fn studied(
         candidates,
         visited: Visited::new(),
         story: Vec::new(),
+        last: None,
     };
     search.visited.insert(Vec::new(), nominal.clone());
-    let (effects, begun) = match before.filter(|before| !before.effects.is_empty()) {
+    let (effects, begun) = match before.map(|known| known.0).filter(|before| !before.effects.is_empty()) {
         Some(before) => {
             let mut start = nominal.at.clone();
             start.theta.clone_from(&before.fit.at.theta);
@@ -231,8 +243,8 @@ pub fn studied(
         rest = rest::judged(&built.engine, &here, &beside, &search.policy);
     }
     let classes = if classes { search.alternatives(&effects, &here, watch)? } else { Vec::new() };
-    let story = search.story;
-    Ok(Studied { built, effects, fit: here, rest, story, classes, policy })
+    let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
+    Ok(Studied { built, effects, fit: here, nominal, rest, story, classes, policy, last })
 }
 
 /// Fits the parameters that were asked for, and judges what is left.
@@ -262,7 +274,8 @@ fn given(
         "they explain the data: what is left is noise"
     };
     let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
-    Ok(Studied { effects: free, fit: here, rest, story, classes, built, policy })
+    let nominal = start.paths.clone();
+    Ok(Studied { effects: free, fit: here, nominal, rest, story, classes, built, policy, last: None })
 }
 
 /// Whether the names that were given with options are parameters.

@@ -2,8 +2,8 @@
 
 use super::study::Studied;
 use crate::diagnosis::{Effect, Member};
-use crate::dynamics::linearise::Chord;
 use crate::error::Error;
+use crate::infer::fit::Linearise;
 use crate::infer::likelihood::reduced;
 use crate::observe::{Problem, Scale};
 use crate::provenance::{Provenance, Used};
@@ -126,16 +126,20 @@ pub fn detectable(studied: &Studied) -> Result<BTreeMap<String, f64>, Error> {
     };
     let others: Vec<usize> = (0..engine.machine.parameters.len()).filter(moves).collect();
     let columns: Vec<usize> = studied.fit.free.iter().copied().chain(others.iter().copied()).collect();
-    let chords: Vec<Chord> = columns.iter().map(|column| engine.local(theta, *column)).collect();
-    let runs = engine.chords(theta, &studied.fit.at.paths, &chords)?;
-    let all: Vec<usize> = (0..columns.len()).collect();
-    let whole = reduced(&runs, &studied.fit.at.noise, &all);
+    let at = &studied.fit.at;
+    let gram = match studied.last.as_ref().and_then(|last| last.gram(engine, at, &columns)) {
+        Some(known) => known,
+        None => {
+            let runs = engine.linearise(theta, &at.paths, &columns)?;
+            reduced(&runs, &at.noise, &(0..columns.len()).collect::<Vec<_>>()).gram
+        }
+    };
     let own = studied.fit.free.len();
     let mut told = BTreeMap::new();
     for (place, parameter) in others.iter().enumerate() {
         let mut with: Vec<usize> = (0..own).collect();
         with.push(own + place);
-        let Some(covariance) = inverse(&submatrix(&whole.gram, &with)) else { continue };
+        let Some(covariance) = inverse(&submatrix(&gram, &with)) else { continue };
         let size = (studied.policy.sure * covariance[(own, own)]).sqrt();
         let (least, most) = engine.machine.parameters[*parameter].range;
         if size.is_finite() && size < most - least {

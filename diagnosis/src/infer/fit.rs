@@ -60,7 +60,7 @@ impl Default for Options {
 }
 
 /// Where a fit is.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct At {
     /// All parameters.
     pub theta: Vec<f64>,

@@ -4,9 +4,11 @@ use super::Policy;
 use super::trials::trials;
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::error::Error;
+use crate::infer::fit::At;
 use crate::infer::likelihood::{maximise_within, reduced};
 use crate::infer::{Fit, Linearised, Sizes};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Rounds of the noises' search for a look: most of what an effect takes over from the process noise it takes at once.
@@ -29,9 +31,36 @@ pub struct Screen {
     pub runs: Vec<Linearised>,
     /// Columns.
     pub chords: Vec<Chord>,
+    /// Gram matrix and score of all columns, states eliminated, with the noises of the fit.
+    pub whole: Reduced,
+}
+
+/// What a screening that found nothing knows of the model that it was about.
+#[derive(Debug, Clone)]
+pub struct Last {
+    at: At,
+    chords: Vec<Chord>,
+    whole: Reduced,
+}
+
+impl Last {
+    /// Gram matrix of the derivatives by these parameters about a fit, if it was this one and they were among its columns.
+    pub fn gram(&self, engine: &Engine, at: &At, parameters: &[usize]) -> Option<DMatrix<f64>> {
+        let place = |parameter: &usize| {
+            let local = engine.local(&at.theta, *parameter);
+            self.chords.iter().position(|chord| *chord == local)
+        };
+        let places: Vec<usize> = parameters.iter().map(place).collect::<Option<_>>()?;
+        (self.at == *at).then(|| submatrix(&self.whole.gram, &places))
+    }
 }
 
 impl Screen {
+    /// What stays known of it about this fit.
+    pub fn last(self, fit: &Fit) -> Last {
+        Last { at: fit.at.clone(), chords: self.chords, whole: self.whole }
+    }
+
     /// The runs with the derivatives by these parameters as columns, where the linearisation has them all.
     pub fn about(&self, engine: &Engine, theta: &[f64], free: &[usize]) -> Option<Vec<Linearised>> {
         let place = |parameter: &usize| {
@@ -52,7 +81,10 @@ pub fn linearised(engine: &Engine, fit: &Fit, others: &[usize]) -> Result<Screen
     for other in others {
         chords.extend(trials(engine, &fit.at.theta, *other));
     }
-    Ok(Screen { runs: engine.chords(&fit.at.theta, &fit.at.paths, &chords)?, chords })
+    let runs = engine.chords(&fit.at.theta, &fit.at.paths, &chords)?;
+    let all: Vec<usize> = (0..chords.len()).collect();
+    let whole = reduced(&runs, &fit.at.noise, &all);
+    Ok(Screen { runs, chords, whole })
 }
 
 /// What the column gains beside the model's own, within its range.
@@ -89,11 +121,10 @@ fn gain(
 pub fn ranked(engine: &Engine, fit: &Fit, screen: &Screen, sizes: &Sizes, policy: &Policy) -> Vec<Screened> {
     let own = fit.free.len();
     let all: Vec<usize> = (0..screen.chords.len()).collect();
-    let whole = reduced(&screen.runs, &fit.at.noise, &all);
     let mut list: Vec<(usize, Screened)> = (own..screen.chords.len())
         .map(|column| {
             let chord = screen.chords[column];
-            let (gain, amount) = gain(engine, fit, &whole, own, &chord, column);
+            let (gain, amount) = gain(engine, fit, &screen.whole, own, &chord, column);
             (column, Screened { chord, gain, amount })
         })
         .filter(|(_, screened)| screened.gain > 0.0)

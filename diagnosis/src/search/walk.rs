@@ -1,7 +1,7 @@
 //! The search: add the effect that gains most, then drop and swap what has become superfluous, until nothing gains enough.
 
 use super::Policy;
-use super::screen::{Screen, Screened, linearised, ranked};
+use super::screen::{Last, Screen, Screened, linearised, ranked};
 use crate::dynamics::linearise::Engine;
 use crate::error::Error;
 use crate::infer::Sizes;
@@ -29,6 +29,8 @@ pub struct Search<'a> {
     pub visited: Visited,
     /// What was done, in words.
     pub story: Vec<String>,
+    /// The last screening of a walk, which found nothing more.
+    pub last: Option<Last>,
 }
 
 impl Search<'_> {
@@ -200,11 +202,13 @@ impl Search<'_> {
             }
             let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
-            let Some((with, fit)) = self.best(&effects, &here, &screen, &tried) else { break };
-            let gained = here.deviance - fit.deviance;
-            if gained < self.policy.gain {
+            let best = self.best(&effects, &here, &screen, &tried);
+            let Some((with, fit)) = best.filter(|(_, fit)| here.deviance - fit.deviance >= self.policy.gain)
+            else {
+                self.last = Some(screen.last(&here));
                 break;
-            }
+            };
+            let gained = here.deviance - fit.deviance;
             let name = self.name(with[with.len() - 1]).to_owned();
             self.story
                 .push(format!("{name} explains most of what is left: it gains {gained:.0} of deviance"));

@@ -11,6 +11,7 @@ mod problem;
 pub use classes::told_apart;
 
 use crate::dynamics::build::{Built, Span, build};
+use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
 use crate::infer::Sizes;
@@ -93,7 +94,7 @@ impl<'a> Linked<'a> {
     /// Path and noises at a point, before anything is fitted.
     fn begun(&mut self, point: &[f64]) -> Result<At, Error> {
         let theta = self.theta(point);
-        self.built.begun(&theta)
+        Ok(self.built.begun(&theta, &Trails::default())?.0)
     }
 
     /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.

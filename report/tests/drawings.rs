@@ -311,7 +311,7 @@ fn value_graphs_of_a_page_count_from_0_and_pictures_have_names() {
         .map(|points| page.place(&graph(points), "").expect("drawn").into_string());
     assert!(places[0].contains("data-graph=\"0\"") && places[1].contains("data-graph=\"1\""));
     // A line that stands still or goes back in x, and a single point, stay pictures.
-    for points in [vec![(0.0, 1.0), (0.0, 2.0)], vec![(1.0, 1.0), (0.0, 2.0)], vec![(1.0, 1.0)]] {
+    for points in [vec![(0.0, 1.0), (0.0, 2.0), (1.0, 1.0)], vec![(1.0, 1.0), (0.0, 2.0)], vec![(1.0, 1.0)]] {
         let place = page.place(&graph(points), "its `name`").expect("drawn").into_string();
         assert!(!place.contains("data-graph"), "{place}");
         assert!(place.contains("<svg role=\"img\" aria-label=\"its name\" "), "{place}");

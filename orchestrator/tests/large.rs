@@ -7,7 +7,7 @@ use common::{Units, library};
 use orchestrator::{Fmu, NoRecorder, Quiet, Scenario, Simulation};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Counts what is held.
 struct Counting;
@@ -34,10 +34,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The most bytes that were held at once while something was done; the tests take turns.
-fn most<T>(work: impl FnOnce() -> T) -> (T, usize) {
+/// To be held by a test from its first line on: what another one makes meanwhile, measured or not, would be counted.
+fn turn() -> MutexGuard<'static, ()> {
     static TURNS: Mutex<()> = Mutex::new(());
-    let _turn = TURNS.lock().unwrap_or_else(PoisonError::into_inner);
+    TURNS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The most bytes that were held at once while something was done.
+fn most<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let before = HELD.load(Relaxed);
     MOST.store(before, Relaxed);
     let made = work();
@@ -67,6 +71,7 @@ fn described(count: usize) -> String {
 
 #[test]
 fn law_a_description_takes_memory_for_its_variables_only() {
+    let _turn = turn();
     let units = Units::new();
     let opened = |count: usize| {
         let file = units.pack(&format!("large{count}.fmu"), &described(count), b"none is loaded");
@@ -119,6 +124,7 @@ fn wide(said: bool) -> String {
 
 #[test]
 fn law_a_network_takes_memory_for_its_connections_only() {
+    let _turn = turn();
     for said in [true, false] {
         let units = Units::new();
         units.pack("wide.fmu", &wide(said), &library());

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures speed beside the peers in one run, prints the table and writes docs/speed.md. Installs what it needs.
 # ACROSCOPE_FEEDTHROUGH: the Feedthrough.fmu of the FMI project's reference units, measured too if it is given.
-# Arguments: sections (frame, master, loop, sweep, estimator, diagnosis); with any, the page is not written.
+# Arguments: sections (frame, master, isolated, loop, sweep, estimator, diagnosis); with any, the page is not written.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

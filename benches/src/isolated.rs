@@ -28,7 +28,7 @@ pub fn rows() -> Vec<Row> {
             isolated.0.push(time(&mut apart));
         }
         Row::faster(
-            "master",
+            "isolated",
             format!("unit step of a ring of three {what}, each in its process"),
             "µs",
             &isolated,

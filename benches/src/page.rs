@@ -162,6 +162,7 @@ fn title(section: &str) -> &str {
     match section {
         "frame" => "Camera frame",
         "master" => "Master",
+        "isolated" => "Units in processes of their own",
         "loop" => "Closed loop",
         "sweep" => "Many short runs",
         "estimator" => "Estimators beside the bound",

@@ -2,7 +2,7 @@
 //!
 //! A library, so that Python's console script is the same program as `acroscope`.
 //!
-//! Exit status: 0 done; 2 the user's input is wrong; 130, 143, 129 after SIGINT, SIGTERM, SIGHUP; 1 anything else.
+//! Exit status: 0 done; 2 the user's input is wrong; 130, 143, 129, 152 after SIGINT, SIGTERM, SIGHUP, SIGXCPU; 1 anything else.
 
 #![forbid(unsafe_code)]
 

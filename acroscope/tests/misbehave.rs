@@ -223,7 +223,16 @@ fn every_end_that_a_unit_brings_about_is_told_and_rows_are_kept() {
             "it ended the program by calling _exit in fmi2DoStep",
             "its process ended by exit with status 0",
         ),
-        (29, "it was ended by a timer (SIGALRM) in fmi2DoStep", "its process was ended by signal 14"),
+        (
+            29,
+            "it was ended by a timer (SIGALRM) in fmi2DoStep",
+            "its process was ended by signal 14 (SIGALRM, a timer)",
+        ),
+        (
+            34,
+            "it met a breakpoint (SIGTRAP) in fmi2DoStep",
+            "its process was ended by signal 5 (SIGTRAP, a breakpoint)",
+        ),
         (24, "it ended the program by calling exit in fmi2DoStep", "its process ended by exit with status 0"),
         (
             21,

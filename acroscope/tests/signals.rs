@@ -62,7 +62,7 @@ fn law_a_signal_that_comes_twice_at_once_is_one_request() {
 
 #[test]
 fn law_a_signal_ends_a_run_with_its_rows_and_report() {
-    for (signal, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+    for (signal, status) in [("INT", 130), ("TERM", 143), ("HUP", 129), ("XCPU", 152)] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let child = start(folder.path(), &["run", "visual-servo", "--stop", "100000", "--out", "o"]);
         wait_until("two simulated seconds", rows_of(&folder));

@@ -1,4 +1,4 @@
-//! Signals that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP.
+//! Signals that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP, and SIGXCPU, by which a batch system says that the time is up.
 //!
 //! A run ends at its next communication point, with its rows and its report. Whatever does not come to an end by itself,
 //! since it is no run, or its unit hangs, or the person asks a second time, ends at once; units that were unpacked and
@@ -84,10 +84,10 @@ pub fn listen() {
 
 #[cfg(unix)]
 fn begin() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXCPU};
     use std::sync::Arc;
     let came = Arc::new(AtomicUsize::new(0));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
+    for signal in [SIGINT, SIGTERM, SIGHUP, SIGXCPU] {
         let registered =
             signal_hook::flag::register_usize(signal, Arc::clone(&came), signal.unsigned_abs() as usize);
         if registered.is_err() {

@@ -134,6 +134,9 @@ impl Library {
                      LD_PRELOAD=…/libpython3.so and PYTHONHOME or PYTHONPATH set to an installation that has its packages)",
                 );
             }
+            if forbids_programs(path) {
+                reason.push_str(" (units are unpacked on a file system that forbids programs, noexec: TMPDIR names another folder)");
+            }
             failed(reason)
         })?;
         // SAFETY: the functions are kept beside the library.
@@ -161,6 +164,24 @@ impl Drop for Library {
     }
 }
 
+/// Whether nothing that lies there may be run, and no library loaded.
+#[cfg(target_os = "linux")]
+fn forbids_programs(path: &Path) -> bool {
+    use std::os::unix::ffi::OsStrExt as _;
+    let Ok(path) = std::ffi::CString::new(path.as_os_str().as_bytes()) else { return false };
+    // SAFETY: a path that ends in zero, and a structure of plain data that the call fills.
+    unsafe {
+        let mut of: libc::statvfs = std::mem::zeroed();
+        libc::statvfs(path.as_ptr(), &mut of) == 0 && of.f_flag & libc::ST_NOEXEC != 0
+    }
+}
+
+/// Others say it by themselves.
+#[cfg(not(target_os = "linux"))]
+fn forbids_programs(_: &Path) -> bool {
+    false
+}
+
 fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if OWN_FIRST.load(Ordering::Relaxed) {
@@ -171,4 +192,25 @@ fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
     }
     // SAFETY: loading runs the library's initialisers; running the unit is what the user asked for.
     unsafe { libloading::Library::new(path) }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::forbids_programs;
+    use std::path::Path;
+
+    #[test]
+    fn law_a_file_system_forbids_programs_where_it_is_mounted_so() {
+        let mounts = std::fs::read_to_string("/proc/mounts").expect("Linux has it");
+        let mut options = mounts.lines().rev().filter_map(|line| {
+            let mut fields = line.split(' ').skip(1);
+            (fields.next()? == "/proc").then(|| fields.nth(1))?
+        });
+        let noexec =
+            options.next().is_some_and(|options| options.split(',').any(|option| option == "noexec"));
+        assert_eq!(forbids_programs(Path::new("/proc")), noexec);
+        let program = std::env::current_exe().expect("a program");
+        assert!(!forbids_programs(&program), "it runs");
+        assert!(!forbids_programs(Path::new("/not/there")));
+    }
 }

@@ -5,18 +5,21 @@ use std::ffi::{c_int, c_void};
 use std::ptr;
 use std::sync::OnceLock;
 
-const SIGNALS: [(c_int, &str); 10] = [
+const SIGNALS: [(c_int, &str); 13] = [
     (libc::SIGSEGV, "crashed with a segmentation fault (SIGSEGV)"),
     (libc::SIGBUS, "crashed with a bus error (SIGBUS)"),
     (libc::SIGILL, "crashed with an illegal instruction (SIGILL)"),
     (libc::SIGFPE, "crashed with an arithmetic fault (SIGFPE)"),
     (libc::SIGABRT, "gave up (SIGABRT)"),
+    (libc::SIGTRAP, "met a breakpoint (SIGTRAP)"),
+    (libc::SIGSYS, "made a call that the system does not allow (SIGSYS)"),
     // Timers and messages that a unit's author meant for a program of his own: unhandled, they end this one.
     (libc::SIGALRM, "was ended by a timer (SIGALRM)"),
     (libc::SIGVTALRM, "was ended by a timer of its processor time (SIGVTALRM)"),
     (libc::SIGPROF, "was ended by a profiling timer (SIGPROF)"),
     (libc::SIGUSR1, "was ended by SIGUSR1"),
     (libc::SIGUSR2, "was ended by SIGUSR2"),
+    (libc::SIGIO, "was ended by a message of a device (SIGIO)"),
 ];
 
 /// What was done about each signal before: Rust's own handler tells overflows of a stack.

@@ -82,6 +82,8 @@ fn name(signal: i32) -> &'static str {
         libc::SIGABRT => " (SIGABRT, it gave up)",
         libc::SIGTERM => " (SIGTERM)",
         libc::SIGKILL => " (SIGKILL)",
+        libc::SIGTRAP => " (SIGTRAP, a breakpoint)",
+        libc::SIGSYS => " (SIGSYS, a call that the system does not allow)",
         libc::SIGALRM => " (SIGALRM, a timer)",
         libc::SIGXFSZ => " (SIGXFSZ, a file longer than it may be)",
         _ => "",

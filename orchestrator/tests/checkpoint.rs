@@ -122,6 +122,50 @@ fn every_algorithm_goes_on_to_the_same_bytes() {
     }
 }
 
+/// Ends the run at this time.
+struct Until(f64);
+
+impl Progress for Until {
+    fn at(&mut self, time: f64, _: f64) -> ControlFlow<()> {
+        if time >= self.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[test]
+fn law_a_run_that_starts_later_has_its_checkpoints_and_tells_all_it_told() {
+    unit_host();
+    let units = Units::new();
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let text = SYSTEM
+        .replace("stop = 2.05", "start = 10, stop = 12.05")
+        .replace("fault_time = 0.1", "fault_time = 10.1")
+        .replace("[[0, 0], [1.5, 1]]", "[[10, 0], [11.5, 1]]");
+    let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let path = units.unit_path();
+    let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+    let whole = folder.path().join("whole.csv");
+    simulation.run(&mut CsvRecorder::create(&whole).expect("made"), &mut Quiet).expect("runs");
+    let expected = simulation.notices().to_vec();
+    assert!(!expected.is_empty());
+
+    let (file, results) = (folder.path().join("checkpoint.bin"), folder.path().join("results.csv"));
+    let checkpoints = Checkpoints { file, every: 0.1 };
+    let mut first = Simulation::new(&scenario, &path).expect("builds");
+    let mut recorder = CsvRecorder::create(&results).expect("made");
+    let ended = first.run_on(None, Some(&checkpoints), &mut recorder, &mut Until(11.0)).expect("runs");
+    assert_ne!(ended, Ended::AtStop);
+    drop(recorder);
+    let checkpoint =
+        Checkpoint::load(&checkpoints.file).expect("whole").expect("there is one after a second");
+    let mut recorder = CsvRecorder::resume(&results, checkpoint.position()).expect("goes on");
+    let mut second = Simulation::new(&scenario, &path).expect("builds");
+    second.run_on(Some(&checkpoint), None, &mut recorder, &mut Quiet).expect("runs");
+    drop(recorder);
+    assert_eq!(second.notices(), expected, "what was told before the checkpoint, and once");
+    let read = |file| std::fs::read_to_string(file).expect("there");
+    assert!(read(results) == read(whole));
+}
+
 #[test]
 fn every_checkpoint_that_does_not_fit_is_refused() {
     let units = Units::new();

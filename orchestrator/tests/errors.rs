@@ -60,6 +60,14 @@ fn every_mistake_in_a_scenario_is_named() {
         (BASE.replacen("0.125", "0", 1), "test.toml:6: interval = 0: greater than zero"),
         (BASE.replacen("0.125", "\"1/9223372036854775807\"", 1), "have no common tick that fits 64 bits"),
         (BASE.replace("\"b\"", "\"a\""), "test.toml:8: a second unit \"a\": the first one is at test.toml:3"),
+        (BASE.replace("\"b\"", "\"\""), "test.toml:8: unit name \"\": a name without dots"),
+        (BASE.replace("\"b\"", "\"b.c\""), "test.toml:8: unit name \"b.c\": a name without dots, stars"),
+        (BASE.replace("\"b\"", "\"b*\""), "test.toml:8: unit name \"b*\": a name without dots, stars"),
+        (
+            BASE.replace("\"b\"", "\"b=\""),
+            "test.toml:8: unit name \"b=\": a name without dots, stars, equal signs",
+        ),
+        (BASE.replace("\"b\"", "\"b c\""), "test.toml:8: unit name \"b c\": a name without dots"),
         (
             BASE.replacen("stateful", "stateless", 1),
             "test.toml:5: fmu = \"stateless.fmu\" was not found: looked in .",

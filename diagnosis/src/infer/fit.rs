@@ -1,7 +1,7 @@
 //! Parameters, path and noises together: Gauss-Newton with Levenberg's damping about a path that moves with it.
 //!
 //! Each round linearises the model about the path, takes the noises by maximum likelihood, solves the reduced normal
-//! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance is
+//! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance at the same noises is
 //! taken back and damped (Bell, SIAM J. Optim. 4 (1994) 626: the iterated Kalman smoother is a Gauss-Newton method).
 
 use super::likelihood::{Sizes, informed, maximise_within, reduced};
@@ -198,18 +198,22 @@ pub fn fit_from(
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
     loop {
         rounds += 1;
-        let mut quiet = true;
-        if let Some(sizes) = sizes {
-            (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
-        }
-        let here = reduced(&runs, &at.noise, &all);
-        let value = here.square + here.log_det;
+        // a step is judged with the noises that it was taken with: those that fit where it has led may hide how far it went
+        let mut here = reduced(&runs, &at.noise, &all);
+        let mut value = here.square + here.log_det;
         let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
+        let mut quiet = true;
         if worse && failures < options.damped {
             failures += 1;
             damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
         } else if !worse {
+            if let Some(sizes) = sizes {
+                (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
+                here = reduced(&runs, &at.noise, &all);
+                value = here.square + here.log_det;
+            }
             best = Some((at.clone(), runs.clone(), value));
+            damping = if damping > 1.0 { damping / 8.0 } else { 0.0 };
         }
         let Some((from, about, _)) = &best else {
             return Err(Error::Model("the model leaves no finite likelihood at its nominal values".into()));

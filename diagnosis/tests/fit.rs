@@ -1,0 +1,97 @@
+//! A fit of a parameter whose effect bends: the heat capacity of a body that is heated on and off, a third of what the model says.
+
+use diagnosis::Error;
+use diagnosis::infer::fit::{At, Linearise, Options, Path, fit};
+use diagnosis::infer::{Linearised, Measured, Noise, Sizes};
+use diagnosis::statistics::random::Random;
+
+const ROWS: usize = 400;
+/// s between rows.
+const ROW: f64 = 2.0;
+/// W/K to the air, and W of the heater.
+const LOSS: f64 = 0.15;
+const HEAT: f64 = 0.6;
+/// K, of the thermometer.
+const SCATTER: f64 = 0.05;
+/// J/K.
+const TRUTH: f64 = 20.0;
+const NOMINAL: f64 = 60.0;
+
+/// C dT/dt = P(t) - h T over one row, exactly.
+fn next(temperature: f64, row: usize, capacity: f64) -> f64 {
+    let power = if row % 100 < 40 { HEAT } else { 0.0 };
+    let stays = libm::exp(-LOSS * ROW / capacity);
+    stays * temperature + (1.0 - stays) * power / LOSS
+}
+
+struct Body {
+    log: Vec<f64>,
+}
+
+impl Body {
+    fn logged() -> Self {
+        let (mut random, mut temperature) = (Random::new(3), 0.0);
+        let mut log = Vec::new();
+        for row in 0..ROWS {
+            log.push(temperature + SCATTER * random.normal());
+            temperature = next(temperature, row, TRUTH);
+        }
+        Self { log }
+    }
+}
+
+impl Linearise for Body {
+    fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
+        let (path, capacity, p) = (&paths[0], theta[0], columns.len());
+        let mut run = Linearised {
+            states: 1,
+            parameters: p,
+            time: (0..ROWS).map(|row| row as f64 * ROW).collect(),
+            first: (0..=ROWS).collect(),
+            torn: vec![false; ROWS - 1],
+            start: (vec![-path[0]], vec![1.0]),
+            observe: vec![1.0; ROWS],
+            direct: vec![0.0; ROWS * p],
+            ..Linearised::default()
+        };
+        for row in 0..ROWS {
+            let (time, residual) = (run.time[row], self.log[row] - path[row]);
+            run.measured.push(Measured { channel: 0, time, residual, slope: 0.0, weight: 1.0 });
+            if row + 1 < ROWS {
+                let here = next(path[row], row, capacity);
+                run.transition.push(next(path[row] + 1.0, row, capacity) - here);
+                run.defect.push(here - path[row + 1]);
+                let step = 1e-5 * capacity;
+                run.drive
+                    .extend(columns.iter().map(|_| (next(path[row], row, capacity + step) - here) / step));
+            }
+        }
+        Ok(vec![run])
+    }
+
+    fn range(&self, _: usize) -> (f64, f64) {
+        (1.0, 1e4)
+    }
+
+    fn scales(&self) -> &[f64] {
+        &[1.0]
+    }
+}
+
+#[test]
+fn recovers_a_parameter_whose_first_step_leaves_its_range() {
+    let body = Body::logged();
+    let noise = Noise { channels: vec![SCATTER], process: vec![0.02], jitter: 0.0, disturbance: None };
+    let sizes = Sizes { channels: vec![None], process: vec![(1e-8, 1.0)], pinned: Vec::new(), jitter: 0.0 };
+    let start = At { theta: vec![NOMINAL], paths: vec![body.log.clone()], noise };
+    let nominal = fit(&body, &start, &[], Some(&sizes), &Options::default()).expect("it can be followed");
+    let found = fit(&body, &nominal.at, &[0], Some(&sizes), &Options::default()).expect("it can be followed");
+    let (capacity, deviation) = (found.at.theta[0], found.deviation(0));
+    // three standard deviations of what 400 rows tell
+    assert!((capacity - TRUTH).abs() < 3.0 * deviation && deviation < 1.0, "{capacity} {deviation}");
+    // and what one number more is worth: the model lacks nothing else
+    let truth = At { theta: vec![TRUTH], ..found.at.clone() };
+    let known = fit(&body, &truth, &[], Some(&sizes), &Options::default()).expect("it can be followed");
+    assert!(found.deviance < known.deviance && known.deviance < found.deviance + 9.0);
+    assert!(found.deviance < nominal.deviance - 100.0);
+}

@@ -59,7 +59,8 @@ def simulate(machine, p, times, commands, start, disturb=None):
         return share * before + (1 - share) * after, 6 * share * (1 - share) * (after - before)
 
     def advance(one, at, size):
-        """The input at begin, middle and end of a substep, and the memory of rate limit and lag at its end."""
+        """The input for the stages at begin, middle and end of a substep, and what it is just before its end; the memory of rate limit
+        and lag goes there."""
         (wanted, slope), name = mean(one, at, size), one.name
         rate, lag = p[f"{name}:rate_limit"], p[f"{name}:lag"]
         if name not in limited:
@@ -68,11 +69,15 @@ def simulate(machine, p, times, commands, start, disturb=None):
         now = limited[name] + np.clip(wanted - limited[name], -step, step)
         middle = np.where(rate > 0, 0.5 * (limited[name] + now), wanted)
         share = np.where(lag > 0, np.exp(-size / np.where(lag > 0, lag, 1)), 0.0)
-        half = np.where(lag > 0, np.exp(-0.5 * size / np.where(lag > 0, lag, 1)), 0.0)
-        acting = middle + (lagged[name] - middle) * half
+        # the mean of the exponential
+        acting = middle + (lagged[name] - middle) * (1.0 - share) * np.where(lag > 0, lag, 0.0) / size
         limited[name], lagged[name] = now, middle + (lagged[name] - middle) * share
         tilt = np.where((rate > 0) | (lag > 0), 0.0, 0.5 * slope)
-        return [p[f"{name}:gain"] * (acting + side * tilt) + p[f"{name}:bias"] for side in (-1.0, 0.0, 1.0)]
+        # `held` takes times for the same that differ by 1e-9 s
+        ends = raw(one, at + size if one.hold == "linear" else at + 0.999 * size)
+        last = np.where(lag > 0, lagged[name], np.where(rate > 0, now, ends))
+        stages = [acting - tilt, acting, acting + tilt, last]
+        return [p[f"{name}:gain"] * value + p[f"{name}:bias"] for value in stages]
 
     now, before = dict(p), None
     for row in range(len(times)):
@@ -83,11 +88,11 @@ def simulate(machine, p, times, commands, start, disturb=None):
             if disturb:
                 now |= {name: np.broadcast_to(value, count) for name, value in disturb(at + size / 2).items()}
             fed = {one.name: advance(one, at, max(size, 1e-12)) for one in machine.inputs}
-            u0, u, u1 = ({name: values[place] for name, values in fed.items()} for place in range(3))
+            u0, u, u1, last = ({name: values[place] for name, values in fed.items()} for place in range(4))
             fine_t.append(at)
             # a sample is taken just before what is commanded at its time acts
             fine_y.append(machine.outputs(x, before or u, now))
-            before = u
+            before = last
             if not gap:
                 break
             k1 = machine.rhs(x, u0, now)

@@ -49,6 +49,39 @@ def test_truth_is_scipys(machine):
             assert off[1:-1].max() < 0.1 * output.noise, (output.name, variant, off.max())
 
 
+@pytest.mark.parametrize(("effect", "size"), [("i:delay", 1.6), ("i:delay", 0.3), ("i:lag", 1.3), ("i:lag", 0.4)])
+def test_an_output_that_follows_an_input_at_once_shows_it_late_by_as_much(effect, size):
+    machine = ALL["cell"]
+    times, commands, start = run_of(machine)
+    ours = simulate(machine, variants(machine, [{effect: size}]), times, commands, start)
+    one, command = machine.nominal(), commands["i"]
+
+    def late(t):
+        """What acts just before t."""
+        if effect == "i:delay":
+            return command[max(0, np.searchsorted(times, t - size - 1e-6) - 1)]
+        value = command[0]
+        for row in range(1, np.searchsorted(times, t - 1e-6)):
+            until = min(t, times[row + 1]) if row + 1 < len(times) else t
+            value = command[row] + (value - command[row]) * np.exp(-(until - times[row]) / size)
+        return value
+
+    x, shown = np.array(start, float), []
+    for row, at in enumerate(times):
+        shown.append(machine.outputs(x, {"i": late(at)}, one)[0])
+        if row + 1 < len(times):
+            # a jump lies within a row
+            for ends in ((at, at + size % machine.row), (at + size % machine.row, times[row + 1])):
+                inside = 0.5 * (ends[0] + ends[1])
+
+                def slope(t, x, inside=inside):
+                    return machine.rhs(x, {"i": late(inside if effect == "i:delay" else t + 1e-5)}, one)
+
+                x = solve_ivp(slope, ends, x, rtol=1e-8, atol=1e-11).y[:, -1]
+    # a tenth of the sensor's noise, 1 mV
+    assert np.abs(ours["v_cell"][:, 0] - np.array(shown)).max() < 1e-4
+
+
 def together(machine, folder):
     """Several units in FMPy, which hands on what each gave last."""
     times, commands, start = run_of(machine)

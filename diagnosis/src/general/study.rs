@@ -211,7 +211,7 @@ pub fn studied(
             let mut start = nominal.at.clone();
             start.theta.clone_from(&before.fit.at.theta);
             let fitted = search.visit(&before.effects, &start)?;
-            (before.effects.clone(), fitted)
+            search.pruned(before.effects.clone(), fitted, "all rows together need")?
         }
         None => (Vec::new(), nominal.clone()),
     };
@@ -235,16 +235,23 @@ pub fn studied(
         let mut start = here.at.clone();
         start.noise = unlisted;
         let again = search.visit(&effects, &start)?;
-        (effects, here) = search.pruned(effects, again)?;
+        (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
         let fresh = search.fresh(here)?;
         (effects, here) = search.walk(effects, fresh, watch)?;
         here = search.fresh(here)?;
         (effects, here) = search.agreed(effects, here)?;
         rest = rest::judged(&built.engine, &here, &beside, &search.policy);
     }
-    let classes = if classes { search.alternatives(&effects, &here, watch)? } else { Vec::new() };
+    let mut alternatives = Vec::new();
+    if classes {
+        let found = effects.clone();
+        (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
+        if effects != found {
+            rest = rest::judged(&built.engine, &here, search.sizes, &search.policy);
+        }
+    }
     let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
-    Ok(Studied { built, effects, fit: here, nominal, rest, story, classes, policy, last })
+    Ok(Studied { built, effects, fit: here, nominal, rest, story, classes: alternatives, policy, last })
 }
 
 /// Fits the parameters that were asked for, and judges what is left.
@@ -260,13 +267,7 @@ fn given(
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
     let rest = rest::judged(&built.engine, &here, sizes, &policy);
-    let alone = |parameter: &usize| {
-        vec![crate::search::class::Alternative {
-            parameter: *parameter,
-            loss: 0.0,
-            value: here.at.theta[*parameter],
-        }]
-    };
+    let alone = |parameter: &usize| vec![crate::search::class::Alternative::of(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
     let told = if rest.unlisted.is_some() {
         "they don't explain the data: process noise stays above its floor"

@@ -36,15 +36,13 @@ pub fn effects(problem: &Problem, studied: &Studied) -> Vec<Effect> {
                 probability: weight(one.loss) / all,
             })
             .collect();
-        let best = class.first().map_or(*own, |one| one.parameter);
-        let value = class.first().map_or(studied.fit.at.theta[*own], |one| one.value);
-        let parameter = &parameters[best];
-        let sd = if best == *own { studied.fit.robust_deviation(best) } else { f64::INFINITY };
+        let parameter = &parameters[*own];
+        let value = studied.fit.at.theta[*own];
         let (least, most) = parameter.range;
-        let interval = if sd.is_finite() {
-            [(value - WITHIN * sd).max(least), (value + WITHIN * sd).min(most)]
-        } else {
-            [value, value]
+        let interval = match (parameter.scale, studied.fit.robust_deviation(*own)) {
+            (Scale::Switch | Scale::Count, _) => [value, value],
+            (_, sd) if sd.is_finite() => [(value - WITHIN * sd).max(least), (value + WITHIN * sd).min(most)],
+            _ => [least, most],
         };
         list.push(Effect {
             name: parameter.name.clone(),

@@ -15,29 +15,48 @@ pub struct Alternative {
     pub loss: f64,
     /// Its value there.
     pub value: f64,
+    /// Standard deviation of the value there.
+    pub deviation: f64,
+}
+
+/// An effect's class, the best of it first.
+type Class = Vec<Alternative>;
+
+impl Alternative {
+    /// An effect as it was fitted, nothing lost.
+    pub fn of(parameter: usize, fit: &Fit) -> Self {
+        let deviation = fit.robust_deviation(parameter);
+        Self { parameter, loss: 0.0, value: fit.at.theta[parameter], deviation }
+    }
 }
 
 impl Search<'_> {
-    /// All alternatives to each effect, the effect itself first unless another fits better by chance.
+    /// All alternatives to each effect. Where another fits better in its place it takes that place: what is named is what is fitted.
     ///
     /// # Errors
     /// A unit failed.
     pub fn alternatives(
         &mut self,
-        effects: &[usize],
-        here: &Fit,
+        mut effects: Vec<usize>,
+        mut here: Fit,
         watch: &mut Watch<'_>,
-    ) -> Result<Vec<Vec<Alternative>>, Error> {
+    ) -> Result<(Vec<usize>, Fit, Vec<Class>), Error> {
         let mut all = Vec::new();
-        for (place, own) in effects.iter().enumerate() {
+        for place in 0..effects.len() {
             // without time an effect stands for itself
-            all.push(if watch.is_over("what else could stand in an effect's place") {
-                vec![Alternative { parameter: *own, loss: 0.0, value: here.at.theta[*own] }]
+            let class = if watch.is_over("what else could stand in an effect's place") {
+                vec![Alternative::of(effects[place], &here)]
             } else {
-                self.alternatives_to(effects, here, place)?
-            });
+                self.alternatives_to(&effects, &here, place)?
+            };
+            if class[0].parameter != effects[place] {
+                effects[place] = class[0].parameter;
+                let fitted = self.visit(&effects, &here.at)?;
+                here = self.fresh(fitted)?;
+            }
+            all.push(class);
         }
-        Ok(all)
+        Ok((effects, here, all))
     }
 
     fn alternatives_to(
@@ -46,11 +65,8 @@ impl Search<'_> {
         here: &Fit,
         place: usize,
     ) -> Result<Vec<Alternative>, Error> {
-        let mut without = effects.to_vec();
-        let own = without.remove(place);
-        let mut start = here.at.clone();
-        start.theta[own] = self.engine.machine.parameters[own].neutral;
-        let less = self.visit(&without, &start)?;
+        let own = effects[place];
+        let (without, less) = self.without(effects, here, place)?;
         let screen = linearised(self.engine, &less, &self.others(&without))?;
         let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
         let gained = less.deviance - here.deviance;
@@ -59,11 +75,11 @@ impl Search<'_> {
             screened.chord.parameter != own && screened.gain > 0.7 * gained - 3.0 * self.policy.class
         });
         let tried: Vec<Screened> = worth.take(2 * self.policy.fitted).copied().collect();
-        let mut list = vec![Alternative { parameter: own, loss: here.deviance, value: here.at.theta[own] }];
+        let mut list = vec![Alternative { loss: here.deviance, ..Alternative::of(own, here) }];
         for screened in tried {
             if let Some((_, fit)) = self.best(&without, &less, &screen, &[screened]) {
-                let parameter = screened.chord.parameter;
-                list.push(Alternative { parameter, loss: fit.deviance, value: fit.at.theta[parameter] });
+                let other = Alternative::of(screened.chord.parameter, &fit);
+                list.push(Alternative { loss: fit.deviance, ..other });
             }
         }
         let least = list.iter().map(|one| one.loss).fold(f64::INFINITY, f64::min);

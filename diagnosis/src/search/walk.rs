@@ -68,6 +68,36 @@ impl Search<'_> {
         Ok(fitted)
     }
 
+    /// The model without one of its effects, and its fit. A fit from elsewhere may have ended at a worse place: where it says that the
+    /// effect is needed, and the effect is hardly off neutral by its own deviation, it is fitted from here, too.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub(super) fn without(
+        &mut self,
+        effects: &[usize],
+        here: &Fit,
+        place: usize,
+    ) -> Result<(Vec<usize>, Fit), Error> {
+        let mut left = effects.to_vec();
+        let gone = left.remove(place);
+        let mut start = here.at.clone();
+        start.theta[gone] = self.engine.machine.parameters[gone].neutral;
+        let less = self.visit(&left, &start)?;
+        let off = (here.at.theta[gone] - start.theta[gone]) / here.deviation(gone);
+        let doubtful = off * off < self.policy.gain && less.deviance - here.deviance >= self.policy.gain;
+        if !doubtful || !self.is_fitted(gone) {
+            return Ok((left, less));
+        }
+        let mut key = left.clone();
+        key.sort_unstable();
+        self.visited.remove(&key);
+        let again = self.visit(&left, &start)?;
+        let better = if again.deviance < less.deviance { again } else { less };
+        self.visited.insert(key, better.clone());
+        Ok((left, better))
+    }
+
     /// A fit with its linearised runs, made anew if they were put away.
     ///
     /// # Errors
@@ -79,19 +109,20 @@ impl Search<'_> {
         Ok(fit)
     }
 
-    /// Drops effects, the weakest first, until each gains enough beside the others.
+    /// Drops effects, the weakest first, until each gains enough beside the others; `than` is what explains as much as one that is dropped.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn pruned(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+    pub fn pruned(
+        &mut self,
+        mut effects: Vec<usize>,
+        mut here: Fit,
+        than: &str,
+    ) -> Result<(Vec<usize>, Fit), Error> {
         while !effects.is_empty() {
             let mut weakest: Option<(usize, Fit)> = None;
             for place in 0..effects.len() {
-                let mut without = effects.clone();
-                let gone = without.remove(place);
-                let mut start = here.at.clone();
-                start.theta[gone] = self.engine.machine.parameters[gone].neutral;
-                let less = self.visit(&without, &start)?;
+                let (_, less) = self.without(&effects, &here, place)?;
                 if weakest.as_ref().is_none_or(|(_, known)| less.deviance < known.deviance) {
                     weakest = Some((place, less));
                 }
@@ -102,7 +133,7 @@ impl Search<'_> {
                 break;
             };
             let gone = effects.remove(place);
-            self.story.push(format!("{} explains nothing that the unlisted input doesn't", self.name(gone)));
+            self.story.push(format!("{} explains nothing that {than}", self.name(gone)));
             here = less;
         }
         Ok((effects, here))
@@ -223,11 +254,8 @@ impl Search<'_> {
     fn settled(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
         let mut place = 0;
         while place < effects.len() && effects.len() > 1 {
-            let mut without = effects.clone();
-            let gone = without.remove(place);
-            let mut start = here.at.clone();
-            start.theta[gone] = self.engine.machine.parameters[gone].neutral;
-            let less = self.visit(&without, &start)?;
+            let gone = effects[place];
+            let (without, less) = self.without(&effects, &here, place)?;
             if less.deviance - here.deviance < self.policy.gain {
                 self.story.push(format!("{} is no longer needed beside the others", self.name(gone)));
                 (effects, here, place) = (without, less, 0);

@@ -2,7 +2,7 @@
 //! Nothing is unpacked.
 
 use crate::error::Error;
-use std::io::{BufReader, Read as _};
+use std::io::{BufReader, Read as _, Seek, SeekFrom};
 use std::path::Path;
 
 /// A file of the archive.
@@ -11,6 +11,7 @@ pub(crate) struct Entry {
     /// As it is written there.
     pub(crate) name: String,
     pub(crate) is_folder: bool,
+    pub(crate) is_link: bool,
     /// Its content can't be read: why.
     pub(crate) unreadable: Option<String>,
 }
@@ -32,6 +33,8 @@ pub(crate) struct Binary {
 #[derive(Debug)]
 pub(crate) struct Archive {
     pub(crate) entries: Vec<Entry>,
+    /// How many entries have the very name of another one: readers see one of them only.
+    pub(crate) twins: usize,
     pub(crate) binaries: Vec<Binary>,
     /// The description; an error is why there is none.
     pub(crate) description: Result<String, String>,
@@ -47,12 +50,15 @@ impl Archive {
     pub(crate) fn read(path: &Path) -> Result<Result<Self, String>, Error> {
         let file =
             orchestrator::plain::open(path).map_err(|source| Error::File { path: path.into(), source })?;
-        let mut zip = match zip::ZipArchive::new(BufReader::new(file)) {
+        let mut file = BufReader::new(file);
+        let listed = listed(&mut file).map_err(|source| Error::File { path: path.into(), source })?;
+        let mut zip = match zip::ZipArchive::new(file) {
             Ok(zip) => zip,
             Err(error) => return Ok(Err(error.to_string())),
         };
         let mut archive = Self {
             entries: Vec::new(),
+            twins: listed.map_or(0, |listed| listed.saturating_sub(zip.len())),
             binaries: Vec::new(),
             description: Err(format!("it holds no {DESCRIPTION} at its root")),
         };
@@ -67,7 +73,12 @@ impl Archive {
             Ok(entry) => entry,
             Err(error) => {
                 let unreadable = Some(error.to_string());
-                return self.entries.push(Entry { name: String::new(), is_folder: false, unreadable });
+                return self.entries.push(Entry {
+                    name: String::new(),
+                    is_folder: false,
+                    is_link: false,
+                    unreadable,
+                });
             }
         };
         let (name, mut unreadable) = match entry.name() {
@@ -85,9 +96,27 @@ impl Archive {
         } else if let Err(error) = entry.read(&mut [0]) {
             unreadable = Some(error.to_string());
         }
-        self.entries.push(Entry { name, is_folder: entry.is_dir(), unreadable });
+        let (is_folder, is_link) = (entry.is_dir(), entry.is_symlink());
+        self.entries.push(Entry { name, is_folder, is_link, unreadable });
     }
 }
+
+/// How many entries the archive's own record of its end lists (APPNOTE.TXT 4.3.16): the library keeps one of each name. None where
+/// there is no such record, or more than it can count.
+fn listed(file: &mut (impl std::io::Read + Seek)) -> std::io::Result<Option<usize>> {
+    let length = file.seek(SeekFrom::End(0))?;
+    file.seek(SeekFrom::Start(length.saturating_sub(END + LONGEST_COMMENT)))?;
+    let mut end = Vec::new();
+    file.by_ref().take(END + LONGEST_COMMENT).read_to_end(&mut end)?;
+    file.seek(SeekFrom::Start(0))?;
+    let record = end.windows(END as usize).rev().find(|bytes| bytes.starts_with(b"PK\x05\x06"));
+    let count = record.map(|record| u16::from_le_bytes([record[10], record[11]]));
+    Ok(count.filter(|count| *count < u16::MAX).map(usize::from))
+}
+
+/// Bytes of the record of the end without its comment, and at most of the comment.
+const END: u64 = 22;
+const LONGEST_COMMENT: u64 = 0xFFFF;
 
 fn content<R: std::io::Read>(entry: &mut zip::read::ZipFile<'_, R>) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();

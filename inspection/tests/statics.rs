@@ -237,6 +237,32 @@ fn every_planted_fault_of_an_archive_is_found() {
 }
 
 #[test]
+fn every_entry_of_the_same_name_and_every_link_is_found() {
+    let units = Units::new();
+    let path = units.pack_files("twins.fmu", DESCRIPTION, &[("resources/a1", b""), ("resources/a2", b"")]);
+    let mut bytes = std::fs::read(&path).expect("it was made");
+    // no writer makes them, so the second name is written over: before its content, and in the list at the end
+    while let Some(at) = bytes.windows(12).position(|name| name == b"resources/a2") {
+        bytes[at + 11] = b'1';
+    }
+    std::fs::write(&path, bytes).expect("writable");
+    let said =
+        |path| check(path).into_iter().filter(|found| found.rule == "archive-paths").collect::<Vec<_>>();
+    let found = said(&path);
+    assert!(found.len() == 1 && found[0].text.starts_with("1 of its entries"), "{found:#?}");
+    let file = std::fs::File::create(&path).expect("writable");
+    let mut zip = zip::ZipWriter::new(file);
+    zip.add_symlink("resources/passwd", "/etc/passwd", zip::write::SimpleFileOptions::default())
+        .expect("it can be packed");
+    zip.finish().expect("it can be packed");
+    let found = said(&path);
+    assert!(
+        found.len() == 1 && found[0].text.contains("\"resources/passwd\" is a symbolic link"),
+        "{found:#?}"
+    );
+}
+
+#[test]
 fn law_what_is_no_archive_is_a_finding_and_what_is_not_there_an_error() {
     let units = Units::new();
     let path = units.path().join("text.fmu");

@@ -49,6 +49,10 @@ pub(super) fn layout(file: &File<'_>, found: &mut Found) {
 
 pub(super) fn paths(file: &File<'_>, found: &mut Found) {
     let mut seen = BTreeSet::new();
+    if file.archive.twins > 0 {
+        let twins = file.archive.twins;
+        found.error(format!("{twins} of its entries have the very name of another one: which of them counts depends on the reader"));
+    }
     for entry in &file.archive.entries {
         let name = &entry.name;
         let drive = name.as_bytes().get(1) == Some(&b':');
@@ -56,6 +60,9 @@ pub(super) fn paths(file: &File<'_>, found: &mut Found) {
             found.error(format!("{name:?} has a backslash: folders are parted by /"));
         } else if name.starts_with('/') || drive || name.split('/').any(|part| part == "..") {
             found.error(format!("{name:?} leads out of the archive"));
+        }
+        if entry.is_link {
+            found.error(format!("{name:?} is a symbolic link: pack the file that it leads to"));
         }
         if !name.is_empty() && !seen.insert(name.to_lowercase()) {
             found.error(format!(

@@ -82,3 +82,15 @@ def test_how_rows_were_read_is_told_by_runs_in_which_the_input_jumps(tmp_path):
     (folder / "dataset.toml").write_text("[[run]]".join([top, *tables[:2]]))
     found = diagnosed(folder)
     assert found["verdict"] == "none", [found["effects"], found["unknown"]]
+
+
+def test_a_command_that_no_unit_stands_is_told_by_its_name(tmp_path):
+    folder = made("motor", "none", 51, tmp_path)
+    path = folder / "run-01.csv"
+    with path.open(newline="") as file:
+        head, *rows = csv.reader(file)
+    rows[50][head.index("u_cmd")] = "1e300"
+    path.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
+    command = [PROGRAM, "--quiet", "diagnose", folder, "--out", folder / "found"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
+    assert done.returncode == 1 and "fed motor.u = " in done.stderr, done.stderr

@@ -50,6 +50,13 @@ pub fn typed(kind: Kind, value: f64) -> Value {
     }
 }
 
+/// What was fed, in words.
+fn told(machine: &Machine, fed: &[f64]) -> String {
+    let each = machine.inputs.iter().zip(fed).map(|(input, value)| format!("{} = {value:?}", input.name));
+    let each: Vec<String> = each.collect();
+    if each.is_empty() { String::new() } else { format!(", fed {}", each.join(", ")) }
+}
+
 impl Worker {
     /// Fresh instances.
     ///
@@ -79,7 +86,7 @@ impl Worker {
             for place in begin..end {
                 let piece = job.pieces[place];
                 self.feed(machine, &job.fed[place * width..(place + 1) * width])?;
-                self.step(machine, time, piece.span)?;
+                self.step(machine, time, piece.span, &job.fed[place * width..(place + 1) * width])?;
                 time += piece.span;
                 let here = if interval == 0 { piece.reads } else { 0 };
                 for channel in reads.by_ref().take(here) {
@@ -97,8 +104,10 @@ impl Worker {
             }
         }
         out.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(|| {
-            let from = job.time;
-            Error::Model(format!("a unit gives a value that is not finite in the interval from {from} s"))
+            let (from, fed) = (job.time, told(machine, job.at_row));
+            Error::Model(format!(
+                "a unit gives a value that is not finite in the interval from {from} s{fed}"
+            ))
         })
     }
 
@@ -191,7 +200,7 @@ impl Worker {
     }
 
     /// One step of all units, each with what those before it gave at its end.
-    fn step(&mut self, machine: &Machine, from: f64, span: f64) -> Result<(), Error> {
+    fn step(&mut self, machine: &Machine, from: f64, span: f64, fed: &[f64]) -> Result<(), Error> {
         for unit in 0..self.instances.len() {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(unit))?;
@@ -201,7 +210,8 @@ impl Worker {
                 status => {
                     let error = self.instances[unit].step_error(status, from);
                     let name = machine.units[unit].fmu.path().display();
-                    return Err(Error::Model(format!("{name}, a step of {span} s: {error}")));
+                    let fed = told(machine, fed);
+                    return Err(Error::Model(format!("{name}, a step of {span} s: {error}{fed}")));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Parameters, path and noises together: Gauss-Newton with Levenberg's damping about a path that moves with it.
 //!
 //! Each round linearises the model about the path, takes the noises by maximum likelihood, solves the reduced normal
-//! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance at the same noises is
+//! equations for δθ within the ranges, and moves the path to the smoothed one. A round that raises the deviance is
 //! taken back and damped (Bell, SIAM J. Optim. 4 (1994) 626: the iterated Kalman smoother is a Gauss-Newton method).
 
 use super::likelihood::{Sizes, informed, maximise_within, reduced};
@@ -186,10 +186,37 @@ pub fn fit(
 pub fn fit_from(
     model: &dyn Linearise,
     start: &At,
+    runs: Vec<Linearised>,
+    free: &[usize],
+    sizes: Option<&Sizes>,
+    options: &Options,
+) -> Result<Fit, Error> {
+    let begun = deviance(&runs, &start.noise);
+    let again = (!free.is_empty()).then(|| runs.clone());
+    let found = followed(model, start, runs, free, sizes, options, Judge::Noises)?;
+    // noises that are best where a step would lead may be bad ones where it begins, and any place better with them
+    let Some(runs) = again.filter(|_| found.deviance > begun + 1.0) else { return Ok(found) };
+    let other = followed(model, start, runs, free, sizes, options, Judge::Place)?;
+    Ok(if other.deviance < found.deviance { other } else { found })
+}
+
+/// By what a round is held against the best one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Judge {
+    /// The deviance with the noises that are best where the step from there would lead.
+    Noises,
+    /// The lower of that and the deviance with the noises of the step that led there: it takes back a step that goes too far.
+    Place,
+}
+
+fn followed(
+    model: &dyn Linearise,
+    start: &At,
     mut runs: Vec<Linearised>,
     free: &[usize],
     sizes: Option<&Sizes>,
     options: &Options,
+    judge: Judge,
 ) -> Result<Fit, Error> {
     let all: Vec<usize> = (0..free.len()).collect();
     let ranges: Vec<(f64, f64)> = free.iter().map(|parameter| model.range(*parameter)).collect();
@@ -198,22 +225,19 @@ pub fn fit_from(
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
     loop {
         rounds += 1;
-        // a step is judged with the noises that it was taken with: those that fit where it has led may hide how far it went
-        let mut here = reduced(&runs, &at.noise, &all);
-        let mut value = here.square + here.log_det;
-        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
         let mut quiet = true;
+        let before = if judge == Judge::Place { deviance(&runs, &at.noise) } else { f64::INFINITY };
+        if let Some(sizes) = sizes {
+            (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
+        }
+        let here = reduced(&runs, &at.noise, &all);
+        let value = before.min(here.square + here.log_det);
+        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
         if worse && failures < options.damped {
             failures += 1;
             damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
         } else if !worse {
-            if let Some(sizes) = sizes {
-                (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
-                here = reduced(&runs, &at.noise, &all);
-                value = here.square + here.log_det;
-            }
             best = Some((at.clone(), runs.clone(), value));
-            damping = if damping > 1.0 { damping / 8.0 } else { 0.0 };
         }
         let Some((from, about, _)) = &best else {
             return Err(Error::Model("the model leaves no finite likelihood at its nominal values".into()));
@@ -252,6 +276,11 @@ pub fn fit_from(
             }
         }
     }
+}
+
+fn deviance(runs: &[Linearised], noise: &Noise) -> f64 {
+    let here = reduced(runs, noise, &[]);
+    here.square + here.log_det
 }
 
 fn at_best(best: Option<(At, Vec<Linearised>, f64)>) -> At {

@@ -94,3 +94,13 @@ def test_a_command_that_no_unit_stands_is_told_by_its_name(tmp_path):
     command = [PROGRAM, "--quiet", "diagnose", folder, "--out", folder / "found"]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
     assert done.returncode == 1 and "fed motor.u = " in done.stderr, done.stderr
+
+
+def test_a_parameter_of_half_its_value_is_named_though_the_first_step_leaves_its_range(tmp_path):
+    """A cell of half the heat capacity: a step along the derivative leads below zero, and with the noises that would fit there any place
+    was better than the nominal one, so that the fit ended at the end of the range and the verdict was unknown."""
+    found = diagnosed(made("cell", "C_th", 4423, tmp_path))
+    assert [effect["name"] for effect in found["effects"]] == ["cell.C_th"], found["verdict"]
+    # three of its standard deviations, a half interval being two
+    low, high = found["effects"][0]["ci95"]
+    assert abs(found["effects"][0]["value"] - 30.0) < 0.75 * (high - low), found["effects"]

@@ -341,10 +341,10 @@ fn listed(what: &str, items: &[String]) -> String {
     if items.is_empty() { String::new() } else { format!("\n  {what}: {}", items.join(", ")) }
 }
 
-/// The last lines of a log, each on its own line.
 /// Lines of a log that are told with an error.
 const SHOWN: usize = 5;
 
+/// The last lines of a log, each on its own line.
 fn tail(log: &[LogLine]) -> String {
     let newest = &log[log.len().saturating_sub(SHOWN)..];
     newest.iter().map(|line| format!("\n  {line}")).collect()

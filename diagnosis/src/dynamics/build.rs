@@ -384,6 +384,10 @@ impl Linearise for Engine {
         self.machine.parameters[parameter].range
     }
 
+    fn is_relative(&self, parameter: usize) -> bool {
+        self.machine.parameters[parameter].scale == Scale::Relative
+    }
+
     fn scales(&self) -> &[f64] {
         &self.scales
     }

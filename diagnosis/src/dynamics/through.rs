@@ -79,6 +79,8 @@ impl Engine {
                 let shown = |out: &[f64]| DVector::from_vec(self.shown(out, reads));
                 let told = along.reader(row, &about) * (shown(&out) - shown(&about.base));
                 let wrong = told.iter().zip(&moves).map(|(told, moved)| (told / moved - 1.0).abs());
+                // what is no number is misread
+                let wrong = wrong.map(|wrong| if wrong.is_nan() { f64::INFINITY } else { wrong });
                 largest = wrong.fold(largest, f64::max);
             }
             Ok(largest)

@@ -9,7 +9,7 @@ use super::linearised::Linearised;
 use super::noise::Noise;
 use super::smooth::smooth;
 use crate::error::Error;
-use crate::statistics::levels::{FEW, FINE, SLIGHT};
+use crate::statistics::levels::{FEW, FINE, HALF, SLIGHT};
 use crate::statistics::linear::{Reduced, inverse, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -27,6 +27,12 @@ pub trait Linearise: Sync {
 
     /// Smallest and largest value of a parameter.
     fn range(&self, parameter: usize) -> (f64, f64);
+
+    /// Whether a parameter is known by how many times it is larger than what it was: it works by its inverse as well as by itself, and
+    /// in one round it goes no farther than to half or twice of where it is.
+    fn is_relative(&self, _parameter: usize) -> bool {
+        false
+    }
 
     /// A size of each state that matters: a path that moves less has settled.
     fn scales(&self) -> &[f64];
@@ -140,6 +146,16 @@ pub fn step(
     }
 }
 
+/// Where a parameter may go in one round.
+fn within_reach(model: &dyn Linearise, parameter: usize, at: f64) -> (f64, f64) {
+    let (least, most) = model.range(parameter);
+    if !model.is_relative(parameter) || at == 0.0 {
+        return (least, most);
+    }
+    let (one, other) = (HALF * at, at / HALF);
+    (least.max(one.min(other)), most.min(one.max(other)))
+}
+
 /// What a step gains, by the linear model.
 pub fn promised(reduced: &Reduced, shift: &[f64]) -> f64 {
     let shift = DVector::from_column_slice(shift);
@@ -186,52 +202,23 @@ pub fn fit(
 pub fn fit_from(
     model: &dyn Linearise,
     start: &At,
-    runs: Vec<Linearised>,
-    free: &[usize],
-    sizes: Option<&Sizes>,
-    options: &Options,
-) -> Result<Fit, Error> {
-    let begun = deviance(&runs, &start.noise);
-    let again = (!free.is_empty()).then(|| runs.clone());
-    let found = followed(model, start, runs, free, sizes, options, Judge::Noises)?;
-    // noises that are best where a step would lead may be bad ones where it begins, and any place better with them
-    let Some(runs) = again.filter(|_| found.deviance > begun + 1.0) else { return Ok(found) };
-    let other = followed(model, start, runs, free, sizes, options, Judge::Place)?;
-    Ok(if other.deviance < found.deviance { other } else { found })
-}
-
-/// By what a round is held against the best one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Judge {
-    /// The deviance with the noises that are best where the step from there would lead.
-    Noises,
-    /// The lower of that and the deviance with the noises of the step that led there: it takes back a step that goes too far.
-    Place,
-}
-
-fn followed(
-    model: &dyn Linearise,
-    start: &At,
     mut runs: Vec<Linearised>,
     free: &[usize],
     sizes: Option<&Sizes>,
     options: &Options,
-    judge: Judge,
 ) -> Result<Fit, Error> {
     let all: Vec<usize> = (0..free.len()).collect();
-    let ranges: Vec<(f64, f64)> = free.iter().map(|parameter| model.range(*parameter)).collect();
     let mut at = start.clone();
     let mut best: Option<(At, Vec<Linearised>, f64)> = None;
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
     loop {
         rounds += 1;
         let mut quiet = true;
-        let before = if judge == Judge::Place { deviance(&runs, &at.noise) } else { f64::INFINITY };
         if let Some(sizes) = sizes {
             (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
         }
         let here = reduced(&runs, &at.noise, &all);
-        let value = before.min(here.square + here.log_det);
+        let value = here.square + here.log_det;
         let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
         if worse && failures < options.damped {
             failures += 1;
@@ -247,6 +234,7 @@ fn followed(
             return Ok(ended(from.clone(), about.clone(), free, rounds));
         }
         let here = if worse { reduced(about, &from.noise, &all) } else { here };
+        let ranges: Vec<_> = free.iter().map(|one| within_reach(model, *one, from.theta[*one])).collect();
         let shift = step(&here, &from.theta, free, &ranges, damping);
         let gain = promised(&here, &shift);
         let (about, mut to) = (about.clone(), from.clone());
@@ -276,11 +264,6 @@ fn followed(
             }
         }
     }
-}
-
-fn deviance(runs: &[Linearised], noise: &Noise) -> f64 {
-    let here = reduced(runs, noise, &[]);
-    here.square + here.log_det
 }
 
 fn at_best(best: Option<(At, Vec<Linearised>, f64)>) -> At {

@@ -7,10 +7,12 @@ cd "$(dirname "$0")/.."
 crates=(fmi2-export acroscope-orchestrator)
 since=${1:-$(git describe --tags --abbrev=0 --match 'v*' 2>/dev/null || true)}
 if [ -z "$since" ]; then
-    echo "no release yet, so nothing is promised; type $0 COMMIT to compare with a commit"
-    exit 0
+    since=HEAD
+    echo "no release yet, so nothing is promised: this tree is compared with its last commit, to try the tool; type $0 COMMIT for another"
 fi
 command -v cargo-semver-checks >/dev/null || { echo "error: type cargo install cargo-semver-checks --locked"; exit 1; }
+broken=()
 for crate in "${crates[@]}"; do
-    cargo semver-checks --package "$crate" --baseline-rev "$since" --target-dir target/semver
+    CARGO_TARGET_DIR=target/semver cargo semver-checks --package "$crate" --baseline-rev "$since" || broken+=("$crate")
 done
+[ ${#broken[@]} = 0 ] || { echo "error: the version of ${broken[*]} promises more than is kept since $since"; exit 1; }

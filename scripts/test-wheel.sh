@@ -26,9 +26,13 @@ bare/bin/python tests/readme.py clone.md 1
 echo "== What the libraries for Linux ask of GLIBC =="
 python3 -m zipfile -e "$wheel" unpacked
 for fmu in unpacked/acroscope/data/fmus/*.fmu; do python3 -m zipfile -e "$fmu" "unpacked/$(basename "$fmu" .fmu)"; done
-newest=$(find unpacked -path '*aarch64*' -prune -o -name '*.so' -exec objdump -T {} + | grep --only-matching 'GLIBC_[0-9.]*' | sort -uV | tail -1)
+find unpacked -path '*aarch64*' -prune -o -name '*.so' -exec objdump -T {} + >symbols
+newest=$(grep --only-matching 'GLIBC_[0-9.]*' symbols | sort -uV | tail -1)
 echo "$newest"
 [ "$(printf 'GLIBC_2.17\n%s\n' "$newest" | sort -V | tail -1)" = GLIBC_2.17 ] || { echo "error: newer than 2.17"; exit 1; }
+# Of no version at all is what GLIBC 2.17 hasn't: a linker lets it pass in a shared library. Weak ones may be missing.
+later=$(awk '/\*UND\*/ && $2 != "w" && !/(GLIBC|GCC)_/ && $NF !~ /^_?Py/ { print $NF }' symbols | sort -u)
+[ -z "$later" ] || { echo "error: GLIBC 2.17 lacks $later"; exit 1; }
 
 echo "== With notebook packages: README's Python blocks, and python/tests =="
 python3 -m venv full

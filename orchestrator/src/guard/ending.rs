@@ -158,12 +158,12 @@ fn say(parts: &[&str]) {
 
 fn leave(status: c_int) -> ! {
     loop {
-        // SAFETY: ends the process, without the exported `_exit`.
+        // SAFETY: ends the process, without the `_exit` that programs for Linux export.
         unsafe {
             #[cfg(any(target_os = "linux", target_os = "android"))]
             libc::syscall(libc::SYS_exit_group, status);
             #[cfg(not(any(target_os = "linux", target_os = "android")))]
-            libc::_Exit(status);
+            libc::_exit(status);
         }
     }
 }

@@ -6,7 +6,8 @@
 use std::ffi::{CString, c_int};
 use std::fs::File;
 use std::io::{self, Seek as _};
-use std::os::fd::{AsRawFd as _, IntoRawFd as _};
+use std::mem::ManuallyDrop;
+use std::os::fd::{AsRawFd as _, FromRawFd as _, IntoRawFd as _};
 use std::os::unix::ffi::OsStrExt as _;
 use std::path::{Path, PathBuf};
 
@@ -58,12 +59,9 @@ impl Lasting {
 
     /// Waits until it is on the disk.
     pub(super) fn sync(&self) -> io::Result<()> {
-        // SAFETY: takes a number.
-        if unsafe { libc::fdatasync(self.descriptor) } == 0 {
-            Ok(())
-        } else {
-            Err(io::Error::last_os_error())
-        }
+        // SAFETY: a number; if a unit has closed it, this is an error. It is not closed here.
+        let file = ManuallyDrop::new(unsafe { File::from_raw_fd(self.descriptor) });
+        file.sync_data()
     }
 
     /// Writes at its end, in a process that is about to end: calls only what a signal handler may. What can't be written is lost.

@@ -106,6 +106,13 @@ impl Bounds {
             let ((major, minor), (old_major, old_minor)) = (library.glibc, self.glibc);
             return Err(format!("needs GLIBC_{major}.{minor}; at most {old_major}.{old_minor} is allowed"));
         }
+        if !library.unknown.is_empty() {
+            return Err(format!(
+                "needs {}, which the oldest machines of {} lack",
+                library.unknown.join(", "),
+                self.platform
+            ));
+        }
         match library.macos {
             Some((major, minor)) if (major, minor) > self.macos => Err(format!(
                 "needs macOS {major}.{minor}; at most {}.{} is allowed",

@@ -3,11 +3,11 @@
 
 use object::read::elf::ElfFile64;
 use object::read::macho::{FatArch as _, MachOFatFile32, MachOFile64};
-use object::{Architecture, Endianness, File, FileKind, Object as _};
+use object::{Architecture, Endianness, File, FileKind, Object as _, ObjectSymbol as _};
 use std::fmt::Display;
 
 /// A library for one processor.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Library {
     /// Processor, by Rust's name.
     pub machine: String,
@@ -17,6 +17,8 @@ pub struct Library {
     pub libraries: Vec<String>,
     /// The newest version of the GNU C library that is asked for; 0.0 if none.
     pub glibc: (u32, u32),
+    /// Functions of ELF that must be there, but of no library's version: what it was linked against lacks them.
+    pub unknown: Vec<String>,
     /// The macOS that is asked for.
     pub macos: Option<(u32, u32)>,
 }
@@ -64,8 +66,7 @@ fn part(bytes: &[u8]) -> Result<Library, String> {
         let name = String::from_utf8_lossy(export.name());
         name.strip_prefix('_').filter(|_| matches!(file, File::MachO64(_))).unwrap_or(&name).to_owned()
     });
-    let mut library =
-        Library { machine, exports: exports.collect(), libraries: Vec::new(), glibc: (0, 0), macos: None };
+    let mut library = Library { machine, exports: exports.collect(), ..Library::default() };
     match &file {
         File::Elf64(elf) => needs_of_elf(elf, &mut library)?,
         File::MachO64(macho) => needs_of_macho(macho, &mut library)?,
@@ -90,6 +91,7 @@ fn needs_of_elf(elf: &ElfFile64<'_, Endianness>, library: &mut Library) -> Resul
     for entry in table.iter().filter(|entry| entry.tag == object::elf::DT_NEEDED) {
         library.libraries.push(lossy(table.string(entry).map_err(text)?));
     }
+    library.unknown = unknown_of_elf(elf)?;
     let Some((mut needs, link)) = sections.gnu_verneed(endian, data).map_err(text)? else { return Ok(()) };
     let strings = sections.strings(endian, data, link).map_err(text)?;
     while let Some((_, mut versions)) = needs.next().map_err(text)? {
@@ -101,6 +103,26 @@ fn needs_of_elf(elf: &ElfFile64<'_, Endianness>, library: &mut Library) -> Resul
         }
     }
     Ok(())
+}
+
+/// What is neither here nor of any version of a library, and not weak: a linker lets it pass in a shared library, and a loader doesn't.
+fn unknown_of_elf(elf: &ElfFile64<'_, Endianness>) -> Result<Vec<String>, String> {
+    let (endian, data, sections) = (elf.endian(), elf.data(), elf.elf_section_table());
+    let versions = sections.versions(endian, data).map_err(text)?;
+    let mut unknown = Vec::new();
+    for symbol in elf.dynamic_symbols().filter(|symbol| symbol.is_undefined() && !symbol.is_weak()) {
+        let version = match &versions {
+            Some(versions) => {
+                versions.version(versions.version_index(endian, symbol.index())).map_err(text)?
+            }
+            None => None,
+        };
+        let name = lossy(symbol.name_bytes().map_err(text)?);
+        if version.is_none() && !name.is_empty() {
+            unknown.push(name);
+        }
+    }
+    Ok(unknown)
 }
 
 /// The first two numbers of `2.3.4`.

@@ -110,7 +110,7 @@ mod tests {
             exports: FUNCTIONS.iter().map(|name| (*name).to_owned()).collect(),
             libraries: vec!["libc.so.6".to_owned()],
             glibc: (2, 17),
-            macos: None,
+            ..Library::default()
         }
     }
 
@@ -131,6 +131,8 @@ mod tests {
         assert_eq!(linux.check(&library()), Ok(()));
         let newer = Library { glibc: (2, 33), ..library() };
         assert!(linux.check(&newer).unwrap_err().contains("GLIBC_2.33"));
+        let later = Library { unknown: vec!["memfd_create".to_owned()], ..library() };
+        assert!(linux.check(&later).unwrap_err().contains("memfd_create"));
         let stranger = Library { libraries: vec!["libpng16.so.16".to_owned()], ..library() };
         assert!(linux.check(&stranger).unwrap_err().contains("libpng16.so.16"));
         assert!(linux.check_machines(&[Library { machine: "aarch64".to_owned(), ..library() }]).is_err());
@@ -144,6 +146,26 @@ mod tests {
         if cfg!(target_os = "linux") {
             assert!(parts[0].libraries.iter().any(|name| name.starts_with("libc.so")), "{:?}", parts[0]);
             assert!(parts[0].glibc >= (2, 2), "{:?}", parts[0]);
+            assert_eq!(parts[0].unknown, [""; 0]);
         }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn value_a_function_that_no_library_has_is_found() {
+        let source = "int not_yet(void); __attribute__((weak)) int perhaps(void);
+                      int fmi2DoStep(void) { return not_yet() + (perhaps ? perhaps() : 0); }";
+        let folder = std::env::temp_dir().join(format!("inspect-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (code, library) = (folder.join("unit.c"), folder.join("unit.so"));
+        std::fs::write(&code, source).unwrap();
+        let linked = std::process::Command::new("cc")
+            .args(["-shared", "-fPIC", "-o"])
+            .args([&library, &code])
+            .status();
+        assert!(linked.unwrap().success(), "a linker lets it pass");
+        let parts = library::read(&std::fs::read(&library).unwrap()).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(parts[0].unknown, ["not_yet"]);
     }
 }

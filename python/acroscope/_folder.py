@@ -12,8 +12,10 @@ class OutFolder:
     """The folder of a command's results; without a name a temporary one, which vanishes with this object."""
 
     def __init__(self, out: str | PathLike[str] | None) -> None:
-        self._kept = tempfile.TemporaryDirectory(prefix="acroscope-") if out is None else None
-        self.path = Path(self._kept.name) if out is None else Path(out)
+        if out is None:
+            self._kept = tempfile.TemporaryDirectory(prefix="acroscope-")
+            out = self._kept.name
+        self.path = Path(out)
 
 
 def page(path: Path) -> str:

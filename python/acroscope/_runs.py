@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import tomllib
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -112,9 +113,11 @@ class Results:
     def last(self, name: str) -> Value:
         """The last value of a column."""
         kind, values = self._table.values(name)
-        if kind == "str":
+        if isinstance(values, list):
             return values[-1]
-        return memoryview(values).cast({"float64": "d", "int32": "i", "bool": "?"}[kind])[-1]
+        code = {"float64": "=d", "int32": "=i", "bool": "=?"}[kind]
+        value: Value = struct.unpack(code, values[-struct.calcsize(code) :])[0]
+        return value
 
     @property
     def frames(self) -> dict[int, NDArray[np.uint8]]:
@@ -130,12 +133,12 @@ class Results:
     def plot(self) -> Figure:
         """The graphs of the scenario's report, by matplotlib."""
         _needed("matplotlib")
-        from matplotlib.figure import Figure
+        from ._figure import NotebookFigure
 
         graphs = tomllib.loads(self.resolved).get("report", {}).get("graphs", [])
         if not graphs:
             raise _acroscope.InputError("the scenario has no [[report.graphs]]; r[...] gives the signals themselves")
-        figure = Figure(figsize=(8, 2.4 * len(graphs)), layout="constrained")
+        figure = NotebookFigure(figsize=(8, 2.4 * len(graphs)), layout="constrained")
         axes = figure.subplots(len(graphs), sharex=True, squeeze=False)[:, 0]
         for axis, graph in zip(axes, graphs, strict=True):
             for line in graph["lines"]:

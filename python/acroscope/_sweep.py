@@ -87,9 +87,12 @@ def _spread(client: Client, words: list[str], out: str, parts: int, jobs: int, r
     """Makes all parts on the workers."""
     tasks = [(words, out, part, parts, jobs) for part in range(1, parts + 1)]
     futures = client.map(_part, tasks, retries=retries, pure=False)
-    if sys.stderr.isatty():
+    from distributed.utils import is_kernel
+
+    if sys.stderr.isatty() or is_kernel():
         from distributed import progress
 
+        # As text in a notebook, too: there a widget would want ipywidgets, and be the last thing of a cell.
         progress(futures, notebook=False)
     refused = [said for said in client.gather(futures) if said]
     if refused:

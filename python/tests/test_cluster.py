@@ -2,8 +2,11 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import pyarrow.parquet
 import pytest
@@ -68,3 +71,20 @@ def test_parts_are_read_by_others(tmp_path):
         ac.sweep("delay-and-rte")
     with pytest.raises(ac.InputError, match="all workers see"):
         ac.sweep(study, client=object())
+
+
+def test_the_programs_for_dask_work(tmp_path):
+    """Those of examples/cluster: a sweep, and any command that takes `--partition`."""
+    folder = Path(ac.__file__).parent / "data" / "examples" / "cluster"
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY.replace("count = 96", "count = 3"))
+    subprocess.run([sys.executable, folder / "dask_sweep.py", study, tmp_path / "spread"], check=True)
+    alone = ac.sweep(study, out=tmp_path / "alone").table()
+    assert pyarrow.parquet.read_table(tmp_path / "spread" / "cases").equals(alone)
+    command = [sys.executable, "-m", "acroscope", "--quiet", "reproduce", "tables-1-2", "table-3", "--out"]
+    subprocess.run([sys.executable, folder / "dask_parts.py", "2", *command, tmp_path / "parts"], check=True)
+    subprocess.run([*command, tmp_path / "whole"], check=True)
+    assert (tmp_path / "parts" / "claims.json").read_bytes() == (tmp_path / "whole" / "claims.json").read_bytes()
+    wrong = [sys.executable, folder / "dask_parts.py", "2", *command, tmp_path / "wrong", "table-99"]
+    refused = subprocess.run(wrong, capture_output=True, text=True)
+    assert refused.returncode == 1 and "table-99" in refused.stderr

@@ -62,15 +62,28 @@ struct Memory {
 }
 
 fn memory() -> Memory {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    let heap = {
-        // SAFETY: takes nothing and answers plain numbers.
-        let all = unsafe { libc::mallinfo2() };
-        (all.uordblks + all.hblkhd) as u64
-    };
-    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-    let heap = 0;
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let resident = pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0);
-    Memory { heap, process: resident * 4096 }
+    Memory { heap: heap(), process: resident * 4096 }
+}
+
+/// Bytes of the heap in use. `mallinfo2` is of GLIBC 2.33, the oldest that we run with is 2.17; there the older function counts, to 4 GiB.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn heap() -> u64 {
+    // SAFETY: a name that ends in zero; what the C library has by it takes nothing and answers plain numbers, as the older function does.
+    unsafe {
+        let found = libc::dlsym(libc::RTLD_DEFAULT, c"mallinfo2".as_ptr());
+        if found.is_null() {
+            let all = libc::mallinfo();
+            return u64::from(all.uordblks as u32) + u64::from(all.hblkhd as u32);
+        }
+        let all = std::mem::transmute::<*mut libc::c_void, extern "C" fn() -> libc::mallinfo2>(found)();
+        (all.uordblks + all.hblkhd) as u64
+    }
+}
+
+/// Elsewhere nobody counts it.
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+fn heap() -> u64 {
+    0
 }

@@ -8,7 +8,7 @@ use super::grid::Grid;
 use super::lag;
 use super::machine::{Machine, Reference, Role};
 use super::schedule::{Schedule, output_effects};
-use super::through;
+use super::through::Followed;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
@@ -58,7 +58,7 @@ pub struct Engine {
 /// over so small a move, too.
 pub(super) const MOVE: f64 = 1e-4;
 /// Rows of a task: enough to pay for handing it out.
-const TASK: usize = levels::TASK;
+pub(super) const TASK: usize = levels::TASK;
 
 /// Differences of one row: a vector for the base and one for each direction.
 pub(super) struct RowParts {
@@ -173,7 +173,8 @@ impl Engine {
             all.extend(part?);
         }
         if self.machine.horizon > 0 {
-            through::next_states(self, path, &schedule, &mut all);
+            let followed = Followed { engine: self, grid, schedule: &schedule, theta, path, chords };
+            followed.next_states(&mut all)?;
         }
         Ok(self.assembled(run, theta, path, &schedule, &all, chords, &moved))
     }
@@ -387,7 +388,7 @@ struct Fed {
     at_row: Vec<f64>,
 }
 
-fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {
+pub(super) fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {
     there.iter().zip(here).map(|(there, here)| (there - here) / step).collect()
 }
 

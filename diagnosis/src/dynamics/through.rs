@@ -2,16 +2,19 @@
 //!
 //! A unit goes on from x(k) over one interval, and then over a horizon of H more, with its outputs Y at each row. Started at
 //! x̂(k+1) it gives O there. Where it is, x(k+1), is where O(x) = Y: to first order x(k+1) = x̂(k+1) + J⁺ (Y - O), J = ∂O/∂x.
-//! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ). No noise is in Y and O, so the horizon may be short.
+//! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ), with O from x(k+1). No noise is in Y and O, so the horizon may be short.
 
 use super::about::{About, Along};
-use super::linearise::{Engine, MOVE, RowParts};
+use super::grid::Grid;
+use super::linearise::{Chord, Engine, MOVE, RowParts, TASK, difference};
+use super::machine::Role;
 use super::schedule::Schedule;
-use super::worker::Worker;
+use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
-use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE};
+use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE, STEP};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Directions of the states that show less than this share of the clearest are left as they are: differences are good to 1e-6.
 const CLEAR: f64 = ROUNDING;
@@ -19,6 +22,8 @@ const CLEAR: f64 = ROUNDING;
 const ENOUGH: f64 = FINE;
 /// Longest horizon, rows.
 const FARTHEST: usize = SAMPLE;
+/// A state counts as the path's own within this share of its scale.
+const AT_PATH: f64 = FINE * STEP;
 /// Rounds of reading a state anew, at most.
 const ROUNDS: usize = FEW;
 
@@ -154,32 +159,121 @@ impl Along<'_> {
     }
 }
 
-/// Puts next states and their derivatives where a unit that shows them would have.
-pub(super) fn next_states(engine: &Engine, path: &Path, schedule: &Schedule, parts: &mut [RowParts]) {
-    let n = engine.machine.order();
-    for row in 0..parts.len().saturating_sub(1) {
-        let (here, there) = parts.split_at_mut(row + 1);
-        let (here, there) = (&mut here[row], &there[0]);
-        let (reads, next_reads) = (schedule.reads[row].len(), schedule.reads[row + 1].len());
+/// How the state at the end of a row's interval is read.
+struct Reading {
+    inverse: DMatrix<f64>,
+    /// From the path to that state.
+    by: DVector<f64>,
+    /// What each chord changes of what that state shows, where it is not the path's.
+    shown: Option<Vec<Vec<f64>>>,
+}
+
+/// A run with its parameters, about its path.
+#[derive(Clone, Copy)]
+pub(super) struct Followed<'a> {
+    pub engine: &'a Engine,
+    pub grid: &'a Grid,
+    pub schedule: &'a Schedule,
+    pub theta: &'a [f64],
+    pub path: &'a Path,
+    pub chords: &'a [Chord],
+}
+
+impl Followed<'_> {
+    /// Puts next states and their derivatives where a unit that shows them would have.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn next_states(&self, parts: &mut [RowParts]) -> Result<(), Error> {
+        let intervals = parts.len().saturating_sub(1);
+        let tasks: Vec<usize> = (0..intervals).step_by(TASK).collect();
+        let readings: Vec<Result<Vec<Reading>, Error>> = tasks
+            .par_iter()
+            .map(|begin| {
+                self.engine.with_worker(|worker| {
+                    let rows = *begin..(begin + TASK).min(intervals);
+                    rows.map(|row| self.reading(worker, row, &parts[row], &parts[row + 1])).collect()
+                })
+            })
+            .collect();
+        let mut row = 0;
+        for task in readings {
+            for reading in task? {
+                let (here, there) = parts.split_at_mut(row + 1);
+                self.put(row, &reading, &mut here[row], &there[0]);
+                row += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn reading(
+        &self,
+        worker: &mut Worker,
+        row: usize,
+        here: &RowParts,
+        there: &RowParts,
+    ) -> Result<Reading, Error> {
+        let (engine, n) = (self.engine, self.engine.machine.order());
+        let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
         let columns: Vec<Vec<f64>> =
             there.states.iter().map(|column| engine.shown(column, next_reads)).collect();
         let jacobian = DMatrix::from_fn(columns[0].len(), n, |i, j| columns[j][i]);
         let inverse = reader(&jacobian, &engine.sensors, &engine.scales);
-        let read = |following: &[f64], shown: Option<Vec<f64>>| {
-            let rest = DVector::from_fn(following.len(), |i, _| {
-                following[i] - shown.as_ref().map_or(0.0, |shown| shown[i])
-            });
-            &inverse * rest
+        let base = engine.shown(&there.base, next_reads);
+        let following = engine.following(&here.base, reads);
+        let by = &inverse * DVector::from_fn(base.len(), |i, _| following[i] - base[i]);
+        let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < AT_PATH * scale);
+        let shown = if near || there.units.iter().all(Vec::is_empty) {
+            None
+        } else {
+            let state: Vec<f64> = (0..n).map(|i| self.path[(row + 1) * n + i] + by[i]).collect();
+            Some(self.changed(worker, row + 1, &state)?)
         };
-        let by = read(engine.following(&here.base, reads), Some(engine.shown(&there.base, next_reads)));
-        (0..n).for_each(|i| here.base[i] = path[(row + 1) * n + i] + by[i]);
+        Ok(Reading { inverse, by, shown })
+    }
+
+    /// What each chord of a unit's parameter changes of what a state at a row shows. Where outputs hardly tell states apart, even a
+    /// state a little off has it wrong by a large share of what a chord does to the state.
+    fn changed(&self, worker: &mut Worker, row: usize, state: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let engine = self.engine;
+        let reads = self.schedule.reads[row].len();
+        let mut from = |theta: &[f64]| {
+            let (set, mut out) = (engine.set(theta), Vec::new());
+            let job = Job { parameters: &set, ..engine.job(self.grid, self.schedule, row, state) };
+            worker.interval(&engine.machine, &job, &mut out)?;
+            Ok::<_, Error>(engine.shown(&out, reads))
+        };
+        let base = from(self.theta)?;
+        let of = |chord: &Chord| {
+            if !matches!(engine.machine.parameters[chord.parameter].role, Role::Unit(_)) {
+                return Ok(Vec::new());
+            }
+            let mut theta = self.theta.to_vec();
+            theta[chord.parameter] = chord.to;
+            Ok(difference(&from(&theta)?, &base, chord.per))
+        };
+        self.chords.iter().map(of).collect()
+    }
+
+    fn put(&self, row: usize, reading: &Reading, here: &mut RowParts, there: &RowParts) {
+        let (engine, n) = (self.engine, self.engine.machine.order());
+        let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
+        let read = |following: &[f64], shown: Option<&[f64]>| {
+            let rest = |i: usize| following[i] - shown.map_or(0.0, |shown| shown[i]);
+            &reading.inverse * DVector::from_fn(following.len(), |i, _| rest(i))
+        };
+        (0..n).for_each(|i| here.base[i] = self.path[(row + 1) * n + i] + reading.by[i]);
         for column in here.states.iter_mut().chain(&mut here.inputs) {
             let by = read(engine.following(column, reads), None);
             (0..n).for_each(|i| column[i] = by[i]);
         }
-        for (column, next) in here.units.iter_mut().zip(&there.units).filter(|(column, _)| !column.is_empty())
-        {
-            let by = read(engine.following(column, reads), Some(engine.shown(next, next_reads)));
+        for (place, column) in here.units.iter_mut().enumerate().filter(|(_, column)| !column.is_empty()) {
+            let shown = match &reading.shown {
+                Some(shown) => shown[place].clone(),
+                None => engine.shown(&there.units[place], next_reads),
+            };
+            let by = read(engine.following(column, reads), Some(&shown));
             (0..n).for_each(|i| column[i] = by[i]);
         }
     }

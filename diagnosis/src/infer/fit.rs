@@ -49,6 +49,8 @@ pub struct Options {
     pub settled: f64,
     /// How often a round that raises the deviance is damped before the fit ends where it is.
     pub damped: usize,
+    /// By this much a value a round may raise the deviance: it is that of the model linearised about the path, which moves with it.
+    pub rise: f64,
     /// Rounds of the noises' own search in each round: they move on with the path, and must have settled in the end.
     pub noises: usize,
 }
@@ -56,7 +58,8 @@ pub struct Options {
 impl Options {
     /// Rounds are quadratic near the end. 0.02 of deviance is a hundredth of a standard deviation squared of one parameter; verdicts ask
     /// for hundreds of times it.
-    pub const USUAL: Self = Self { rounds: 8, enough: SLIGHT, settled: FINE, damped: FEW, noises: 10 };
+    pub const USUAL: Self =
+        Self { rounds: 8, enough: SLIGHT, settled: FINE, damped: FEW, rise: FINE, noises: 10 };
 }
 
 impl Default for Options {
@@ -211,6 +214,8 @@ pub fn fit_from(
     let mut at = start.clone();
     let mut best: Option<(At, Vec<Linearised>, f64)> = None;
     let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
+    let values: usize = runs.iter().map(|run| run.measured.len()).sum();
+    let rise = f64::max(1.0, options.rise * values as f64);
     loop {
         rounds += 1;
         let mut quiet = true;
@@ -219,7 +224,7 @@ pub fn fit_from(
         }
         let here = reduced(&runs, &at.noise, &all);
         let value = here.square + here.log_det;
-        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + 1.0);
+        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + rise);
         if worse && failures < options.damped {
             failures += 1;
             damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };

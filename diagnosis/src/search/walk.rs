@@ -239,6 +239,12 @@ impl Search<'_> {
                 self.last = Some(screen.last(&here));
                 break;
             };
+            // another in its place says as much with fewer names
+            let (swapped, other) = self.settled(effects.clone(), here.clone())?;
+            if swapped != effects {
+                (effects, here) = (swapped, self.fresh(other)?);
+                continue;
+            }
             let gained = here.deviance - fit.deviance;
             let name = self.name(with[with.len() - 1]).to_owned();
             self.story
@@ -253,7 +259,7 @@ impl Search<'_> {
     /// Drops what gains too little beside the others, and swaps what another explains better.
     fn settled(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
         let mut place = 0;
-        while place < effects.len() && effects.len() > 1 {
+        while place < effects.len() {
             let gone = effects[place];
             let (without, less) = self.without(&effects, &here, place)?;
             if less.deviance - here.deviance < self.policy.gain {

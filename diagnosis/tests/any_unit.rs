@@ -131,6 +131,20 @@ fn recovers_friction_whether_rates_are_shown_or_not() {
 }
 
 #[test]
+fn every_parameter_of_whole_values_is_refused_by_a_fit() {
+    let folder = Folder::new("whole-values");
+    let counted = HEAD.replace("scale = \"relative\"", "scale = \"count\"\nneutral = 1.0\nrange = [0, 4]");
+    folder.put("dataset.toml", &format!("{counted}{SHOWN}"));
+    folder.put("a.csv", &log(&[], 5, quiet));
+    folder.put("b.csv", &log(&[], 6, quiet));
+    let options = Options { fit: vec!["acrobot_plant.theta_9".into()], ..common::options() };
+    let error = diagnosis::diagnose(folder.path(), &common::units(), &options, &mut |_| {});
+    let error = error.expect_err("it would be fitted as if it had values between");
+    let text = error.to_string();
+    assert!(error.is_input() && text.contains("--fit") && text.contains("whole values"), "{text}");
+}
+
+#[test]
 fn law_without_time_nothing_is_searched_and_that_is_said() {
     let options = Options { budget: diagnosis::Budget::All(0.0), ..common::options() };
     let found = diagnosed("budget", SHOWN, &[("b_joint", 0.01)], quiet, &options);

@@ -10,7 +10,7 @@ use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options as FitOptions, Path, fit, fit_from};
-use crate::observe::{Problem, Run};
+use crate::observe::{Problem, Run, Scale};
 use crate::options::Options;
 use crate::search::screen::Last;
 use crate::search::walk::Visited;
@@ -288,6 +288,15 @@ fn checked(machine: &Machine, options: &Options) -> Result<(), Error> {
             let problem = format!("no candidate has this name; {}", nearest(given, known()));
             return Err(Error::Option { option, given: given.clone(), problem });
         }
+    }
+    let is_set = |name: &&String| {
+        let parameter = machine.parameters.iter().find(|parameter| parameter.name == **name);
+        parameter.is_some_and(|parameter| matches!(parameter.scale, Scale::Switch | Scale::Count))
+    };
+    if let Some(given) = options.fit.iter().find(is_set) {
+        let problem =
+            "it takes whole values only and can't be fitted; without --fit the search tries them".into();
+        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
     }
     Ok(())
 }

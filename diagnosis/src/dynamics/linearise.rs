@@ -174,7 +174,7 @@ impl Engine {
         }
         if self.machine.horizon > 0 {
             let followed = Followed { engine: self, grid, schedule: &schedule, theta, path, chords };
-            followed.next_states(&mut all)?;
+            followed.next_states(&mut all);
         }
         Ok(self.assembled(run, theta, path, &schedule, &all, chords, &moved))
     }

@@ -12,18 +12,17 @@ use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
-use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE, STEP};
+use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Directions of the states that show less than this share of the clearest are left as they are: differences are good to 1e-6.
+/// Directions of the states that show less than this share of the clearest are left as they are, and a state within this share of its
+/// scale counts as the path's own: differences are good to 1e-6.
 const CLEAR: f64 = ROUNDING;
 /// A horizon is long enough when a small move of all states is read back to this share.
 const ENOUGH: f64 = FINE;
 /// Longest horizon, rows.
 const FARTHEST: usize = SAMPLE;
-/// A state counts as the path's own within this share of its scale.
-const AT_PATH: f64 = FINE * STEP;
 /// Rounds of reading a state anew, at most.
 const ROUNDS: usize = FEW;
 
@@ -164,7 +163,7 @@ struct Reading {
     inverse: DMatrix<f64>,
     /// From the path to that state.
     by: DVector<f64>,
-    /// What each chord changes of what that state shows, where it is not the path's.
+    /// What each chord changes of what that state shows, where it is not the path's and the unit takes it.
     shown: Option<Vec<Vec<f64>>>,
 }
 
@@ -181,39 +180,25 @@ pub(super) struct Followed<'a> {
 
 impl Followed<'_> {
     /// Puts next states and their derivatives where a unit that shows them would have.
-    ///
-    /// # Errors
-    /// A unit failed.
-    pub fn next_states(&self, parts: &mut [RowParts]) -> Result<(), Error> {
+    pub fn next_states(&self, parts: &mut [RowParts]) {
         let intervals = parts.len().saturating_sub(1);
         let tasks: Vec<usize> = (0..intervals).step_by(TASK).collect();
-        let readings: Vec<Result<Vec<Reading>, Error>> = tasks
+        let readings: Vec<Vec<Reading>> = tasks
             .par_iter()
             .map(|begin| {
-                self.engine.with_worker(|worker| {
-                    let rows = *begin..(begin + TASK).min(intervals);
-                    rows.map(|row| self.reading(worker, row, &parts[row], &parts[row + 1])).collect()
-                })
+                let mut refused = false;
+                let rows = *begin..(begin + TASK).min(intervals);
+                rows.map(|row| self.reading(row, &parts[row], &parts[row + 1], &mut refused)).collect()
             })
             .collect();
-        let mut row = 0;
-        for task in readings {
-            for reading in task? {
-                let (here, there) = parts.split_at_mut(row + 1);
-                self.put(row, &reading, &mut here[row], &there[0]);
-                row += 1;
-            }
+        for (row, reading) in readings.iter().flatten().enumerate() {
+            let (here, there) = parts.split_at_mut(row + 1);
+            self.put(row, reading, &mut here[row], &there[0]);
         }
-        Ok(())
     }
 
-    fn reading(
-        &self,
-        worker: &mut Worker,
-        row: usize,
-        here: &RowParts,
-        there: &RowParts,
-    ) -> Result<Reading, Error> {
+    /// A unit that refuses a state which the path doesn't visit is not asked again in this task.
+    fn reading(&self, row: usize, here: &RowParts, there: &RowParts, refused: &mut bool) -> Reading {
         let (engine, n) = (self.engine, self.engine.machine.order());
         let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
         let columns: Vec<Vec<f64>> =
@@ -223,14 +208,15 @@ impl Followed<'_> {
         let base = engine.shown(&there.base, next_reads);
         let following = engine.following(&here.base, reads);
         let by = &inverse * DVector::from_fn(base.len(), |i, _| following[i] - base[i]);
-        let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < AT_PATH * scale);
-        let shown = if near || there.units.iter().all(Vec::is_empty) {
-            None
-        } else {
+        let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < CLEAR * scale);
+        let mut shown = None;
+        if !near && !*refused && there.units.iter().any(|column| !column.is_empty()) {
             let state: Vec<f64> = (0..n).map(|i| self.path[(row + 1) * n + i] + by[i]).collect();
-            Some(self.changed(worker, row + 1, &state)?)
-        };
-        Ok(Reading { inverse, by, shown })
+            let changed = engine.with_worker(|worker| self.changed(worker, row + 1, &state)).ok();
+            shown = changed.filter(|columns| columns.iter().flatten().all(|value| value.is_finite()));
+            *refused = shown.is_none();
+        }
+        Reading { inverse, by, shown }
     }
 
     /// What each chord of a unit's parameter changes of what a state at a row shows. Where outputs hardly tell states apart, even a

@@ -9,7 +9,7 @@ use super::schedule::Schedule;
 use super::whole;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::infer::fit::{At, Linearise, Path};
+use crate::infer::fit::{At, Path};
 use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
@@ -373,32 +373,3 @@ impl Engine {
 
 /// Rows that are tried for a parameter's step.
 const PROBES: usize = ROWS;
-
-impl Linearise for Engine {
-    fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
-        let chords: Vec<Chord> = columns.iter().map(|parameter| self.local(theta, *parameter)).collect();
-        self.chords(theta, paths, &chords)
-    }
-
-    fn range(&self, parameter: usize) -> (f64, f64) {
-        self.machine.parameters[parameter].range
-    }
-
-    fn is_relative(&self, parameter: usize) -> bool {
-        self.machine.parameters[parameter].scale == Scale::Relative
-    }
-
-    fn scales(&self) -> &[f64] {
-        &self.scales
-    }
-}
-
-impl Engine {
-    /// Every run with these columns.
-    ///
-    /// # Errors
-    /// A unit failed.
-    pub fn chords(&self, theta: &[f64], paths: &[Path], chords: &[Chord]) -> Result<Vec<Linearised>, Error> {
-        (0..self.grids.len()).map(|run| self.run(run, theta, &paths[run], chords)).collect()
-    }
-}

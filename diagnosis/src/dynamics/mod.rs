@@ -9,6 +9,7 @@
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
 //! - `linearise.rs`: differences, many rows at once on all threads
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
+//! - `fitted.rs`: the engine as what a fit linearises
 //! - `excluded.rs`: outliers
 //! - `scales.rs`: sizes of what no log tells
 //! - `stretch.rs`: how well the units follow stretches of the logs, from the best start state of each
@@ -24,6 +25,7 @@ mod at_once;
 pub mod build;
 mod excluded;
 pub mod first_path;
+mod fitted;
 pub mod grid;
 mod lag;
 pub mod linearise;

@@ -22,6 +22,6 @@ impl Algorithm for DerivedOrder {
 
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
-        system.each_ending::<true>(point, |unit| unit.gather_and_step())
+        system.step_ending::<true, true>(point)
     }
 }

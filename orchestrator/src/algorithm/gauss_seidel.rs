@@ -15,6 +15,6 @@ impl Algorithm for GaussSeidel {
 
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
-        system.each_ending::<false>(point, |unit| unit.gather_and_step())
+        system.step_ending::<false, true>(point)
     }
 }

@@ -17,11 +17,11 @@ impl Algorithm for Jacobi {
 
     #[inline(always)]
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
-        system.each_ending::<false>(point, |unit| unit.step())
+        system.step_ending::<false, false>(point)
     }
 
     #[inline(always)]
     fn begin(&mut self, system: &mut System, point: Point) {
-        system.each_beginning(point, |mut unit| unit.gather());
+        system.gather_beginning(point);
     }
 }

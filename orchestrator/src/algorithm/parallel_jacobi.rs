@@ -100,7 +100,7 @@ impl Algorithm for ParallelJacobi {
     }
 
     fn begin(&mut self, system: &mut System, point: Point) {
-        system.each_beginning(point, |mut unit| unit.gather());
+        system.gather_beginning(point);
     }
 
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {

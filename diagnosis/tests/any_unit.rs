@@ -187,3 +187,15 @@ fn recovers_given_parameters_with_intervals() {
     }
     assert!(found.story.iter().any(|line| line.contains("they explain the data")), "{:?}", found.story);
 }
+
+#[test]
+fn law_states_that_nobody_lists_are_told_where_rows_begin_anew() {
+    let told = |name: &str, states: &str| {
+        let options = Options { budget: diagnosis::Budget::All(0.0), ..common::options() };
+        let found = diagnosed(name, states, &[], quiet, &options);
+        found.notices.iter().filter(|notice| notice.message.contains("remembers more")).count()
+    };
+    // without its rates each row of the pendulum begins at rest
+    assert_eq!(told("no-rates", ""), 2, "one a run");
+    assert_eq!(told("all-states", SHOWN), 0);
+}

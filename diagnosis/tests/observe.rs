@@ -126,7 +126,7 @@ fn value_defaults_come_from_the_description() {
     assert_eq!(problem.states, []);
     let names: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.name.as_str()).collect();
     assert!(names.contains(&"acrobot_plant.theta_1") && names.contains(&"acrobot_plant.slope"), "{names:?}");
-    assert!(problem.notices.iter().any(|notice| notice.message.contains("every described parameter")));
+    assert!(problem.notices.iter().any(|notice| notice.message.contains("every parameter may be off")));
     // rows are 10 ms apart, a whole number of the unit's own steps
     let interval = problem.model.scenario.units[0].interval.to_f64();
     let parts = 0.01 / interval;

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,25 @@ def test_a_turned_input_is_the_input(motor, tmp_path):
     run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")
     found, _ = channels(tmp_path / "set")
     assert found["motor.u"]["scale"] == -1 and all("scale" not in found[f"motor.{name}"] for name in ("i", "w", "phi"))
+
+
+def test_parameters_without_descriptions_may_be_off(motor, tmp_path):
+    bare = tmp_path / "bare" / "motor.fmu"
+    bare.parent.mkdir()
+    with zipfile.ZipFile(motor) as old, zipfile.ZipFile(bare, "w") as new:
+        for name in old.namelist():
+            text = old.read(name)
+            new.writestr(name, re.sub(rb'(<ScalarVariable[^>]*?) description="[^"]*"', rb"\1", text) if name == "modelDescription.xml" else text)
+    heads = {"u": ("u", 1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
+    run("import", log(tmp_path / "a.csv", ALL["motor"], heads, change={"b": 0.02}), "--fmu", bare, "--out", tmp_path / "set")
+    text = (tmp_path / "set" / "dataset.toml").read_text()
+    assert '[[candidate]]\nvariable = "motor.b"' in text, "nothing to say of it"
+    found = run("diagnose", tmp_path / "set", "--out", tmp_path / "out")
+    assert "motor.b = " in found, found
+    # and without any [[candidate]]
+    (tmp_path / "set" / "dataset.toml").write_text(re.sub(r"\[\[candidate\]\][^\[]*", "", text))
+    found = run("diagnose", tmp_path / "set", "--out", tmp_path / "again")
+    assert "every parameter may be off" in found and "motor.b = " in found, found
 
 
 def test_kelvins_of_a_unit_without_units(tmp_path):

@@ -30,6 +30,7 @@ pub mod grid;
 mod lag;
 pub mod linearise;
 pub mod machine;
+mod memory;
 mod scales;
 pub mod schedule;
 pub mod stretch;

@@ -131,6 +131,28 @@ impl Worker {
             .collect()
     }
 
+    /// What shows the states at the end of each interval, all gone through without a new start.
+    ///
+    /// # Errors
+    /// A unit refused something.
+    pub fn walk(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<Vec<f64>>, Error> {
+        self.begin(machine, job)?;
+        let (width, mut time) = (machine.inputs.len(), job.time);
+        let mut all = Vec::with_capacity(job.first.len());
+        for ends in job.first.windows(2) {
+            for place in ends[0] - job.first[0]..ends[1] - job.first[0] {
+                let (span, fed) = (job.pieces[place].span, &job.fed[place * width..(place + 1) * width]);
+                self.feed(machine, fed)?;
+                self.step(machine, time, span, fed)?;
+                time += span;
+            }
+            let shown =
+                machine.states.iter().map(|state| state.shows.map_or(Ok(f64::NAN), |at| self.read(at)));
+            all.push(shown.collect::<Result<_, _>>()?);
+        }
+        Ok(all)
+    }
+
     /// Reset, start values, initialisation.
     fn begin(&mut self, machine: &Machine, job: &Job<'_>) -> Result<(), Error> {
         for (place, unit) in machine.units.iter().enumerate() {

@@ -114,7 +114,7 @@ fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Ma
     }
 }
 
-/// Every described parameter, for the user to strike out what can't be off.
+/// Every parameter, for the user to strike out what can't be off.
 fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Match]) {
     let description = fmu.description();
     let starts: Vec<String> =
@@ -123,31 +123,27 @@ fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: 
         variable.causality == Causality::Parameter
             && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
             && variable.kind != Kind::String
-            && !variable.description.is_empty()
             && variable.start.is_some()
             && !starts.contains(&variable.name)
     });
     let mut count = 0;
     for variable in may {
         if count == 0 {
-            let _ = writeln!(
-                text,
-                "\n# guess: every parameter with a description may be off; strike out what you are sure of"
-            );
+            let _ = writeln!(text, "\n# guess: every parameter may be off; strike out what you are sure of");
         }
         count += 1;
         let neutral = variable.start.as_ref().and_then(orchestrator::Value::as_f64).unwrap_or(0.0);
-        let _ = writeln!(
-            text,
-            "[[candidate]]                            # {}",
-            variable.description.replace('\n', " ")
-        );
+        let about = match variable.description.as_str() {
+            "" => String::new(),
+            words => format!("                            # {}", words.replace('\n', " ")),
+        };
+        let _ = writeln!(text, "[[candidate]]{about}");
         let _ = writeln!(text, "variable = {}", quoted(&format!("{}.{}", instance(fmu), variable.name)));
         if variable.kind == Kind::Real && neutral != 0.0 {
             let _ = writeln!(text, "scale = \"relative\"");
         }
     }
-    guesses.push(format!("{count} described parameters may be off"));
+    guesses.push(format!("{count} parameters may be off"));
 }
 
 /// A log with commas and points.

@@ -17,7 +17,7 @@ const SCALES: [(&str, Scale); 5] = [
     ("count", Scale::Count),
 ];
 
-/// All candidates: those that the file lists, else every described parameter.
+/// All candidates: those that the file lists, else every parameter of the units.
 pub(super) fn resolve(
     model: &Nominal,
     states: &[State],
@@ -28,8 +28,8 @@ pub(super) fn resolve(
         let found = by_itself(model, states);
         let names: Vec<&str> = found.iter().map(|candidate| candidate.name.as_str()).collect();
         let message = match names.as_slice() {
-            [] => "no [[candidate]], and no parameter of the model has a description: only effects at ports are looked for".into(),
-            names => format!("no [[candidate]]: every described parameter may be off ({})", names.join(", ")),
+            [] => "no [[candidate]], and the model has no parameter to set: only effects at ports are looked for".into(),
+            names => format!("no [[candidate]]: every parameter may be off ({})", names.join(", ")),
         };
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
         return Ok(found);
@@ -46,7 +46,7 @@ pub(super) fn resolve(
     Ok(candidates)
 }
 
-/// Every tunable or fixed parameter that has a phrase, but those that start a state.
+/// Every tunable or fixed parameter, but those that start a state.
 fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
     let every = (0..model.fmus.len()).flat_map(|unit| {
         let places = 0..model.description(unit).variables.len();
@@ -54,9 +54,7 @@ fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
     });
     let fits = |id: &VariableId| {
         let variable = model.variable(*id);
-        may_move(variable)
-            && !variable.description.is_empty()
-            && states.iter().all(|state| state.start != *id)
+        may_move(variable) && states.iter().all(|state| state.start != *id)
     };
     let made = |id: VariableId| {
         let variable = model.variable(id);
@@ -66,7 +64,7 @@ fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
             variable: id,
             neutral,
             range: limits(variable),
-            phrase: variable.description.clone(),
+            phrase: phrase(model, id),
             scale: usual(variable, neutral),
             line: 0,
         })
@@ -78,6 +76,14 @@ fn may_move(variable: &Variable) -> bool {
     variable.causality == Causality::Parameter
         && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
         && variable.kind != Kind::String
+}
+
+/// What a variable is, in words: its description, or its name.
+fn phrase(model: &Nominal, id: VariableId) -> String {
+    match model.variable(id).description.as_str() {
+        "" => model.name(id),
+        text => text.to_owned(),
+    }
 }
 
 /// Smallest and largest value by the description.
@@ -134,10 +140,7 @@ fn candidate(
         Some(given) => scale(given, described, neutral, file)?,
     };
     let range = range(raw, described, neutral, scale, file, notices)?;
-    let phrase = raw.phrase.clone().unwrap_or_else(|| match described.description.as_str() {
-        "" => name.clone(),
-        text => text.to_owned(),
-    });
+    let phrase = raw.phrase.clone().unwrap_or_else(|| phrase(model, id));
     Ok(Candidate { name, variable: id, neutral, range, phrase, scale, line: file.line(&entry.span()) })
 }
 

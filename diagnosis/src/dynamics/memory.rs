@@ -1,0 +1,62 @@
+//! Whether a unit remembers more than the states that can be set: a ball that has come to rest, a relay's position, a lag inside that no
+//! variable starts. A row's interval begins anew from these states, so what a unit remembers beyond them counts as a fault of the model.
+//!
+//! The nominal model is simulated through each run, and once more from each row to the next; where the two go apart, a notice says so.
+
+use super::grid::Grid;
+use super::linearise::Engine;
+use super::schedule::Schedule;
+use crate::error::{Error, Notice};
+use crate::statistics::levels::STEP;
+
+/// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
+const APART: f64 = STEP;
+
+impl Engine {
+    /// A notice for each run in which rows begun anew go another way.
+    pub(super) fn remembered(&self) -> Result<Vec<Notice>, Error> {
+        let machine = &self.machine;
+        if machine.whole || machine.horizon > 0 || machine.states.iter().any(|state| state.shows.is_none()) {
+            return Ok(Vec::new());
+        }
+        Ok(self.grids.iter().filter_map(|grid| self.remembered_in(grid)).collect())
+    }
+
+    fn remembered_in(&self, grid: &Grid) -> Option<Notice> {
+        let (machine, rows) = (&self.machine, grid.time.len());
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let start = self.nominal_states(grid, 0);
+        let whole = schedule.job(grid.time[0], 0, rows - 1, &start);
+        // a model that can't be simulated through (it falls, it refuses) says nothing of what it remembers
+        let through = self.with_worker(|worker| worker.walk(machine, &whole)).ok()?;
+        let mut apart: Vec<(usize, usize, f64)> = Vec::new();
+        self.with_worker(|worker| {
+            let mut out = Vec::new();
+            for row in 1..rows - 1 {
+                let job = schedule.job(grid.time[row], row, 1, &through[row - 1]);
+                worker.interval(machine, &job, &mut out)?;
+                let off = |state: usize| out[state] - through[row][state];
+                let size = |state: usize| self.scales[state].max(through[row][state].abs());
+                let worst = (0..machine.order())
+                    .max_by(|a, b| (off(*a).abs() / size(*a)).total_cmp(&(off(*b).abs() / size(*b))));
+                apart.extend(
+                    worst
+                        .filter(|state| off(*state).abs() > APART * size(*state))
+                        .map(|state| (row, state, off(state))),
+                );
+            }
+            Ok(())
+        })
+        .ok()?;
+        let (row, state, off) = apart.first()?;
+        let message = format!(
+            "the model remembers more than the states that can be set: begun anew from them, {} of {} rows go another way, the first \
+             at {:.6} s, where {} becomes another by {off:.4}. What these rows seem to lack may be that",
+            apart.len(),
+            rows - 1,
+            grid.time[*row],
+            machine.states[*state].name,
+        );
+        Some(Notice { file: grid.name.clone(), line: 0, message })
+    }
+}

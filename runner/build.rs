@@ -1,15 +1,10 @@
 //! Tells the program which commit it is built from: `ACROSCOPE_COMMIT`, `unknown` outside its own repository, with
-//! `+changes` where files differ from the commit. Exports the program's own `_exit` and `_Exit`: units then call these (`main.rs`).
+//! `+changes` where files differ from the commit.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() {
-    if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "linux") {
-        println!(
-            "cargo::rustc-link-arg-bins=-Wl,--export-dynamic-symbol=_exit,--export-dynamic-symbol=_Exit"
-        );
-    }
     // Asked when it runs: with a copied `target/` it may have been built in another clone.
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("..");
     // A change of any source may turn a clean tree into a changed one, or back.

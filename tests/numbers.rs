@@ -28,7 +28,7 @@ const OTHER: [(&str, &str, &str); 16] = [
     ("design/waves.rs", "SHAPES", "what a lab can do, as data"),
     ("check/ways.rs", "TIMES", "units of measurement"),
     ("check/ways.rs", "FACTORS", "units of measurement"),
-    ("import/sheet.rs", "EPOCH", "what a format of time is"),
+    ("observe/log.rs", "EPOCH", "what a format of time is"),
     ("rigs/acrobot/plausibility/time.rs", "EPOCH", "what a format of time is"),
     ("rigs/acrobot/dataset/table.rs", "DAY", "seconds"),
     ("rigs/acrobot/dataset/stated.rs", "KEYS", "units of measurement"),

@@ -279,3 +279,26 @@ fn every_fault_of_a_log_is_told_with_its_line() {
         assert!(error.to_string().contains(wanted) && error.is_input(), "{error}");
     }
 }
+
+#[test]
+fn value_times_of_a_clock_count_from_the_first_row() {
+    let set = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[[channel]]\nvariable = \"acrobot_plant.q1\"\n[[run]]\nfile = \"a.csv\"\n\
+               time = { column = \"t\", unit = \"ns\" }\n";
+    // nanoseconds since 1970 that no number of seconds tells apart
+    let log = "t,q1\n1700000000000000000,1\n1700000000020000000,2\n1700000000040000000,1\n";
+    let problem = load(set, log, B, "clock").unwrap_or_else(|error| panic!("{error}"));
+    let time = &problem.runs[0].series[0].time;
+    assert!(
+        time.iter().zip([0.0, 0.02, 0.04]).all(|(time, wanted)| (time - wanted).abs() < 1e-15),
+        "{time:?}"
+    );
+    assert!(
+        problem.notices.iter().any(|notice| notice.message.contains("a clock's")),
+        "{:?}",
+        problem.notices
+    );
+    // a run that begins late is no clock
+    let late = log.replace("17000000000", "1");
+    let problem = load(set, &late, B, "late").unwrap_or_else(|error| panic!("{error}"));
+    assert!((problem.runs[0].series[0].time[0] - 0.1).abs() < 1e-12, "{:?}", problem.runs[0].series[0].time);
+}

@@ -288,7 +288,7 @@ pub fn give_up() -> Vec<String> {
 }
 
 /// In the `main.rs` of a program: functions `_exit` and `_Exit` of its own, which units that call those of the C library find first, so that
-/// an end of theirs is told. The program's build script has to export both (`-Wl,--export-dynamic-symbol=_exit`).
+/// an end of theirs is told. Linkers export both by themselves, since the C library has them, too.
 #[macro_export]
 macro_rules! own_exit {
     () => {

@@ -3,6 +3,7 @@
 
 use super::Time;
 use crate::error::Error;
+use crate::observe::EPOCH;
 use crate::observe::measure;
 use crate::statistics::levels::SEVERAL;
 use orchestrator::fmu::Description;
@@ -10,8 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// Rows further apart than this many usual distances have a gap between them.
 pub(super) const GAP: f64 = SEVERAL;
-/// Seconds since 1970 that no run lasts.
-const EPOCH: f64 = 1e8;
 const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];
 
 /// One log.

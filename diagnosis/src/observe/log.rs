@@ -9,6 +9,8 @@ use crate::statistics::levels::SMALL;
 use orchestrator::nearest;
 use std::path::{Path, PathBuf};
 
+/// Times from here on, s, are those of a clock (1e8 s after 1970 is March 1973) and no time of a model.
+pub(crate) const EPOCH: f64 = 1e8;
 /// Rows out of order from which on the file is refused, as a share and as a number: its times are not what they are said to be.
 const DISORDER: (f64, usize) = (SMALL, 2);
 
@@ -128,12 +130,19 @@ impl Log {
     ) -> Result<Times, Error> {
         let mut rows: Vec<(usize, f64)> = Vec::with_capacity(self.rows.len());
         let mut late: Option<(usize, usize)> = None;
+        let first = (0..self.rows.len()).next().map(|row| self.number(row, place)).transpose()?.flatten();
+        // differences before units: a clock's nanoseconds have no room in a number of seconds
+        let origin = first.filter(|first| (first * seconds).abs() >= EPOCH).unwrap_or(0.0);
+        if origin != 0.0 {
+            let message = format!("times are a clock's: {origin} in the first row is taken as 0 s");
+            notices.push(Notice { file: label.to_owned(), line: self.rows[0].0, message });
+        }
         for row in 0..self.rows.len() {
             let Some(time) = self.number(row, place)? else {
                 let problem = format!("column {:?}: a row without a time", self.columns[place]);
                 return Err(self.wrong(self.rows[row].0, problem));
             };
-            let time = time * seconds;
+            let time = (time - origin) * seconds;
             if rows.last().is_some_and(|(_, before)| time <= *before) {
                 late = Some(late.map_or((self.rows[row].0, 1), |(line, count)| (line, count + 1)));
                 continue;

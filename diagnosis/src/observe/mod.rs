@@ -19,6 +19,7 @@ mod raw;
 mod resolve;
 mod unlogged;
 
+pub(crate) use log::EPOCH;
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};

@@ -9,7 +9,7 @@ use super::linearised::Linearised;
 use super::noise::Noise;
 use super::smooth::smooth;
 use crate::error::Error;
-use crate::statistics::levels::{FEW, FINE, HALF, SLIGHT};
+use crate::statistics::levels::{FEW, FINE, HALF, ROUNDING, SLIGHT};
 use crate::statistics::linear::{Reduced, inverse, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -159,6 +159,22 @@ fn within_reach(model: &dyn Linearise, parameter: usize, at: f64) -> (f64, f64) 
     (least.max(one.min(other)), most.min(one.max(other)))
 }
 
+/// Whether a round's reach holds a parameter back, and not its range.
+fn is_cut(model: &dyn Linearise, free: &[usize], theta: &[f64], reach: &[(f64, f64)]) -> bool {
+    free.iter().zip(reach).any(|(parameter, (least, most))| {
+        let (at, range) = (theta[*parameter], model.range(*parameter));
+        let same = |end: f64| (at - end).abs() <= ROUNDING * end.abs();
+        same(*least) && *least > range.0 || same(*most) && *most < range.1
+    })
+}
+
+/// The noises of a place by itself, the parameters held there, and the deviance with them. In a round the parameters are free, so that a fit
+/// goes far at first; two places, neither of which is the end, are compared by these.
+fn alone(runs: &[Linearised], from: &Noise, sizes: &Sizes, options: &Options) -> (Noise, f64) {
+    let (noise, deviance, _) = maximise_within(runs, &[], from, sizes, options.noises);
+    (noise, deviance)
+}
+
 /// What a step gains, by the linear model.
 pub fn promised(reduced: &Reduced, shift: &[f64]) -> f64 {
     let shift = DVector::from_column_slice(shift);
@@ -224,7 +240,14 @@ pub fn fit_from(
         }
         let here = reduced(&runs, &at.noise, &all);
         let value = here.square + here.log_det;
-        let worse = best.as_ref().is_some_and(|(_, _, known)| !value.is_finite() || value > known + rise);
+        let worse = best.as_ref().is_some_and(|(from, about, known)| {
+            let seems = !value.is_finite() || value > known + rise;
+            let is = |sizes: &Sizes| {
+                let here = alone(&runs, &at.noise, sizes, options).1;
+                !here.is_finite() || here > alone(about, &from.noise, sizes, options).1 + rise
+            };
+            seems && sizes.is_none_or(is)
+        });
         if worse && failures < options.damped {
             failures += 1;
             damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
@@ -245,6 +268,12 @@ pub fn fit_from(
         let (about, mut to) = (about.clone(), from.clone());
         for (parameter, by) in free.iter().zip(&shift) {
             to.theta[*parameter] += by;
+        }
+        if let (Some(sizes), true) = (sizes, is_cut(model, free, &to.theta, &ranges)) {
+            // the noises are those of the whole step, too small for what a part of it leaves
+            let by: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
+            let moved: Vec<Linearised> = about.par_iter().map(|run| run.shifted(&by)).collect();
+            to.noise = alone(&moved, &to.noise, sizes, options).0;
         }
         let moved = if damping > 0.0 && failures > 1 {
             // states follow a damped step, too: a share of the way

@@ -139,7 +139,7 @@ impl Unknown {
     /// What the gap on rows that were left out says of it, where its course is all that is known.
     pub fn left_open(&self) -> Option<&'static str> {
         (!self.trace.is_empty()).then_some(
-            "The course of the unlisted input is known where it was measured, and nothing predicts it on the rows left out: there the gap \
+            "The course of what has no name is known where it was measured, and nothing predicts it on the rows left out: there the gap \
              closes by what the names explain, and stays open for the rest",
         )
     }

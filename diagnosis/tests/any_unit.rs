@@ -199,3 +199,26 @@ fn law_states_that_nobody_lists_are_told_where_rows_begin_anew() {
     assert_eq!(told("no-rates", ""), 2, "one a run");
     assert_eq!(told("all-states", SHOWN), 0);
 }
+
+#[test]
+fn recovers_a_sensor_that_bends_as_unknown() {
+    // an encoder that runs out of round by twenty times its noise; nobody states that noise
+    let bent = |seed: u64| -> String {
+        let row = |line: &str| -> String {
+            let cells: Vec<&str> = line.split(',').collect();
+            let Ok(q1) = cells[2].parse::<f64>() else { return line.to_owned() };
+            format!("{},{},{},{}", cells[0], cells[1], q1 + 20.0 * NOISE * (7.0 * q1).sin(), cells[3])
+        };
+        log(&[], seed, quiet).lines().map(row).collect::<Vec<_>>().join("\n")
+    };
+    let folder = Folder::new("bent");
+    folder.put("dataset.toml", &format!("{}{SHOWN}", HEAD.replace("noise = 1e-3\n", "")));
+    folder.put("a.csv", &bent(5));
+    folder.put("b.csv", &bent(6));
+    let found = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {})
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    assert!(found.effects.iter().all(|effect| effect.probability <= 0.5), "{:?}", found.effects);
+    let unknown = found.unknown.expect("the verdict says so");
+    assert!(unknown.signal.contains("q1"), "{unknown:?}");
+}

@@ -3,6 +3,7 @@
 //! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `told.rs`: effects, classes, what the data would show
@@ -15,6 +16,7 @@ mod equivalent;
 mod mismatch;
 mod reading;
 mod rest;
+mod sensor;
 mod study;
 mod table;
 mod told;

@@ -213,7 +213,7 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
 }
 
 /// Forward selection over the terms: what the course depends on, and how.
-fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Vec<String>, String) {
+pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Vec<String>, String) {
     let terms = terms(engine, studied);
     let mean = course.iter().sum::<f64>() / course.len().max(1) as f64;
     let whole: f64 = course.iter().map(|v| (v - mean) * (v - mean)).sum();

@@ -1,7 +1,7 @@
 //! From a problem to a diagnosis.
 
 use super::rest::{self, Rest};
-use super::{amended, mismatch, reading, told};
+use super::{amended, mismatch, reading, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::dynamics::Machine;
@@ -71,8 +71,8 @@ pub fn diagnosed(
     watch.stage("searching in all rows");
     let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
     let all = studied(problem, &whole, options, Some((&trained, &known)), true, watch)?;
-    let effects = told::effects(problem, &all);
-    let unknown = rest::unknown(problem, &all);
+    let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all));
+    let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
         Verdict::Unknown
     } else if effects.iter().any(|effect| effect.class.len() > 1) {

@@ -17,10 +17,10 @@ const SURE: f64 = 0.999;
 /// that nobody lists, two of two names beside them were wrong.
 const BESIDE: f64 = HALF;
 
-/// What was found, in the order found.
-pub fn effects(problem: &Problem, studied: &Studied) -> Vec<Effect> {
+/// What was found, in the order found; beside something unnamed no name is sure.
+pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effect> {
     let units = units(problem);
-    let most_sure = if studied.rest.unlisted.is_some() { BESIDE } else { SURE };
+    let most_sure = if unnamed { BESIDE } else { SURE };
     let policy = studied.policy;
     let parameters = &studied.built.engine.machine.parameters;
     let mut list = Vec::new();

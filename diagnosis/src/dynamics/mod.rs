@@ -14,6 +14,7 @@
 //! - `scales.rs`: sizes of what no log tells
 //! - `stretch.rs`: how well the units follow stretches of the logs, from the best start state of each
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `memory.rs`: whether a unit remembers more than the states that can be set
 //! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
 //! - `at_once.rs`: outputs that follow an input without a state between them

@@ -172,7 +172,6 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
             message: format!("no variable shows the state {state} again: states are read through the outputs of {told} rows"),
         });
     }
-    notices.extend(engine.remembered()?);
     engine.starts = engine.grids.iter().map(|grid| engine.prior(grid)).collect();
     let least = |(output, scatter): (&super::machine::Output, &Scatter)| match output.noise {
         Some(sd) if sd > 0.0 => None,

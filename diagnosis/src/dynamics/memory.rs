@@ -1,12 +1,12 @@
-//! Whether a unit remembers more than the states that can be set: a ball that has come to rest, a relay's position, a lag inside that no
-//! variable starts. A row's interval begins anew from these states, so what a unit remembers beyond them counts as a fault of the model.
+//! Whether a unit remembers more than the states that can be set: a relay's position, a lag inside that no variable starts, a state that the
+//! data set does not list. A row's interval begins anew from these states, so what a unit remembers beyond them counts as a fault of the model.
 //!
 //! The nominal model is simulated through each run, and once more from each row to the next; where the two go apart, a notice says so.
 
 use super::grid::Grid;
 use super::linearise::Engine;
 use super::schedule::Schedule;
-use crate::error::{Error, Notice};
+use crate::error::Notice;
 use crate::statistics::levels::STEP;
 
 /// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
@@ -14,12 +14,12 @@ const APART: f64 = STEP;
 
 impl Engine {
     /// A notice for each run in which rows begun anew go another way.
-    pub(super) fn remembered(&self) -> Result<Vec<Notice>, Error> {
+    pub fn remembered(&self) -> Vec<Notice> {
         let machine = &self.machine;
         if machine.whole || machine.horizon > 0 || machine.states.iter().any(|state| state.shows.is_none()) {
-            return Ok(Vec::new());
+            return Vec::new();
         }
-        Ok(self.grids.iter().filter_map(|grid| self.remembered_in(grid)).collect())
+        self.grids.iter().filter_map(|grid| self.remembered_in(grid)).collect()
     }
 
     fn remembered_in(&self, grid: &Grid) -> Option<Notice> {

@@ -92,6 +92,7 @@ pub fn diagnosed(
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
+    notices.extend(all.built.engine.remembered());
     let mut story = told::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);

@@ -135,7 +135,8 @@ fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: 
         let neutral = variable.start.as_ref().and_then(orchestrator::Value::as_f64).unwrap_or(0.0);
         let about = match variable.description.as_str() {
             "" => String::new(),
-            words => format!("                            # {}", words.replace('\n', " ")),
+            // TOML allows no control character in a comment
+            words => format!("                            # {}", words.replace(char::is_control, " ")),
         };
         let _ = writeln!(text, "[[candidate]]{about}");
         let _ = writeln!(text, "variable = {}", quoted(&format!("{}.{}", instance(fmu), variable.name)));

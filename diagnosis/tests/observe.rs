@@ -283,13 +283,13 @@ fn every_fault_of_a_log_is_told_with_its_line() {
 #[test]
 fn value_times_of_a_clock_count_from_the_first_row() {
     let set = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[[channel]]\nvariable = \"acrobot_plant.q1\"\n[[run]]\nfile = \"a.csv\"\n\
-               time = { column = \"t\", unit = \"ns\" }\n";
-    // nanoseconds since 1970 that no number of seconds tells apart
-    let log = "t,q1\n1700000000000000000,1\n1700000000020000000,2\n1700000000040000000,1\n";
+               time = { column = \"t\", unit = \"us\" }\n";
+    // microseconds since 1970 are exact, as seconds they would be rounded by a quarter of one
+    let log = "t,q1\n1700000000000000,1\n1700000000000001,2\n1700000000000003,1\n";
     let problem = load(set, log, B, "clock").unwrap_or_else(|error| panic!("{error}"));
     let time = &problem.runs[0].series[0].time;
     assert!(
-        time.iter().zip([0.0, 0.02, 0.04]).all(|(time, wanted)| (time - wanted).abs() < 1e-15),
+        time.iter().zip([0.0, 1e-6, 3e-6]).all(|(time, wanted)| (time - wanted).abs() < 1e-15),
         "{time:?}"
     );
     assert!(
@@ -298,7 +298,7 @@ fn value_times_of_a_clock_count_from_the_first_row() {
         problem.notices
     );
     // a run that begins late is no clock
-    let late = log.replace("17000000000", "1");
+    let late = log.replace("17000000000", "10");
     let problem = load(set, &late, B, "late").unwrap_or_else(|error| panic!("{error}"));
-    assert!((problem.runs[0].series[0].time[0] - 0.1).abs() < 1e-12, "{:?}", problem.runs[0].series[0].time);
+    assert!((problem.runs[0].series[0].time[0] - 1.0).abs() < 1e-12, "{:?}", problem.runs[0].series[0].time);
 }

@@ -131,7 +131,7 @@ impl Log {
         let mut rows: Vec<(usize, f64)> = Vec::with_capacity(self.rows.len());
         let mut late: Option<(usize, usize)> = None;
         let first = (0..self.rows.len()).next().map(|row| self.number(row, place)).transpose()?.flatten();
-        // differences before units: a clock's nanoseconds have no room in a number of seconds
+        // differences before units: microseconds since 1970 are exact, in seconds a quarter of one is lost
         let origin = first.filter(|first| (first * seconds).abs() >= EPOCH).unwrap_or(0.0);
         if origin != 0.0 {
             let message = format!("times are a clock's: {origin} in the first row is taken as 0 s");

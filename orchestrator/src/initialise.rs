@@ -89,10 +89,11 @@ pub(crate) fn initialise(
         instance.reset()?;
         unit.not_finite.clear();
         unit.rollback.retried = 0;
+        // values after the experiment, as other masters do: some units begin anew when they are told of it
+        instance.setup_experiment(start.time, stop)?;
         for (reference, value) in sets {
             instance.set(*reference, value)?;
         }
-        instance.setup_experiment(start.time, stop)?;
         instance.enter_initialization()?;
         // The buffers begin with the start values, whatever an earlier run left there.
         unit.inputs.get(instance, &mut system.values).map_err(|error| *error)?;

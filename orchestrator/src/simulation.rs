@@ -372,6 +372,11 @@ impl Simulation {
         self.wiring.names.units.iter().map(|(name, fmu)| (name.as_str(), fmu.description()))
     }
 
+    /// Whether every unit begins anew after a reset, as a fresh one does ([`Fmu::restores`](crate::Fmu::restores)).
+    pub fn restores(&self) -> bool {
+        self.wiring.names.units.iter().all(|(_, fmu)| fmu.restores())
+    }
+
     /// In which order units step where they do one after the other, by their places in the scenario.
     pub fn order(&self) -> &[usize] {
         &self.wiring.system.order

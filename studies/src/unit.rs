@@ -48,10 +48,10 @@ impl Unit {
     /// No such variable, or the unit refuses a value.
     pub fn start(&mut self, time: f64, set: &[(&str, f64)]) -> Result<(), Error> {
         self.instance.reset()?;
+        self.instance.setup_experiment(time, None)?;
         for (name, value) in set {
             self.set(name, *value)?;
         }
-        self.instance.setup_experiment(time, None)?;
         self.instance.enter_initialization()?;
         Ok(self.instance.exit_initialization()?)
     }

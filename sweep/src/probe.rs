@@ -8,12 +8,15 @@ use orchestrator::{Cell, Simulation};
 /// Points that are compared: what a unit keeps shows soon, and this costs nothing beside a sweep.
 const POINTS: u32 = 1000;
 
-/// Runs the first case, then the last one with the same units; the last one with fresh units must give the same bits. Which
+/// Asks the units by themselves, and then with what they are used for: runs the first case, then the last one with the same units; the last one with fresh units must give the same bits. Which
 /// cases are compared depends on the study alone, so that all parts of it are made alike.
 pub(crate) fn may_reuse(plan: &Plan) -> Result<bool, Error> {
     let Some(last) = plan.cases().checked_sub(1).filter(|last| *last > 0) else { return Ok(true) };
     let units = plan.units();
     let mut used = plan.simulation(&units)?;
+    if !used.restores() {
+        return Ok(false);
+    }
     let first = trace(plan, &mut used, 0);
     let after = trace(plan, &mut used, last);
     if first.is_err() || after.is_err() {

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{Bench, STATEFUL, column, description, files};
+use common::{
+    Bench, LEAKY, ONLY_ONCE, STATEFUL, column, described_as_only_once, description, files, library_with,
+};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use parquet::record::Field;
 use std::sync::Mutex;
@@ -143,44 +145,11 @@ fn law_a_failing_case_is_a_row_and_costs_nothing_else() {
 }
 
 /// The fixture's library with lines of its source replaced.
-fn library(bench: &Bench, replaced: &[(&str, &str)]) -> Vec<u8> {
-    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../orchestrator/tests/fixtures/unit.c");
-    let mut text = std::fs::read_to_string(source).expect("there");
-    for (honest, other) in replaced {
-        assert!(text.contains(honest), "{honest}");
-        text = text.replace(honest, other);
-    }
-    std::fs::write(bench.path("other.c"), text).expect("writable");
-    let library = bench.path("other.so");
-    let compiled = std::process::Command::new("cc")
-        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
-        .args([&library, &bench.path("other.c")])
-        .arg("-lm")
-        .status();
-    assert!(compiled.expect("a C compiler").success());
-    std::fs::read(&library).expect("compiled")
-}
-
 #[test]
 fn law_a_unit_that_can_live_only_once_is_loaded_by_each_thread() {
     let bench = Bench::new();
     bench.sweep(GRID, "honest", 1, None).expect("runs");
-    // It refuses a second instance while one is alive.
-    let make = "API void *fmi2Instantiate(";
-    let check = "    if (type != 1 ||";
-    let free = "API void fmi2FreeInstance(void *c) { ";
-    let library = library(
-        &bench,
-        &[
-            (make, "static int alive;\nAPI void *fmi2Instantiate("),
-            (check, "    if (alive++) return NULL;\n    if (type != 1 ||"),
-            (free, "API void fmi2FreeInstance(void *c) { alive--; "),
-        ],
-    );
-    let described = description(STATEFUL).replace(
-        "canGetAndSetFMUstate=",
-        "canBeInstantiatedOnlyOncePerProcess=\"true\" canGetAndSetFMUstate=",
-    );
+    let (described, library) = (described_as_only_once(STATEFUL), library_with(&ONLY_ONCE));
     bench.units.pack("stateful.fmu", &described, &library);
     bench.sweep(GRID, "once", 3, None).expect("runs");
     assert_eq!(bench.rows("once", "cases"), bench.rows("honest", "cases"));
@@ -189,9 +158,7 @@ fn law_a_unit_that_can_live_only_once_is_loaded_by_each_thread() {
 #[test]
 fn law_a_unit_that_keeps_something_over_a_reset_gets_fresh_instances() {
     let bench = Bench::new();
-    let honest = "API int fmi2Reset(void *c) { start(c); return 0; }";
-    let leaky = "API int fmi2Reset(void *c) { double k = ((Unit *)c)->r[K]; start(c); ((Unit *)c)->r[K] = 2 * k; return 0; }";
-    let library = library(&bench, &[(honest, leaky)]);
+    let library = library_with(&[LEAKY]);
     let study = "[grid]\n\"a.x0\" = [0, 1, 2]\n[scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n";
     bench.sweep(study, "honest", 1, None).expect("runs");
     bench.units.pack("stateful.fmu", &description(STATEFUL), &library);

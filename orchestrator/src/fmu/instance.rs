@@ -316,18 +316,19 @@ impl Instance {
         self.phase == Phase::Stepping
     }
 
-    /// `fmi2Reset`: back to the state after instantiation. A unit that can't is replaced by a fresh instance.
+    /// `fmi2Reset`: back to the state after instantiation. An instance that can't, or whose unit only claims to, is replaced by a
+    /// fresh one.
     pub fn reset(&mut self) -> Result<(), Error> {
         if self.phase == Phase::Instantiated {
             return Ok(());
         }
         self.warnings = 0;
         self.sink.take();
-        if self.phase != Phase::Dead && self.reset_itself().is_ok() {
+        if self.phase != Phase::Dead && self.fmu.restores() && self.reset_itself().is_ok() {
             self.warnings = 0;
             return Ok(());
         }
-        *self = Self::new(self.fmu.clone(), &self.name.clone())?;
+        *self = Self::new(self.fmu.apart()?, &self.name.clone())?;
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 //! [`Fmu::open`] unpacks and reads the description; the library is loaded at the first [`Fmu::instantiate`]. The
 //! unpacked folder and the library live as long as any instance.
 
+mod anew;
 mod archive;
 mod attributes;
 mod call;
@@ -104,6 +105,8 @@ pub(crate) struct Inner {
     note: OnceLock<String>,
     // Dropped before the archive that holds its file.
     library: OnceLock<Library>,
+    /// Whether a reset brings an instance back to where it began.
+    restores: OnceLock<bool>,
     archive: Archive,
 }
 
@@ -127,6 +130,7 @@ impl Fmu {
                 description,
                 note: OnceLock::new(),
                 library: OnceLock::new(),
+                restores: OnceLock::new(),
                 archive,
             }),
             isolation: None,

@@ -91,6 +91,48 @@ pub fn compile(source: &str) -> Vec<u8> {
     std::fs::read(&library).expect("compiled")
 }
 
+/// `unit.c` compiled with some of its text replaced.
+pub fn library_with(replaced: &[(&str, &str)]) -> Vec<u8> {
+    let folder = TempDir::new().expect("a temporary folder");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../orchestrator/tests/fixtures/unit.c");
+    let mut text = std::fs::read_to_string(source).expect("there");
+    for (honest, other) in replaced {
+        assert!(text.contains(honest), "{honest}");
+        text = text.replace(honest, other);
+    }
+    let (source, library) = (folder.path().join("unit.c"), folder.path().join("unit.so"));
+    std::fs::write(&source, text).expect("writable");
+    let status = Command::new("cc")
+        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
+        .args([&library, &source])
+        .args(["-lm", "-lpthread"])
+        .status()
+        .expect("a C compiler");
+    assert!(status.success(), "it compiles");
+    std::fs::read(&library).expect("compiled")
+}
+
+/// It refuses a second instance while one is alive.
+pub const ONLY_ONCE: [(&str, &str); 3] = [
+    ("API void *fmi2Instantiate(", "static int alive;\nAPI void *fmi2Instantiate("),
+    ("    if (type != 1 ||", "    if (alive++) return NULL;\n    if (type != 1 ||"),
+    ("API void fmi2FreeInstance(void *c) { ", "API void fmi2FreeInstance(void *c) { alive--; "),
+];
+
+/// What such a unit says of itself.
+pub fn described_as_only_once(fixture: Fixture) -> String {
+    description(fixture).replace(
+        "canGetAndSetFMUstate=",
+        "canBeInstantiatedOnlyOncePerProcess=\"true\" canGetAndSetFMUstate=",
+    )
+}
+
+/// A reset that keeps `k`, and doubles it.
+pub const LEAKY: (&str, &str) = (
+    "API int fmi2Reset(void *c) { start(c); return 0; }",
+    "API int fmi2Reset(void *c) { double k = ((Unit *)c)->r[K]; start(c); ((Unit *)c)->r[K] = 2 * k; return 0; }",
+);
+
 /// The compiled `unit.c`.
 pub fn library() -> Vec<u8> {
     static LIBRARY: OnceLock<Vec<u8>> = OnceLock::new();

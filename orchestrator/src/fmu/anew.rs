@@ -1,0 +1,96 @@
+//! Whether `fmi2Reset` brings an instance back to where it began: those of some tools keep their clock, their inputs or the state of a
+//! solver, and a second run would silently be another. Looked at once a unit, when an instance is first used again.
+//!
+//! An instance steps a little from its own start, is reset, and steps again: every value must be the same to the bit. A unit of which
+//! that is not so gets a fresh instance for each run.
+
+use super::description::{Causality, Description, Variability};
+use super::{Fmu, Instance, Status};
+use crate::error::Error;
+use crate::value::Kind;
+
+/// Steps that are compared: what an instance keeps shows in the first, or in the second where the first only catches up.
+const STEPS: u32 = 3;
+/// An input is moved off its start value by this share of it, so that a unit at rest begins to move.
+const MOVED: f64 = 0.01;
+
+impl Fmu {
+    /// Whether an instance that was reset runs as a fresh one.
+    pub fn restores(&self) -> bool {
+        *self.inner.restores.get_or_init(|| self.tried_twice().unwrap_or(false))
+    }
+
+    /// A unit that can live only once in a process, in a copy of its library; else itself.
+    pub fn apart(&self) -> Result<Self, Error> {
+        if !self.description().co_simulation.only_one_instance || self.isolation.is_some() {
+            return Ok(self.clone());
+        }
+        let inner = Self::open(self.path())?.inner;
+        if let Some(known) = self.inner.restores.get() {
+            // the same unit: what was seen of it holds
+            let _ = inner.restores.set(*known);
+        }
+        Ok(Self { inner, ..self.clone() })
+    }
+
+    fn tried_twice(&self) -> Result<bool, Error> {
+        let mut instance = self.apart()?.instantiate("reset")?;
+        let first = instance.trace()?;
+        instance.reset_itself()?;
+        Ok(instance.trace()? == first)
+    }
+}
+
+impl Instance {
+    /// A few steps from the unit's own start; all that it shows, as bits.
+    fn trace(&mut self) -> Result<Vec<u64>, Error> {
+        let fmu = self.fmu().clone();
+        let description = fmu.description();
+        let start = description.default_experiment.start.unwrap_or(0.0);
+        let step = description.default_experiment.step_size.filter(|step| *step > 0.0 && step.is_finite());
+        let step = step.unwrap_or(MOVED);
+        let (inputs, shown) = (moved(description), shown(description));
+        self.setup_experiment(start, None)?;
+        self.enter_initialization()?;
+        self.exit_initialization()?;
+        let mut all = Vec::new();
+        let mut values = vec![0.0; shown.len()];
+        for count in 0..=STEPS {
+            self.get_real(&shown, &mut values)?;
+            all.extend(values.iter().map(|value| value.to_bits()));
+            for (reference, value) in &inputs {
+                self.set_real(&[*reference], &[*value])?;
+            }
+            let from = start + f64::from(count) * step;
+            match self.do_step(from, step, true) {
+                Status::Ok | Status::Warning => {}
+                status => return Err(self.step_error(status, from)),
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Real inputs, each a little off its start value and within its bounds.
+fn moved(description: &Description) -> Vec<(u32, f64)> {
+    let inputs = description.variables.iter().filter(|variable| {
+        variable.kind == Kind::Real
+            && variable.causality == Causality::Input
+            && variable.variability == Variability::Continuous
+    });
+    let value = |variable: &super::Variable| {
+        let start = variable.start.as_ref().and_then(crate::Value::as_f64).unwrap_or(0.0);
+        let (least, most) =
+            (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+        let by = MOVED * start.abs().max(1.0);
+        let there = if start + by <= most { start + by } else { f64::max(start - by, least) };
+        (variable.reference, there)
+    };
+    inputs.map(value).collect()
+}
+
+/// All real values: what moves, and what a reset should have put back.
+fn shown(description: &Description) -> Vec<u32> {
+    let all = description.variables.iter().filter(|variable| variable.kind == Kind::Real);
+    all.map(|variable| variable.reference).collect()
+}

@@ -1,0 +1,81 @@
+//! Units as some tools make them: values that are set before the experiment are lost, a reset leaves things behind, one instance a process.
+
+mod common;
+
+use common::{LEAKY, ONLY_ONCE, STATEFUL, Units, described_as_only_once, description, library_with};
+use orchestrator::{Fmu, NoRecorder, Quiet, Scenario, Simulation};
+
+/// It begins anew when it is told of the experiment, as units of 20-sim do.
+const FORGETS: (&str, &str) = ("    u->set_up = 1;\n", "    start(u);\n    u->set_up = 1;\n");
+
+fn simulation(units: &Units) -> Simulation {
+    let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n\
+                set = { k = 3, x0 = 1 }\n[[sources]]\nto = \"a.u1\"\nkind = \"constant\"\nvalue = 2.0\n";
+    let scenario = Scenario::parse(text, "test.toml").expect("a scenario");
+    Simulation::new(&scenario, &units.unit_path()).expect("builds")
+}
+
+/// Where it ends: 1 + 3 · 2.
+fn end(simulation: &mut Simulation) -> f64 {
+    simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
+    simulation.value("a.y1").expect("known")
+}
+
+#[test]
+fn law_values_are_set_where_units_keep_them() {
+    let units = Units::new();
+    assert_eq!(end(&mut simulation(&units)), 7.0);
+    units.pack("stateful.fmu", &description(STATEFUL), &library_with(&[FORGETS]));
+    assert_eq!(end(&mut simulation(&units)), 7.0, "values set before the experiment are lost");
+}
+
+#[test]
+fn law_a_second_run_is_the_first_whatever_a_reset_leaves() {
+    let units = Units::new();
+    let mut honest = simulation(&units);
+    assert!(honest.restores());
+    assert_eq!((end(&mut honest), end(&mut honest)), (7.0, 7.0));
+    // values that a scenario sets hide what was left; an input's start value does not
+    let keeps = (
+        "API int fmi2Reset(void *c) { start(c); return 0; }",
+        "API int fmi2Reset(void *c) { (void)c; return 0; }",
+    );
+    for change in [LEAKY, keeps] {
+        units.pack("stateful.fmu", &description(STATEFUL), &library_with(&[change]));
+        let mut leaky = simulation(&units);
+        assert!(!leaky.restores());
+        leaky.set("a.k", 3.0).expect("before a run");
+        assert_eq!((end(&mut leaky), end(&mut leaky)), (7.0, 7.0));
+    }
+}
+
+#[test]
+fn law_an_instance_that_was_reset_is_fresh() {
+    let units = Units::new();
+    units.pack("leaky.fmu", &description(STATEFUL), &library_with(&[LEAKY]));
+    for (name, restores) in [("stateful.fmu", true), ("leaky.fmu", false)] {
+        let fmu = Fmu::open(units.path().join(name)).expect("opens");
+        let mut instance = fmu.instantiate("a").expect("instantiates");
+        let k = |instance: &mut orchestrator::fmu::Instance| {
+            let mut k = [0.0];
+            instance.get_real(&[4], &mut k).expect("a parameter");
+            k[0]
+        };
+        instance.set_real(&[4], &[5.0]).expect("before the initialisation");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        instance.exit_initialization().expect("exits");
+        instance.reset().expect("anew");
+        assert_eq!((fmu.restores(), k(&mut instance)), (restores, 1.0), "{name}");
+    }
+}
+
+#[test]
+fn law_a_unit_that_can_live_only_once_is_begun_anew_as_well() {
+    let units = Units::new();
+    let library = library_with(&[ONLY_ONCE[0], ONLY_ONCE[1], ONLY_ONCE[2], LEAKY]);
+    units.pack("stateful.fmu", &described_as_only_once(STATEFUL), &library);
+    let mut one = simulation(&units);
+    assert_eq!((end(&mut one), end(&mut one), end(&mut one)), (7.0, 7.0, 7.0));
+    assert!(!one.restores());
+}

@@ -170,7 +170,7 @@ impl Subject<'_> {
     }
 
     /// Moves Real inputs a little about their start values, differently in each step.
-    fn excite(&mut self, k: u64) -> Result<(), Halt> {
+    pub(super) fn excite(&mut self, k: u64) -> Result<(), Halt> {
         let bench = self.bench;
         let inputs = bench.real_inputs();
         let values: Vec<Value> = inputs

@@ -48,6 +48,8 @@ const RULES: &[Rule] = &[
     rule("runs", steps::runs),
     rule("repeatable", steps::repeatable),
     rule("start-values", start::values),
+    rule("values-before-setup", start::early),
+    comparing("start-time", start::time),
     rule("guid-checked", calls::guid),
     rule("output-range", steps::output_range),
     comparing("reset", instances::reset),

@@ -1,9 +1,15 @@
-//! The start values of the description are those of the unit (FMI 2.0.4 section 2.2.7).
+//! The start: values of the description are those of the unit (FMI 2.0.4 section 2.2.7), values that are set are in force whenever they
+//! were set, and time begins where the unit is told (4.2.2).
 
-use super::bench::{Bench, Halt, Subject};
+use super::bench::{Bench, Halt, Subject, moved};
 use super::steps::{is_start, started_exactly};
 use crate::Severity;
 use crate::finding::Found;
+use orchestrator::fmu::{Causality, Instance, Variability, Variable};
+use orchestrator::{Kind, Value};
+
+/// Steps after the begin at which a run is begun late.
+const LATE: f64 = 3.0;
 
 pub(super) fn values(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
     let mut unit = bench.initialising("unit")?;
@@ -26,6 +32,66 @@ pub(super) fn compare(
         let start = variable.start.as_ref().map(ToString::to_string).unwrap_or_default();
         let text = format!("its start value is {start} in the description and {value} in the unit{when}");
         found.say(Severity::Error, Some(&variable.name), text);
+    }
+    Ok(())
+}
+
+/// Values may be set as soon as there is an instance; telling it of the experiment must not take them back.
+pub(super) fn early(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
+    let parameters = bench.variables(Causality::Parameter).into_iter().filter(|variable| {
+        variable.variability != Variability::Constant && matches!(variable.kind, Kind::Real | Kind::Integer)
+    });
+    let moved: Vec<(&Variable, Value)> = parameters
+        .filter_map(|variable| Some((variable, moved(variable, variable.start.as_ref()?)?)))
+        .collect();
+    let mut unit = bench.instance("unit")?;
+    for (variable, value) in &moved {
+        unit.set(variable, value)?;
+    }
+    unit.set_up()?;
+    let variables: Vec<&Variable> = moved.iter().map(|(variable, _)| *variable).collect();
+    let values = unit.read(&variables)?;
+    let lost: Vec<&Variable> = (moved.iter().zip(&values))
+        .filter(|((variable, set), value)| *value != set && is_start(variable, value))
+        .map(|((variable, _), _)| *variable)
+        .collect();
+    if let Some(first) = lost.first() {
+        let text = format!(
+            "set before fmi2SetupExperiment it is back at its start value afterwards, as {} of {} that were set: a master that sets values \
+             first runs another model",
+            lost.len(),
+            moved.len()
+        );
+        found.say(Severity::Error, Some(&first.name), text);
+    }
+    Ok(())
+}
+
+/// One step of a new instance, begun at a time: outputs before and after.
+fn stepped(bench: &Bench, from: f64, size: f64) -> Result<[Vec<Value>; 2], Halt> {
+    let mut unit = bench.instance("unit")?;
+    unit.call("fmi2SetupExperiment", |instance| instance.setup_experiment(from, None))?;
+    unit.call("fmi2EnterInitializationMode", Instance::enter_initialization)?;
+    unit.exit_initialization()?;
+    let begin = unit.read(&bench.outputs())?;
+    unit.excite(0)?;
+    unit.step(from, size)?;
+    Ok([begin, unit.read(&bench.outputs())?])
+}
+
+/// A unit that begins at 0 whatever it is told goes the whole way from there in its first step. One that follows the time itself shows it once
+/// it is initialised.
+pub(super) fn time(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
+    let (begin, step) = (bench.start, bench.step);
+    let late = begin + LATE * step;
+    let (told, short) = (stepped(bench, late, step)?, stepped(bench, begin, step)?);
+    // a long step that is refused says nothing
+    let Ok(long) = stepped(bench, begin, late - begin + step) else { return Ok(()) };
+    if told[0] == short[0] && told[1] == long[1] && told[1] != short[1] {
+        found.warning(format!(
+            "told to begin at {late} s, its first step goes the whole way from {begin} s: it does not listen to the start time of \
+             fmi2SetupExperiment"
+        ));
     }
     Ok(())
 }

@@ -1,4 +1,8 @@
-/* A small FMI 2.0 co-simulation unit: RK4 with held inputs. `model.h` brings variables and equations (unit_c.py writes it). */
+/* A small FMI 2.0 co-simulation unit: RK4 with held inputs. `model.h` brings variables and equations (unit_c.py writes it).
+
+   With OLD it behaves as units of code generators of ten years ago do: one instance in static memory; values that are set before
+   fmi2SetupExperiment are forgotten; a start time is not listened to; a reset leaves the clock where it is; steps have a size of
+   their own, and as many are made as it takes to come by the end. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +18,13 @@ typedef const char *String;
 typedef struct {
     double v[NV], x[NX];
     int stepping;
+    double time; /* OLD only */
 } Unit;
+
+#ifdef OLD
+static Unit the_one;
+static int alive;
+#endif
 
 static void derived(Unit *unit) {
     if (!unit->stepping) begin(unit->v, unit->x);
@@ -27,12 +37,28 @@ Status fmi2SetDebugLogging(Component c, Boolean on, size_t n, const String names
 
 Component fmi2Instantiate(String name, int type, String guid, String resources, const void *callbacks, Boolean visible, Boolean log) {
     if (type != 1 || strcmp(guid, GUID) != 0) return NULL;
+#ifdef OLD
+    if (alive++) return NULL;
+    Unit *unit = memset(&the_one, 0, sizeof the_one);
+#else
     Unit *unit = calloc(1, sizeof(Unit));
+#endif
     if (unit) memcpy(unit->v, START, sizeof START);
     return unit;
 }
-void fmi2FreeInstance(Component c) { free(c); }
-Status fmi2SetupExperiment(Component c, Boolean a, double tolerance, double start, Boolean b, double stop) { return 0; }
+void fmi2FreeInstance(Component c) {
+#ifdef OLD
+    alive--;
+#else
+    free(c);
+#endif
+}
+Status fmi2SetupExperiment(Component c, Boolean a, double tolerance, double start, Boolean b, double stop) {
+#ifdef OLD
+    memcpy(((Unit *)c)->v, START, sizeof START);
+#endif
+    return 0;
+}
 Status fmi2EnterInitializationMode(Component c) { return 0; }
 Status fmi2ExitInitializationMode(Component c) {
     Unit *unit = c;
@@ -43,8 +69,10 @@ Status fmi2ExitInitializationMode(Component c) {
 Status fmi2Terminate(Component c) { return 0; }
 Status fmi2Reset(Component c) {
     Unit *unit = c;
+    const double time = unit->time;
     memset(unit, 0, sizeof *unit);
     memcpy(unit->v, START, sizeof START);
+    unit->time = time; /* 0 but for OLD */
     return 0;
 }
 
@@ -68,8 +96,14 @@ Status fmi2SetReal(Component c, const Reference r[], size_t n, const double valu
 
 Status fmi2DoStep(Component c, double at, double size, Boolean never_back) {
     Unit *unit = c;
+#ifdef OLD
+    const double h = STEP;
+    const int parts = (int)ceil((at + size - unit->time) / STEP);
+    if (parts > 0) unit->time += parts * STEP;
+#else
     const int parts = (int)fmax(1.0, ceil(size / STEP - 1e-6));
     const double h = size / parts;
+#endif
     double k1[NX], k2[NX], k3[NX], k4[NX], y[NX], *x = unit->x;
     for (int part = 0; part < parts; part++) {
         derivatives(unit->v, x, k1);

@@ -39,11 +39,12 @@ def variables(machine):
     return rows
 
 
-def description(machine, guid, step):
+def description(machine, guid, step, old=False):
     lines = ['<?xml version="1.0" encoding="UTF-8"?>',
              f'<fmiModelDescription fmiVersion="2.0" modelName="{machine.name}" guid="{guid}" numberOfEventIndicators="0">',
              f'  <CoSimulation modelIdentifier="{machine.name}" canHandleVariableCommunicationStepSize="true"'
-             f' canGetAndSetFMUstate="{str(machine.saves_state).lower()}"/>', "  <UnitDefinitions>"]  # fmt: skip
+             f' canGetAndSetFMUstate="{str(machine.saves_state and not old).lower()}"'
+             f' canBeInstantiatedOnlyOncePerProcess="{str(old).lower()}"/>', "  <UnitDefinitions>"]  # fmt: skip
     for unit in sorted({row[1] for row in variables(machine)}):
         base = " ".join(f'{key}="{value}"' for key, value in UNITS[unit].items())
         lines.append(f'    <Unit name="{unit}"><BaseUnit {base}/></Unit>')
@@ -82,9 +83,9 @@ static void outputs(double *v, const double *x) {{ {outputs} }}
 """
 
 
-def build(machine, folder, derivatives, outputs, step):
-    """Writes `<name>.fmu` into a folder and returns its path."""
-    text = description(machine, "GUID", step) + header(machine, derivatives, outputs, "GUID", step) + (HERE / "unit.c").read_text()
+def build(machine, folder, derivatives, outputs, step, old=False):
+    """Writes `<name>.fmu` into a folder and returns its path. `old`: as code generators of ten years ago made them (`unit.c`)."""
+    text = description(machine, "GUID", step, old) + header(machine, derivatives, outputs, "GUID", step) + (HERE / "unit.c").read_text()
     guid = hashlib.sha256(text.encode()).hexdigest()[:32]
     target = Path(folder) / f"{machine.name}.fmu"
     platforms = {"Linux": ("linux64", "so"), "Darwin": ("darwin64", "dylib")}
@@ -93,9 +94,10 @@ def build(machine, folder, derivatives, outputs, step):
         work = Path(work)
         (work / "model.h").write_text(header(machine, derivatives, outputs, guid, step))
         library = work / f"{machine.name}.{suffix}"
-        command = ["gcc", "-O2", "-shared", "-fPIC", "-Wall", "-I", work, HERE / "unit.c", "-o", library, "-lm"]
+        flags = ["-O2", "-shared", "-fPIC", "-Wall", *(["-DOLD"] if old else [])]
+        command = ["gcc", *flags, "-I", work, HERE / "unit.c", "-o", library, "-lm"]
         subprocess.run(command, check=True, capture_output=True, text=True)
         with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("modelDescription.xml", description(machine, guid, step))
+            archive.writestr("modelDescription.xml", description(machine, guid, step, old))
             archive.write(library, f"binaries/{place}/{library.name}")
     return target

@@ -19,7 +19,7 @@ use crate::infer::likelihood::reduced;
 use crate::observe::{Hold, Problem, Scale};
 use crate::planned::{self, Planned, Predicted};
 use crate::search::class::Alternative;
-use crate::statistics::levels::DOUBTED;
+use crate::statistics::levels::{DOUBTED, SLIGHT};
 use crate::statistics::linear::{inverse, submatrix};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Simulation, UnitPath};
@@ -117,16 +117,21 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
             problem: None,
         }
     });
-    let loss = worst(losses).2;
+    let (one, other, loss) = worst(losses);
+    let too_little = if loss < SLIGHT * TOLD {
+        format!(
+            ": nothing that can be driven here tells {} and {} apart. Measure another variable, or strike out one of them",
+            separates[one], separates[other]
+        )
+    } else if loss < TOLD {
+        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
+    } else {
+        String::new()
+    };
     let what = format!(
-        "{}; start it at rest. One name for another would lose {} of deviance there{}",
+        "{}; start it at rest. One name for another would lose {} of deviance there{too_little}",
         waves[*best].what,
         brief(loss),
-        if loss < TOLD {
-            ", too little to tell them: record so many runs of it that this comes to 20"
-        } else {
-            ""
-        }
     );
     let scenario = scenario(problem, engine, &waves[*best], &time, units);
     let next = NextExperiment {
@@ -217,7 +222,11 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
         values: values.clone(),
         hold: input.hold,
     });
+    // from rest, where the model itself begins
+    let own = if machine.whole { &machine.begins } else { &machine.states };
+    let begun: Vec<f64> = own.iter().map(|state| state.nominal).collect();
     let mut grid = Grid {
+        begin: begun.iter().zip(&engine.grids[0].begin).map(|(value, (_, sd))| (*value, *sd)).collect(),
         name: "next".into(),
         origin: time[0],
         lost: Vec::new(),
@@ -231,7 +240,7 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
     let channels = machine.channels.len();
     let mut out = Vec::new();
     engine.with_worker(|worker| {
-        let whole = schedule.job(time[0], 0, time.len() - 1, &states);
+        let whole = schedule.job(time[0], 0, time.len() - 1, &begun);
         worker.interval(machine, &Job { parameters: &set, probe: true, reads: &[], ..whole }, &mut out)
     })?;
     let first = machine.order();

@@ -6,7 +6,6 @@ use super::grid::Grid;
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Role};
 use super::schedule::Schedule;
-use super::whole;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
 use crate::infer::fit::{At, Path};
@@ -90,11 +89,10 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
             crate::infer::sweep::MOST_STATES - 2
         )));
     }
-    let grids: Vec<Grid> = runs
-        .iter()
-        .map(|(run, (from, to))| Grid::new(&machine, run, *from, *to))
-        .filter(|grid| grid.time.len() > 2)
-        .collect();
+    let (rows, grids): (Vec<(&Run, Span)>, Vec<Grid>) = (runs.iter())
+        .map(|(run, (from, to))| ((*run, (*from, *to)), Grid::new(&machine, run, *from, *to)))
+        .filter(|(_, grid)| grid.time.len() > 2)
+        .unzip();
     let Some(first) = grids.first() else {
         return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     };
@@ -151,11 +149,13 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         machine,
     };
     engine.check_reset(&mut notices)?;
+    engine.check_clock(&mut notices)?;
     let sizes: Vec<f64> = scatters.iter().map(|scatter| scatter.size).collect();
-    if engine.machine.states.is_empty() && engine.remembers(&sizes)? {
-        engine.machine.states = whole::states(&engine.machine);
-        engine.machine.whole = true;
-        engine.scales.clone_from(&sizes);
+    if problem.whole {
+        engine.unmeasured_scales(&sizes)?;
+        engine.follow_whole(&rows, &sizes);
+    } else if engine.machine.states.is_empty() && engine.remembers(&sizes)? {
+        engine.follow_whole(&rows, &sizes);
         let message = "no state of the model can be set (no start parameter, no output of initial \"exact\"): each run is \
                        simulated whole from the model's own start, and no window begins anew";
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
@@ -232,7 +232,7 @@ impl Engine {
     /// States as far as a row measures them, else nominal.
     pub(super) fn nominal_states(&self, grid: &Grid, row: usize) -> Vec<f64> {
         if self.machine.whole {
-            return vec![0.0; self.machine.order()];
+            return grid.begin.iter().map(|(value, _)| *value).collect();
         }
         let near = |channel: usize| {
             let own = grid.samples.iter().filter(|sample| sample.channel == channel);
@@ -248,11 +248,14 @@ impl Engine {
     }
 
     fn prior(&self, grid: &Grid) -> (Vec<f64>, Vec<f64>) {
-        let mean = self.nominal_states(grid, 0);
         if self.machine.whole {
             // the rest begins at none: an offset is an effect
-            return (mean, self.scales.iter().map(|scale| LEAST * scale).collect());
+            return (
+                vec![0.0; self.machine.order()],
+                self.scales.iter().map(|scale| LEAST * scale).collect(),
+            );
         }
+        let mean = self.nominal_states(grid, 0);
         let size = |(state, scale): (&super::machine::State, &f64)| match state.channel {
             Some(_) => WIDE * scale,
             None => WIDE * scale.max(state.nominal.abs()),
@@ -265,13 +268,15 @@ impl Engine {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (here, there) = (self.nominal_states(grid, 0), self.nominal_states(grid, grid.time.len() / 2));
+        let job = |row, states| Job { probe: true, ..self.job(grid, &schedule, row, states) };
         let (mut fresh, mut again, mut other) = (Vec::new(), Vec::new(), Vec::new());
         let mut worker = Worker::new(&self.machine)?;
-        worker.interval(&self.machine, &self.job(grid, &schedule, 0, &here), &mut fresh)?;
+        worker.interval(&self.machine, &job(0, &here), &mut fresh)?;
         let turned = worker
-            .interval(&self.machine, &self.job(grid, &schedule, grid.time.len() / 2, &there), &mut other)
-            .and_then(|()| worker.interval(&self.machine, &self.job(grid, &schedule, 0, &here), &mut again));
-        if turned.is_err() || fresh != again {
+            .interval(&self.machine, &job(grid.time.len() / 2, &there), &mut other)
+            .and_then(|()| worker.interval(&self.machine, &job(0, &here), &mut again));
+        let restores = self.machine.units.iter().all(|unit| unit.fmu.restores());
+        if !restores || turned.is_err() || fresh != again {
             self.resets = false;
             let message = "fmi2Reset doesn't bring the unit back to where it began: a fresh instance for each interval instead";
             notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });

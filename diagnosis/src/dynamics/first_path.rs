@@ -148,6 +148,7 @@ mod tests {
             samples: Vec::new(),
             inputs: Vec::new(),
             origin: 0.0,
+            begin: Vec::new(),
             lost: Vec::new(),
         }
     }

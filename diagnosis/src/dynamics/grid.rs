@@ -70,6 +70,8 @@ pub struct Grid {
     pub inputs: Vec<Course>,
     /// When the run begins, s: drifts count from there.
     pub origin: f64,
+    /// Where a run that is simulated whole is started, as [`Machine::begins`]: values and how far they may be off.
+    pub begin: Vec<(f64, f64)>,
     /// Where nobody knows what was fed.
     pub lost: Vec<Lost>,
 }
@@ -187,7 +189,7 @@ impl Grid {
         let lost = lost(&time, &logged.zip(&inputs).collect::<Vec<_>>());
         let begins = machine.channels.iter().filter_map(|output| run.series[output.channel].time.first());
         let origin = begins.copied().fold(f64::INFINITY, f64::min);
-        Self { name: run.name.clone(), time, samples, inputs, origin, lost }
+        Self { name: run.name.clone(), time, samples, inputs, origin, begin: Vec::new(), lost }
     }
 
     /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
@@ -269,8 +271,15 @@ mod tests {
         course.time.remove(50);
         course.values.remove(50);
         let lost = lost(&rows, &[(true, &course)]);
-        let grid =
-            Grid { name: "a".into(), time, samples: Vec::new(), inputs: vec![course], origin: 0.0, lost };
+        let grid = Grid {
+            name: "a".into(),
+            time,
+            samples: Vec::new(),
+            inputs: vec![course],
+            origin: 0.0,
+            begin: Vec::new(),
+            lost,
+        };
         let torn: Vec<usize> = (0..99).filter(|row| grid.torn()[*row]).collect();
         assert_eq!(torn, [50], "until row 50 the value of row 49 held");
         let blind = |reading| (1..100).filter(|row| grid.blind(reading)[*row]).collect::<Vec<usize>>();

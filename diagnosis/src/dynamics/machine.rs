@@ -139,6 +139,11 @@ pub struct Machine {
     pub horizon: usize,
     /// No unit can be started within a run: it is simulated whole, and the states are what channels show beyond it.
     pub whole: bool,
+    /// What starts a run that is simulated whole.
+    pub begins: Vec<State>,
+    /// The units begin at 0 whatever start time they are told: their clock has so many ticks a second, for differences of the logs' times are
+    /// rounded and some units make one step more for that.
+    pub own_clock: Option<f64>,
     /// Which inputs the outputs of a row see.
     pub reading: observe::Reading,
 }
@@ -209,6 +214,8 @@ impl Machine {
             channels,
             horizon: 0,
             whole: false,
+            begins: Vec::new(),
+            own_clock: None,
             reading: problem.reading,
         };
         machine.parameters = problem

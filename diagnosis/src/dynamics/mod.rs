@@ -14,6 +14,7 @@
 //! - `scales.rs`: sizes of what no log tells
 //! - `stretch.rs`: how well the units follow stretches of the logs, from the best start state of each
 //! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `clock.rs`: units that begin at 0 whatever start time they are told
 //! - `memory.rs`: whether a unit remembers more than the states that can be set
 //! - `whole.rs`: units that nothing can start within a run
 //! - `lag.rs`: a sensor's lag, one more state
@@ -24,6 +25,7 @@
 mod about;
 mod at_once;
 pub mod build;
+mod clock;
 mod excluded;
 pub mod first_path;
 mod fitted;

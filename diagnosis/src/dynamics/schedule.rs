@@ -24,6 +24,8 @@ pub struct Placed {
 /// A stretch with constant inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
+    /// Begin, s: no sum of lengths, whose rounding would make some units step once more.
+    pub from: f64,
     /// Length, s.
     pub span: f64,
     /// Reads at its end.
@@ -181,7 +183,7 @@ impl Schedule {
                     reads.next();
                     count += 1;
                 }
-                self.pieces.push(Piece { span, reads: count });
+                self.pieces.push(Piece { from: at, span, reads: count });
             }
             begin = end;
         }

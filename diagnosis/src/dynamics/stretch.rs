@@ -118,11 +118,7 @@ impl Engine {
     }
 
     fn follow(&self, worker: &mut Worker, stretch: &Stretch<'_>, rounds: usize) -> Result<Vec<Left>, Error> {
-        let states = if self.machine.whole {
-            vec![0.0; self.machine.order()]
-        } else {
-            self.nominal_states(stretch.grid, stretch.row)
-        };
+        let states = self.nominal_states(stretch.grid, stretch.row);
         let mut here = (states.clone(), self.apart(worker, stretch, &states)?);
         let free = !self.machine.whole && !states.is_empty();
         let mut damping = 0.0;

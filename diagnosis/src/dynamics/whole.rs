@@ -8,17 +8,19 @@
 //! What an input was where rows of it are missing is a few states more for each such stretch, one for each piece of it, which stay as they
 //! are: what the outputs show from there on of another input is what they show.
 
+use super::build::Span;
+use super::excluded::excluded;
 use super::grid::{Course, Grid, Lost};
 use super::linearise::{Chord, Engine};
-use super::machine::{Machine, Reference, State};
+use super::machine::{Machine, Parameter, Reference, Role, State};
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;
 use crate::error::Error;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
-use crate::observe::Hold;
-use crate::statistics::levels::{FEW, FINE, SAMPLE};
+use crate::observe::{Hold, Run};
+use crate::statistics::levels::{FEW, FINE, SAMPLE, STEP};
 use rayon::prelude::*;
 
 /// Rows over which a unit is watched after a fresh start.
@@ -69,7 +71,34 @@ fn moved(own: &Course, (from, to): (f64, f64), by: f64) -> Course {
     Course { time, values, hold: own.hold }
 }
 
+/// The same parameters, sensors as they should be.
+fn without_sensors(machine: &Machine, theta: &[f64]) -> Vec<f64> {
+    let of = |(parameter, value): (&Parameter, &f64)| match parameter.role {
+        Role::Output(..) => parameter.neutral,
+        _ => *value,
+    };
+    machine.parameters.iter().zip(theta).map(of).collect()
+}
+
 impl Engine {
+    /// Each run is simulated from its begin on, whatever rows of it are compared; the states are what channels show beyond the model.
+    pub(super) fn follow_whole(&mut self, runs: &[(&Run, Span)], sizes: &[f64]) {
+        for (grid, (run, (from, to))) in self.grids.iter_mut().zip(runs) {
+            *grid = Grid::new(&self.machine, run, run.span().0, *to);
+            let first = |channel: usize| grid.samples.iter().find(|sample| sample.channel == channel);
+            let begun = |(state, scale): (&State, &f64)| {
+                (state.channel.and_then(first).map_or(state.nominal, |sample| sample.value), *scale)
+            };
+            grid.begin = self.machine.states.iter().zip(&self.scales).map(begun).collect();
+            grid.samples.retain(|sample| sample.time >= *from);
+        }
+        let rests = states(&self.machine);
+        self.machine.begins = std::mem::replace(&mut self.machine.states, rests);
+        self.machine.whole = true;
+        self.scales = sizes.to_vec();
+        self.outliers = excluded(&self.machine, &self.grids);
+    }
+
     /// Whether the outputs after some rows depend on what was before them: a fresh start there gives others.
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
         let grid = &self.grids[0];
@@ -99,9 +128,10 @@ impl Engine {
     /// Outputs of a run at its rows, as the log would show them: rows of channels.
     fn simulated(&self, grid: &Grid, theta: &[f64]) -> Result<Vec<f64>, Error> {
         let (machine, channels) = (&self.machine, self.machine.channels.len());
-        let schedule = Schedule::new(machine, grid, theta);
+        // what sensors do is done to the rows' values; units step as they would without, since not all bear other steps
+        let schedule = Schedule::new(machine, grid, &without_sensors(machine, theta));
         let set = self.set(theta);
-        let states = vec![0.0; machine.order()];
+        let states = self.nominal_states(grid, 0);
         let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &states);
         let mut out = Vec::new();
         self.with_worker(|worker| {
@@ -119,6 +149,17 @@ impl Engine {
         Ok(shown)
     }
 
+    /// What the outputs show of another start, by how far each start value may be off.
+    fn begins_elsewhere(&self, grid: &Grid, theta: &[f64], base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let shows = |place: usize| -> Result<Vec<f64>, Error> {
+            let mut other = grid.clone();
+            other.begin[place].0 += STEP * grid.begin[place].1;
+            let there = self.simulated(&other, theta)?;
+            Ok(there.iter().zip(base).map(|(there, here)| (there - here) / STEP).collect())
+        };
+        (0..grid.begin.len()).into_par_iter().map(shows).collect()
+    }
+
     /// What the outputs show of another input where nobody knows it, by its whole size in each piece of a stretch; of the longest
     /// stretches, as many as there is room for.
     fn unknown_inputs(&self, grid: &Grid, theta: &[f64], base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
@@ -127,7 +168,7 @@ impl Engine {
             grid.lost.iter().filter(|lost| lost.to > begin && lost.from < end).collect();
         lost.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
         let each = lost.iter().flat_map(|lost| pieces(lost).into_iter().map(|piece| (lost.input, piece)));
-        let room = MOST_STATES - 1 - self.machine.order();
+        let room = MOST_STATES.saturating_sub(1 + self.machine.order() + self.machine.begins.len());
         let all: Vec<(usize, (f64, f64))> = each.take(room).collect();
         let shows = |(input, piece): &(usize, (f64, f64))| -> Result<Vec<f64>, Error> {
             let mut other = grid.clone();
@@ -155,7 +196,8 @@ impl Engine {
             Ok(there.iter().zip(&base).map(|(there, here)| (there - here) / chord.per).collect())
         };
         let columns = chords.par_iter().map(column).collect::<Result<Vec<_>, _>>()?;
-        let unknown = self.unknown_inputs(grid, theta, &base)?;
+        let mut unknown = self.begins_elsewhere(grid, theta, &base)?;
+        unknown.extend(self.unknown_inputs(grid, theta, &base)?);
         let rows = grid.time.len();
         let wide = n + unknown.len();
         let mut out = Linearised {

@@ -1,12 +1,15 @@
 //! Instances of the units, and one interval on them: set the states, feed, step, read.
 
 use super::machine::{Machine, Reference};
+use super::schedule::Piece;
 use crate::error::Error;
 use orchestrator::fmu::{Instance, Status};
-use orchestrator::{Kind, Value};
+use orchestrator::{Fmu, Kind, Value};
 
 /// One instance of each unit.
 pub struct Worker {
+    /// The units; those of which a process bears one instance only, in a copy of their library for this worker.
+    fmus: Vec<Fmu>,
     instances: Vec<Instance>,
     /// Real start values of each unit: references and values, filled anew for each interval.
     reals: Vec<(Vec<u32>, Vec<f64>)>,
@@ -57,15 +60,41 @@ fn told(machine: &Machine, fed: &[f64]) -> String {
     if each.is_empty() { String::new() } else { format!(", fed {}", each.join(", ")) }
 }
 
+/// A time on the units' clock.
+fn on_clock(machine: &Machine, job: &Job<'_>, time: f64) -> f64 {
+    machine.own_clock.map_or(time, |ticks| ((time - job.time) * ticks).round() / ticks)
+}
+
+/// Where a piece begins on the units' clock, and how long it is there.
+fn placed(machine: &Machine, job: &Job<'_>, piece: Piece) -> (f64, f64) {
+    let from = on_clock(machine, job, piece.from);
+    match machine.own_clock {
+        Some(_) => (from, on_clock(machine, job, piece.from + piece.span) - from),
+        None => (from, piece.span),
+    }
+}
+
 impl Worker {
     /// Fresh instances.
     ///
     /// # Errors
     /// A unit can't be instantiated.
     pub fn new(machine: &Machine) -> Result<Self, Error> {
-        let instances = machine.units.iter().map(|unit| unit.fmu.instantiate(&unit.name).map_err(failed));
+        let fmus = machine.units.iter().map(|unit| unit.fmu.apart().map_err(failed));
         let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
-        Ok(Self { instances: instances.collect::<Result<_, _>>()?, reals, resets: true })
+        let mut worker =
+            Self { fmus: fmus.collect::<Result<_, _>>()?, instances: Vec::new(), reals, resets: true };
+        worker.renew(machine)?;
+        Ok(worker)
+    }
+
+    /// Fresh instances; those before them are freed first.
+    fn renew(&mut self, machine: &Machine) -> Result<(), Error> {
+        self.instances.clear();
+        for (fmu, unit) in self.fmus.iter().zip(&machine.units) {
+            self.instances.push(fmu.instantiate(&unit.name).map_err(failed)?);
+        }
+        Ok(())
     }
 
     /// Next states (0 where nothing shows them), outputs at the begin, what is read within the first interval, and where
@@ -80,14 +109,16 @@ impl Worker {
         self.outputs(machine, out)?;
         let width = machine.inputs.len();
         let mut reads = job.reads.iter();
-        let mut time = job.time;
         for interval in 0..job.first.len().saturating_sub(1) {
             let (begin, end) = (job.first[interval] - job.first[0], job.first[interval + 1] - job.first[0]);
             for place in begin..end {
                 let piece = job.pieces[place];
                 self.feed(machine, &job.fed[place * width..(place + 1) * width])?;
-                self.step(machine, time, piece.span, &job.fed[place * width..(place + 1) * width])?;
-                time += piece.span;
+                self.step(
+                    machine,
+                    placed(machine, job, piece),
+                    &job.fed[place * width..(place + 1) * width],
+                )?;
                 let here = if interval == 0 { piece.reads } else { 0 };
                 for channel in reads.by_ref().take(here) {
                     out.push(self.read(machine.channels[*channel].variable)?);
@@ -137,14 +168,13 @@ impl Worker {
     /// A unit refused something.
     pub fn walk(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<Vec<f64>>, Error> {
         self.begin(machine, job)?;
-        let (width, mut time) = (machine.inputs.len(), job.time);
+        let width = machine.inputs.len();
         let mut all = Vec::with_capacity(job.first.len());
         for ends in job.first.windows(2) {
             for place in ends[0] - job.first[0]..ends[1] - job.first[0] {
-                let (span, fed) = (job.pieces[place].span, &job.fed[place * width..(place + 1) * width]);
+                let (piece, fed) = (job.pieces[place], &job.fed[place * width..(place + 1) * width]);
                 self.feed(machine, fed)?;
-                self.step(machine, time, span, fed)?;
-                time += span;
+                self.step(machine, placed(machine, job, piece), fed)?;
             }
             let shown =
                 machine.states.iter().map(|state| state.shows.map_or(Ok(f64::NAN), |at| self.read(at)));
@@ -155,19 +185,22 @@ impl Worker {
 
     /// Reset, start values, initialisation.
     fn begin(&mut self, machine: &Machine, job: &Job<'_>) -> Result<(), Error> {
+        if !self.resets || self.instances.len() < machine.units.len() {
+            self.renew(machine)?;
+        }
         for (place, unit) in machine.units.iter().enumerate() {
             if self.resets {
                 self.instances[place].reset().map_err(failed)?;
-            } else {
-                self.instances[place] = unit.fmu.instantiate(&unit.name).map_err(failed)?;
             }
+            // values after the experiment: some units begin anew when they are told of it
+            self.instances[place].setup_experiment(on_clock(machine, job, job.time), None).map_err(failed)?;
             for (reference, value) in &unit.settings {
                 self.instances[place].set(*reference, value).map_err(failed)?;
             }
             self.reals[place].0.clear();
             self.reals[place].1.clear();
         }
-        let own = if machine.whole { &[][..] } else { &machine.states[..] };
+        let own = if machine.whole { &machine.begins } else { &machine.states };
         let starts = own.iter().map(|state| state.start).zip(job.states.iter().copied());
         for (reference, value) in job.parameters.iter().copied().chain(starts) {
             if reference.kind == Kind::Real {
@@ -182,7 +215,6 @@ impl Worker {
             if !references.is_empty() {
                 instance.set_real(references, values).map_err(failed)?;
             }
-            instance.setup_experiment(job.time, None).map_err(failed)?;
             instance.enter_initialization().map_err(failed)?;
         }
         self.feed(machine, &job.at_row[..machine.inputs.len()])?;
@@ -222,7 +254,7 @@ impl Worker {
     }
 
     /// One step of all units, each with what those before it gave at its end.
-    fn step(&mut self, machine: &Machine, from: f64, span: f64, fed: &[f64]) -> Result<(), Error> {
+    fn step(&mut self, machine: &Machine, (from, span): (f64, f64), fed: &[f64]) -> Result<(), Error> {
         for unit in 0..self.instances.len() {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(unit))?;

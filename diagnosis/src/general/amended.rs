@@ -12,6 +12,7 @@ use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
 use crate::statistics::levels::FEW;
+use orchestrator::fmu::Causality;
 use orchestrator::scenario::UnitEntry;
 use orchestrator::time::Rational;
 use orchestrator::{Scenario, Simulation, UnitPath};
@@ -69,7 +70,8 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     let machine = &studied.built.engine.machine;
     let mut scenario = problem.model.scenario.clone();
-    let (inputs, outputs) = switched_on(&mut scenario, machine, &studied.fit.at.theta)?;
+    let (inputs, mut outputs) = switched_on(&mut scenario, machine, &studied.fit.at.theta)?;
+    let inside = kept_out(problem, machine, &mut outputs);
     let fed = |input: &str| {
         scenario.connections.iter().any(|link| link.to == input)
             || scenario.sources.iter().any(|source| source.to == input)
@@ -118,7 +120,22 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
     let grid = carried.as_ref().map_or(&studied.built.engine.grids[0], |own| &own.grid);
     let attachments = table::written(studied, grid, &feeds, step, &mut sources);
     text += &sources;
+    let told = [told, inside].into_iter().flatten().reduce(|one, other| format!("{one}; {other}"));
     Ok(Amended { text, attachments, told })
+}
+
+/// Takes away the effects of sensors of local variables: a connection begins at an output.
+fn kept_out(problem: &Problem, machine: &Machine, outputs: &mut AtPorts) -> Option<String> {
+    let is_output = |place: &usize| {
+        let channel = &problem.channels[machine.channels[*place].channel];
+        problem.model.variable(channel.variable).causality == Causality::Output
+    };
+    let inside: Vec<usize> = outputs.keys().copied().filter(|place| !is_output(place)).collect();
+    let names: Vec<&str> = inside.iter().map(|place| machine.channels[*place].name.as_str()).collect();
+    outputs.retain(|place, _| !inside.contains(place));
+    (!names.is_empty()).then(|| {
+        format!("no output shows {}: the amended scenario leaves out what its sensor does", names.join(", "))
+    })
 }
 
 /// Sets the units' parameters; effects at ports, by the place of the port.
@@ -161,11 +178,13 @@ fn as_logged(
     start: &[f64],
 ) -> Result<(), Error> {
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
-    let whole = studied.built.engine.machine.whole;
-    for (state, value) in problem.states.iter().zip(start).filter(|_| !whole) {
+    let engine = &studied.built.engine;
+    let begun: Vec<f64> = engine.grids[0].begin.iter().map(|(value, _)| *value).collect();
+    let start = if engine.machine.whole { &begun } else { start };
+    for (state, value) in problem.states.iter().zip(start) {
         scenario.set(&state.name, &format!("{value:?}")).map_err(failed)?;
     }
-    let span = studied.built.engine.grids[0].span();
+    let span = engine.grids[0].span();
     scenario.set_stop(&format!("{:.6}", span.max(1e-6))).map_err(failed)
 }
 

@@ -230,6 +230,7 @@ mod tests {
             samples: Vec::new(),
             inputs: vec![logged],
             origin: 0.0,
+            begin: Vec::new(),
             lost: Vec::new(),
         };
         let sum = with_course(&grid, 0, &[10.0, 20.0, 0.0]);

@@ -2,6 +2,7 @@
 //!
 //! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
+//! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
@@ -11,6 +12,7 @@
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 
 mod amended;
+mod begun;
 mod courses;
 mod equivalent;
 mod mismatch;

@@ -1,7 +1,7 @@
 //! From a problem to a diagnosis.
 
 use super::rest::{self, Rest};
-use super::{amended, mismatch, reading, sensor, told};
+use super::{amended, begun, mismatch, reading, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::dynamics::Machine;
@@ -60,7 +60,7 @@ pub fn diagnosed(
     let watch = &mut Watch::new(listener, until);
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
-    let problem = &reading::read(problem)?;
+    let problem = &begun::chosen(&reading::read(problem)?)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");
     let trained = studied(problem, &kept, options, None, false, watch)?;
@@ -92,7 +92,6 @@ pub fn diagnosed(
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
-    notices.extend(all.built.engine.remembered());
     let mut story = told::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);

@@ -154,9 +154,9 @@ fn same(one: &[String], other: &[String]) -> f64 {
     if one.concat() == other.concat() {
         return 1.0;
     }
-    let shared = one.iter().filter(|word| other.contains(word)).count() as f64;
-    let (short, long) = (one.len().min(other.len()) as f64, one.len().max(other.len()) as f64);
-    0.8 * shared / short + 0.1 * shared / long
+    let (short, long) = if one.len() <= other.len() { (one, other) } else { (other, one) };
+    let shared = short.iter().filter(|word| long.contains(word)).count() as f64;
+    0.8 * shared / short.len() as f64 + 0.1 * shared / long.len() as f64
 }
 
 #[cfg(test)]
@@ -169,6 +169,8 @@ mod tests {
         assert_eq!(alike("motor.phi", "motor_phi"), 1.0);
         assert_eq!(alike("boxTemperature", "box temperature"), 1.0);
         assert!(alike("phi_cmd", "phi") > ALIKE);
+        // a word that stands twice is shared once: the input of the same name is nearer
+        assert!(alike("valveControl", "tank.Valve.valveControl") < 1.0);
         assert!(alike("T_box", "T_wall") < ALIKE && alike("phi", "psi") < ALIKE);
     }
 }

@@ -3,11 +3,13 @@
 //!
 //! - `sheet.rs`: a CSV file as people's loggers write it
 //! - `matching.rs`: which column is which variable
+//! - `starts.rs`: which parameter is where a state starts
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
 //! - `write.rs`: the folder
 
 mod matching;
 mod sheet;
+mod starts;
 mod trial;
 mod write;
 
@@ -68,11 +70,14 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     }
     let (time, told) = first.time_column(unit.description())?;
     let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
-    trial::against_model(&unit, units, &sheets, &time, &mut matches, &mut notices);
+    let starts = starts::of(&unit);
+    trial::against_model(&unit, units, &sheets, &time, &starts, &mut matches, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
-    let guesses = write::folder(out, fmu, &unit, &sheets, &time, &told, &matches)?;
+    let found =
+        write::Found { sheets: &sheets, time: &time, told: &told, matches: &matches, starts: &starts };
+    let guesses = write::folder(out, fmu, &unit, &found)?;
     // what was written must read
     let problem = observe::load(out, units)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));

@@ -1,10 +1,11 @@
 //! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
 
 use super::sheet::{GAP, Sheet};
+use super::starts::{self, Start};
 use super::{Match, Time, instance};
 use crate::observe::{Affine, measure};
 use crate::statistics::levels::STEP;
-use orchestrator::fmu::{Causality, Description, Initial, Variable};
+use orchestrator::fmu::{Description, Variable};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, MemoryRecorder, Place, Quiet, Scenario, Simulation, UnitPath};
 
@@ -43,6 +44,7 @@ pub(super) fn against_model(
     units: &UnitPath,
     sheets: &[Sheet],
     time: &Time,
+    starts: &[Start],
     matches: &mut [Match],
     notices: &mut Vec<String>,
 ) {
@@ -56,7 +58,7 @@ pub(super) fn against_model(
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match compared(fmu, units, sheet, time, matches, &sign) {
+        let lines = match compared(fmu, units, sheet, time, starts, matches, &sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
@@ -92,7 +94,7 @@ pub(super) fn against_model(
     }
     for (matched, line) in matches.iter_mut().zip(lines) {
         if let Some(line) = line {
-            judge(matched, line, described, notices);
+            judge(matched, line, described, starts, notices);
         }
     }
 }
@@ -105,7 +107,13 @@ fn converted(matched: &Match, description: &Description) -> Affine {
 }
 
 /// What a line says of unit, sign and offset of an output.
-fn judge(matched: &mut Match, line: Line, description: &Description, notices: &mut Vec<String>) {
+fn judge(
+    matched: &mut Match,
+    line: Line,
+    description: &Description,
+    starts: &[Start],
+    notices: &mut Vec<String>,
+) {
     let variable = &description.variables[matched.variable];
     let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
     if line.correlation.abs() < TELLS {
@@ -130,7 +138,7 @@ fn judge(matched: &mut Match, line: Line, description: &Description, notices: &m
         return;
     }
     // where the log itself says how the model starts, an offset is in the start as well
-    let far = start_of(description, matched.variable).is_none() && line.offset.abs() > OFFSET * line.spread;
+    let far = starts::find(starts, matched.variable).is_none() && line.offset.abs() > OFFSET * line.spread;
     if sign < 0.0 || far {
         let offset = if far { -sign * line.offset } else { 0.0 };
         matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
@@ -172,6 +180,7 @@ fn compared(
     units: &UnitPath,
     sheet: &Sheet,
     time: &Time,
+    starts: &[Start],
     matches: &[Match],
     sign: &dyn Fn(usize) -> f64,
 ) -> Result<Vec<Option<Line>>, String> {
@@ -198,7 +207,8 @@ fn compared(
             let place = Place::Override(matched.column.clone());
             let signal = SignalEntry::Table { shape: Shape::Hold, points };
             scenario.sources.push(SourceEntry { to: name(matched), signal, place });
-        } else if let Some(start) = start_of(description, matched.variable) {
+        } else if let Some(own) = starts::find(starts, matched.variable) {
+            let start = &description.variables[own.start].name;
             let _ = scenario.set(&format!("{}.{start}", instance(fmu)), &first.to_string());
         }
     }
@@ -236,18 +246,6 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, String> {
         quoted(&path.to_string_lossy())
     );
     Scenario::parse(&text, "import.toml").map_err(|error| error.to_string())
-}
-
-/// What sets a measured variable at the start: itself, or a parameter `x_0`, `x0`, `x_start`.
-pub(super) fn start_of(description: &Description, variable: usize) -> Option<String> {
-    let variable = &description.variables[variable];
-    if variable.initial == Some(Initial::Exact) {
-        return Some(variable.name.clone());
-    }
-    let names = ["_0", "0", "_start", "_init"].map(|end| format!("{}{end}", variable.name));
-    let is_parameter =
-        |name: &String| description.variable(name).is_some_and(|v| v.causality == Causality::Parameter);
-    names.into_iter().find(is_parameter)
 }
 
 /// The line through measured against simulated values, by least squares.

@@ -1,7 +1,7 @@
 //! The folder of a data set: the unit, the logs as plain CSV, and `dataset.toml` with each guess beside its evidence.
 
 use super::sheet::Sheet;
-use super::trial::start_of;
+use super::starts::Start;
 use super::{Match, Time, instance};
 use crate::error::Error;
 use orchestrator::Fmu;
@@ -10,16 +10,19 @@ use orchestrator::fmu::{Causality, Variability};
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// What was found of the logs and the unit.
+pub(super) struct Found<'a> {
+    pub sheets: &'a [Sheet],
+    pub time: &'a Time,
+    /// How the time was found, in words.
+    pub told: &'a str,
+    pub matches: &'a [Match],
+    pub starts: &'a [Start],
+}
+
 /// Writes everything and gives a line for each guess.
-pub(super) fn folder(
-    out: &Path,
-    file: &Path,
-    fmu: &Fmu,
-    sheets: &[Sheet],
-    time: &Time,
-    told: &str,
-    matches: &[Match],
-) -> Result<Vec<String>, Error> {
+pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> Result<Vec<String>, Error> {
+    let Found { sheets, time, told, matches, starts } = *found;
     let put = |name: &str, text: String| {
         let path = out.join(name);
         std::fs::write(&path, text).map_err(|source| Error::Io { path, source })
@@ -39,8 +42,8 @@ pub(super) fn folder(
     for matched in matches {
         channel(&mut text, &mut guesses, fmu, matched);
     }
-    states(&mut text, &mut guesses, fmu, matches);
-    candidates(&mut text, &mut guesses, fmu, matches);
+    states(&mut text, &mut guesses, fmu, starts);
+    candidates(&mut text, &mut guesses, fmu, starts);
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;
@@ -94,40 +97,36 @@ fn channel(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matched: &Ma
     }
 }
 
-/// Start parameters of measured variables; without any, variables of initial "exact" are the default.
-fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Match]) {
-    let description = fmu.description();
-    let own = |matched: &&Match| !matched.fed && description.variables[matched.variable].kind == Kind::Real;
-    let starts = matches.iter().filter(own).filter_map(|matched| {
-        let shown = &description.variables[matched.variable].name;
-        start_of(description, matched.variable).map(|start| (start, shown))
-    });
-    let starts: Vec<(String, &String)> = starts.collect();
-    if starts.iter().all(|(start, shown)| start == *shown) {
+/// States that can be started; where each is a variable of initial "exact", that is the default and nothing is written.
+fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Start]) {
+    let name = |place: usize| fmu.description().variables[place].name.as_str();
+    if starts.iter().all(|one| one.start == one.shows) {
         return;
     }
-    for (start, shown) in starts {
-        let _ = writeln!(text, "\n[[state]]\n# guess: by its name, {start} is where {shown} starts");
+    for one in starts {
+        let (start, shown) = (name(one.start), name(one.shows));
+        let _ = writeln!(text, "\n[[state]]");
+        if one.start != one.shows {
+            let _ = writeln!(text, "# guess: {start} is where {shown} starts, by its name and by trial");
+            guesses.push(format!("{start} is where {shown} starts, by its name and by trial"));
+        }
         let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
         let _ = writeln!(text, "shows = {}", quoted(&format!("{}.{shown}", instance(fmu))));
-        guesses.push(format!("{start} is where {shown} starts, by its name"));
     }
 }
 
 /// Every parameter, for the user to strike out what can't be off.
-fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matches: &[Match]) {
+fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Start]) {
     let description = fmu.description();
-    let starts: Vec<String> =
-        matches.iter().filter_map(|matched| start_of(description, matched.variable)).collect();
-    let may = description.variables.iter().filter(|variable| {
+    let may = description.variables.iter().enumerate().filter(|(place, variable)| {
         variable.causality == Causality::Parameter
             && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
             && variable.kind != Kind::String
             && variable.start.is_some()
-            && !starts.contains(&variable.name)
+            && starts.iter().all(|one| one.start != *place)
     });
     let mut count = 0;
-    for variable in may {
+    for (_, variable) in may {
         if count == 0 {
             let _ = writeln!(text, "\n# guess: every parameter may be off; strike out what you are sure of");
         }

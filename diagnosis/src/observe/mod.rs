@@ -25,6 +25,7 @@ pub use unlogged::Unlogged;
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
+pub(crate) use resolve::shows_its_start;
 use std::path::{Path, PathBuf};
 
 /// A data set, read and resolved: what the inference gets.
@@ -48,6 +49,8 @@ pub struct Problem {
     pub runs: Vec<Run>,
     /// Whether a row's outputs were read before or after its held inputs began to act.
     pub reading: Reading,
+    /// Each run is simulated whole from its start: rows can't be begun anew from the states that can be set.
+    pub whole: bool,
     /// What a user should know of how the data set was read.
     pub notices: Vec<Notice>,
 }

@@ -37,6 +37,7 @@ pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Pr
         ports,
         runs,
         reading,
+        whole: false,
         notices,
     })
 }
@@ -303,7 +304,7 @@ fn states(model: &Nominal, channels: &[Channel], file: &File) -> Result<Vec<Stat
 }
 
 /// An output or local variable that is set before initialisation, and shows its value afterwards.
-fn shows_its_start(variable: &Variable) -> bool {
+pub(crate) fn shows_its_start(variable: &Variable) -> bool {
     let seen = matches!(variable.causality, Causality::Output | Causality::Local);
     let moves = matches!(variable.variability, Variability::Continuous | Variability::Discrete);
     seen && moves && variable.kind == Kind::Real && variable.initial == Some(Initial::Exact)

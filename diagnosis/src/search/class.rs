@@ -70,7 +70,9 @@ impl Search<'_> {
         let screen = linearised(self.engine, &less, &self.others(&without))?;
         let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
         let gained = less.deviance - here.deviance;
-        // a linear gain is off by a share of itself where the effect is large
+        // a linear gain is off by a share of itself where the effect is large: its own counts for what it is worth
+        let linear = ranked.iter().find(|screened| screened.chord.parameter == own);
+        let gained = linear.map_or(gained, |screened| gained.min(screened.gain));
         let worth = ranked.iter().filter(|screened| {
             screened.chord.parameter != own && screened.gain > 0.7 * gained - 3.0 * self.policy.class
         });

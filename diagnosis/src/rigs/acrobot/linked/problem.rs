@@ -104,6 +104,7 @@ pub(super) fn stretches(
         },
         runs,
         reading: Reading::Before,
+        whole: false,
         notices: Vec::new(),
         model: nominal,
     };

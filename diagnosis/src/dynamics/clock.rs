@@ -1,0 +1,110 @@
+//! Clocks of their own: units that begin at 0 whatever start time they are told, so that their first step goes the whole way from there, and
+//! units that make steps of one size and as many as it takes to come by the end. Both are common among generated code.
+
+use super::grid::Grid;
+use super::linearise::Engine;
+use super::schedule::{Piece, Schedule};
+use super::worker::{Job, Worker};
+use crate::error::{Error, Notice};
+use crate::statistics::levels::{ROUNDING, SMALL, STEP};
+
+/// Two lengths of a step, as shares of it: a unit that makes less than ten steps of its own within one ends both at the same.
+const LENGTHS: (f64, f64) = (1.0 - SMALL, 1.0 - STEP);
+
+/// What is shown where a stretch begins and where it ends.
+type Shown = (Vec<f64>, Vec<f64>);
+
+/// One step after a row, tried at different times and lengths.
+struct Trial<'a> {
+    engine: &'a Engine,
+    schedule: Schedule,
+    grid: &'a Grid,
+    row: usize,
+    states: Vec<f64>,
+}
+
+impl<'a> Trial<'a> {
+    /// At the first row after the time 0.
+    fn new(engine: &'a Engine) -> Option<Self> {
+        let (grid, row) = engine.grids.iter().find_map(|grid| {
+            let row = (0..grid.time.len() - 1).find(|row| grid.time[*row] > 0.0)?;
+            Some((grid, row))
+        })?;
+        let schedule = Schedule::new(&engine.machine, grid, &engine.machine.neutral());
+        let states = engine.nominal_states(grid, row);
+        Some(Self { engine, schedule, grid, row, states })
+    }
+
+    fn job(&self) -> Job<'_> {
+        self.schedule.job(self.grid.time[self.row], self.row, 1, &self.states)
+    }
+
+    /// Length of the step.
+    fn span(&self) -> f64 {
+        self.job().pieces.first().map_or(0.0, |piece| piece.span)
+    }
+
+    /// Started at a time and stepped so far; nothing where a unit refuses that.
+    fn stepped(&self, worker: &mut Worker, time: f64, span: f64) -> Option<Shown> {
+        let machine = &self.engine.machine;
+        let (pieces, whole) = ([Piece { from: time, span, reads: 0 }], self.job());
+        let fed = &whole.fed[..machine.inputs.len()];
+        let one = Job { time, first: &[0, 1], pieces: &pieces, fed, reads: &[], probe: true, ..whole };
+        let mut out = Vec::new();
+        worker.interval(machine, &one, &mut out).ok()?;
+        let end = out.split_off(machine.order() + machine.channels.len());
+        let begin = out.split_off(machine.order());
+        Some((begin, [out, end].concat()))
+    }
+
+    /// Told a start and stepped, the model goes where one step from 0 leads to the same end, and not where a step of the same length from 0
+    /// leads. A unit that follows the time itself shows it as soon as it is initialised.
+    fn begins_at_zero(&self, worker: &mut Worker) -> Option<bool> {
+        let (time, span) = (self.grid.time[self.row], self.span());
+        let told = self.stepped(worker, time, span)?;
+        let (short, long) = (self.stepped(worker, 0.0, span)?, self.stepped(worker, 0.0, time + span)?);
+        Some(told.0 == short.0 && told.1 == long.1 && told.1 != short.1)
+    }
+
+    /// Steps of different lengths lead to the same bits, though the model moves.
+    fn makes_own_steps(&self, worker: &mut Worker) -> Option<bool> {
+        let (time, span) = (self.grid.time[self.row], self.span());
+        let (short, long) =
+            (self.stepped(worker, time, LENGTHS.0 * span)?, self.stepped(worker, time, LENGTHS.1 * span)?);
+        let states = self.engine.machine.order();
+        let moved = short.1[states..] != short.0[..] || short.1[..states] != self.states[..];
+        Some(moved && short.1 == long.1)
+    }
+}
+
+impl Engine {
+    /// Looks for both, and says so.
+    ///
+    /// # Errors
+    /// A unit can't be instantiated.
+    pub(super) fn check_clock(&mut self, notices: &mut Vec<Notice>) -> Result<(), Error> {
+        let Some(trial) = Trial::new(self) else { return Ok(()) };
+        let (at_zero, own_steps) = self.with_worker(|worker| {
+            let at_zero = trial.begins_at_zero(worker).unwrap_or(false);
+            Ok((at_zero, trial.makes_own_steps(worker).unwrap_or(false)))
+        })?;
+        let mut tell = |message: &str| {
+            notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.to_owned() });
+        };
+        if at_zero {
+            tell(
+                "the model begins at 0 whatever start time it is told: it gets a clock that begins at 0 wherever it is started",
+            );
+        }
+        if own_steps && self.machine.any_step {
+            tell(
+                "the model makes steps of one size, however long it is asked to: what acts within a row acts as its mean",
+            );
+        }
+        // a power of ten: decimal times of a log come out as they would be written
+        let ticks = 10f64.powf(-(ROUNDING * self.machine.longest).log10().floor()).max(1.0);
+        self.machine.own_clock = at_zero.then_some(ticks);
+        self.machine.any_step &= !own_steps;
+        Ok(())
+    }
+}

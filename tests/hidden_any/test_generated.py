@@ -1,0 +1,50 @@
+"""Units that can't be begun anew anywhere: as code generators make them (`shed`), or with a state that nobody lists. A diagnosis follows their
+ways and says so."""
+
+import dataclasses
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from . import sets
+from .machines import ALL
+from .unit_python import environment
+
+PROGRAM = Path(__file__).resolve().parents[2] / "target" / "release" / "acroscope"
+
+
+def diagnosed(machine, case, seed, folder, more=""):
+    units = {machine.name: machine.build(machine, folder)}
+    sets.make(machine, case, seed, folder / "set", folder / "answers", units)
+    with (folder / "set" / "dataset.toml").open("a") as file:
+        file.write(more)
+    command = [PROGRAM, "--quiet", "diagnose", folder / "set", "--out", folder / "said"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "said" / "diagnosis.json").read_text())
+
+
+def test_the_last_part_of_a_single_run_is_simulated_from_its_begin(tmp_path):
+    said = diagnosed(dataclasses.replace(ALL["shed"], runs=1), "k_a", 7, tmp_path)
+    assert [effect["name"] for effect in said["effects"]] == ["shed.k_a"], said["effects"]
+    # begun anew in its middle, half of the gap stayed open for the right model
+    assert said["gap"]["closed"] > 0.95, said["gap"]
+
+
+def test_what_a_unit_does_its_own_way_is_told(tmp_path):
+    said = diagnosed(ALL["shed"], "none", 7, tmp_path)
+    told = " ".join(notice["message"] if isinstance(notice, dict) else notice for notice in said["notices"])
+    assert said["verdict"] == "none"
+    for words in ("fmi2Reset doesn't bring the unit back", "begins at 0 whatever start time", "makes steps of one size"):
+        assert words in told, told
+
+
+@pytest.mark.parametrize("case", ["none", "b"])
+def test_a_state_that_nobody_lists_is_followed_through_whole_runs(case, tmp_path):
+    # the motor's current begins anew at 0 with each row, as if each were a blow
+    listed = "".join(f'\n[[state]]\nstart = "motor.{name}"\n' for name in ("w", "phi"))
+    said = diagnosed(ALL["motor"], case, 5, tmp_path, listed)
+    assert [effect["name"] for effect in said["effects"]] == [f"motor.{case}"] * (case != "none"), said["effects"]
+    assert said["verdict"] == ("none" if case == "none" else "named")

@@ -79,3 +79,20 @@ fn law_a_unit_that_can_live_only_once_is_begun_anew_as_well() {
     assert_eq!((end(&mut one), end(&mut one), end(&mut one)), (7.0, 7.0, 7.0));
     assert!(!one.restores());
 }
+
+#[test]
+fn law_a_library_that_bears_one_instance_ever_gets_one() {
+    let units = Units::new();
+    // as some that free at the second instantiation what the first left in static memory
+    let never_again =
+        ("    if (type != 1 ||", "    static int born;\n    if (born++) return NULL;\n    if (type != 1 ||");
+    units.pack("stateful.fmu", &described_as_only_once(STATEFUL), &library_with(&[never_again, LEAKY]));
+    let fmu = Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    for name in ["first", "after it", "and beside it"] {
+        let instance = fmu.instantiate(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let beside = fmu.instantiate("beside").unwrap_or_else(|error| panic!("{name}: {error}"));
+        drop((instance, beside));
+    }
+    let (mut one, mut other) = (simulation(&units), simulation(&units));
+    assert_eq!((end(&mut one), end(&mut one), end(&mut other)), (7.0, 7.0, 7.0));
+}

@@ -4,12 +4,10 @@ use super::machine::{Machine, Reference};
 use super::schedule::Piece;
 use crate::error::Error;
 use orchestrator::fmu::{Instance, Status};
-use orchestrator::{Fmu, Kind, Value};
+use orchestrator::{Kind, Value};
 
 /// One instance of each unit.
 pub struct Worker {
-    /// The units; those of which a process bears one instance only, in a copy of their library for this worker.
-    fmus: Vec<Fmu>,
     instances: Vec<Instance>,
     /// Real start values of each unit: references and values, filled anew for each interval.
     reals: Vec<(Vec<u32>, Vec<f64>)>,
@@ -80,10 +78,8 @@ impl Worker {
     /// # Errors
     /// A unit can't be instantiated.
     pub fn new(machine: &Machine) -> Result<Self, Error> {
-        let fmus = machine.units.iter().map(|unit| unit.fmu.apart().map_err(failed));
         let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
-        let mut worker =
-            Self { fmus: fmus.collect::<Result<_, _>>()?, instances: Vec::new(), reals, resets: true };
+        let mut worker = Self { instances: Vec::new(), reals, resets: true };
         worker.renew(machine)?;
         Ok(worker)
     }
@@ -91,8 +87,8 @@ impl Worker {
     /// Fresh instances; those before them are freed first.
     fn renew(&mut self, machine: &Machine) -> Result<(), Error> {
         self.instances.clear();
-        for (fmu, unit) in self.fmus.iter().zip(&machine.units) {
-            self.instances.push(fmu.instantiate(&unit.name).map_err(failed)?);
+        for unit in &machine.units {
+            self.instances.push(unit.fmu.instantiate(&unit.name).map_err(failed)?);
         }
         Ok(())
     }

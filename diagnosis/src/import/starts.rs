@@ -73,7 +73,7 @@ fn is_started(fmu: &Fmu, one: Start) -> Result<bool, orchestrator::Error> {
     };
     let moved = [nominal + by, nominal - by].into_iter().find(|value| room(*value));
     for value in [Some(nominal), moved].into_iter().flatten() {
-        let mut instance = fmu.apart()?.instantiate("start")?;
+        let mut instance = fmu.instantiate("start")?;
         instance.setup_experiment(0.0, None)?;
         instance.set_real(&[start.reference], &[value])?;
         instance.enter_initialization()?;

@@ -20,21 +20,8 @@ impl Fmu {
         *self.inner.restores.get_or_init(|| self.tried_twice().unwrap_or(false))
     }
 
-    /// A unit that can live only once in a process, in a copy of its library; else itself.
-    pub fn apart(&self) -> Result<Self, Error> {
-        if !self.description().co_simulation.only_one_instance || self.isolation.is_some() {
-            return Ok(self.clone());
-        }
-        let inner = Self::open(self.path())?.inner;
-        if let Some(known) = self.inner.restores.get() {
-            // the same unit: what was seen of it holds
-            let _ = inner.restores.set(*known);
-        }
-        Ok(Self { inner, ..self.clone() })
-    }
-
     fn tried_twice(&self) -> Result<bool, Error> {
-        let mut instance = self.apart()?.instantiate("reset")?;
+        let mut instance = self.instantiate("reset")?;
         let first = instance.trace()?;
         instance.reset_itself()?;
         Ok(instance.trace()? == first)

@@ -328,7 +328,7 @@ impl Instance {
             self.warnings = 0;
             return Ok(());
         }
-        *self = Self::new(self.fmu.apart()?, &self.name.clone())?;
+        *self = self.fmu.instantiate(&self.name.clone())?;
         Ok(())
     }
 

@@ -40,6 +40,7 @@ use library::Library;
 use std::ffi::c_int;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// What a call answered (`fmi2Status`). A unit may return any integer, so this is no bare C enum.
@@ -105,8 +106,10 @@ pub(crate) struct Inner {
     note: OnceLock<String>,
     // Dropped before the archive that holds its file.
     library: OnceLock<Library>,
-    /// Whether a reset brings an instance back to where it began.
-    restores: OnceLock<bool>,
+    /// Whether a reset brings an instance back to where it began; copies know it of each other.
+    restores: Arc<OnceLock<bool>>,
+    /// Whether the library had an instance already.
+    used: AtomicBool,
     archive: Archive,
 }
 
@@ -130,7 +133,8 @@ impl Fmu {
                 description,
                 note: OnceLock::new(),
                 library: OnceLock::new(),
-                restores: OnceLock::new(),
+                restores: Arc::default(),
+                used: AtomicBool::new(false),
                 archive,
             }),
             isolation: None,
@@ -174,12 +178,33 @@ impl Fmu {
         self.inner.note.get().cloned().into_iter().chain(doubts::of(self.description())).collect()
     }
 
-    /// Makes an instance. Errors and warnings that the unit logs are collected.
+    /// Makes an instance. Errors and warnings that the unit logs are collected. A unit that can be instantiated only once in a process
+    /// gets a copy of its library for each further instance, also for one after another: what the first left behind in static memory,
+    /// some free twice.
     ///
     /// # Errors
     /// If there are no binaries for this platform, the library can't be loaded, or the unit refuses.
     pub fn instantiate(&self, name: &str) -> Result<Instance, Error> {
-        Instance::new(self.clone(), name)
+        Instance::new(self.unused()?, name)
+    }
+
+    /// Itself, or a copy where the library had its only instance.
+    fn unused(&self) -> Result<Self, Error> {
+        let only_once = self.description().co_simulation.only_one_instance && self.isolation.is_none();
+        if !only_once || !self.inner.used.swap(true, Ordering::Relaxed) {
+            return Ok(self.clone());
+        }
+        let (archive, description) = Archive::unpack(self.path())?;
+        let inner = Inner {
+            path: self.inner.path.clone(),
+            description,
+            note: OnceLock::new(),
+            library: OnceLock::new(),
+            restores: self.inner.restores.clone(),
+            used: AtomicBool::new(true),
+            archive,
+        };
+        Ok(Self { inner: Arc::new(inner), ..self.clone() })
     }
 
     /// The library, loaded if it was not; `label` is the instance that asks.

@@ -173,17 +173,10 @@ fn open(scenario: &Scenario, path: &UnitPath) -> Result<Opened, Error> {
     for unit in &scenario.units {
         let (file, packed) = path.find(&unit.fmu.value, scenario.folder(), &unit.fmu.place)?;
         unpacked.extend(packed);
-        let mut fmu = path.open(&file)?;
-        if let Some(isolation) = &unit.isolation {
-            fmus.push(fmu.isolated(isolation.clone()));
-            files.push(file);
-            continue;
-        }
-        // A unit that can live only once in a process gets a copy of its library for each instance.
-        if fmu.description().co_simulation.only_one_instance && files.contains(&file) {
-            fmu = Fmu::open(&file)?;
-        }
-        fmus.push(fmu);
+        let fmu = path.open(&file)?;
+        fmus.push(
+            unit.isolation.as_ref().map_or_else(|| fmu.clone(), |isolation| fmu.isolated(isolation.clone())),
+        );
         files.push(file);
     }
     Ok((fmus, files, unpacked))

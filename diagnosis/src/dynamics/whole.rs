@@ -20,7 +20,7 @@ use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
 use crate::observe::{Hold, Run};
-use crate::statistics::levels::{FEW, FINE, SAMPLE, STEP};
+use crate::statistics::levels::{FEW, FINE, ROUNDING, SAMPLE, STEP};
 use rayon::prelude::*;
 
 /// Rows over which a unit is watched after a fresh start.
@@ -154,8 +154,13 @@ impl Engine {
         let shows = |place: usize| -> Result<Vec<f64>, Error> {
             let mut other = grid.clone();
             other.begin[place].0 += STEP * grid.begin[place].1;
-            let there = self.simulated(&other, theta)?;
-            Ok(there.iter().zip(base).map(|(there, here)| (there - here) / STEP).collect())
+            let none = || vec![0.0; base.len()];
+            // where another start can't be followed it stays where it was seen
+            let Ok(there) = self.simulated(&other, theta) else { return Ok(none()) };
+            let shown: Vec<f64> = there.iter().zip(base).map(|(there, here)| (there - here) / STEP).collect();
+            let sizes = self.scales.iter().cycle();
+            let reasonable = shown.iter().zip(sizes).all(|(by, size)| ROUNDING * by.abs() < *size);
+            Ok(if reasonable { shown } else { none() })
         };
         (0..grid.begin.len()).into_par_iter().map(shows).collect()
     }
@@ -192,7 +197,8 @@ impl Engine {
         let column = |chord: &Chord| -> Result<Vec<f64>, Error> {
             let mut there = theta.to_vec();
             there[chord.parameter] = chord.to;
-            let there = self.simulated(grid, &there)?;
+            // what a unit can't be run with is no way to go: it explains nothing
+            let Ok(there) = self.simulated(grid, &there) else { return Ok(vec![0.0; base.len()]) };
             Ok(there.iter().zip(&base).map(|(there, here)| (there - here) / chord.per).collect())
         };
         let columns = chords.par_iter().map(column).collect::<Result<Vec<_>, _>>()?;
@@ -242,7 +248,8 @@ impl Engine {
     /// A parameter's largest change of a whole run, in units of noise.
     pub(super) fn telling_whole(&self, theta: &[f64], there: &[f64], noise: &[f64]) -> Result<f64, Error> {
         let grid = &self.grids[0];
-        let (here, there) = (self.simulated(grid, theta)?, self.simulated(grid, there)?);
+        let here = self.simulated(grid, theta)?;
+        let Ok(there) = self.simulated(grid, there) else { return Ok(0.0) };
         let changes = here.iter().zip(&there).enumerate();
         Ok(changes.map(|(entry, (a, b))| (b - a).abs() / noise[entry % noise.len()]).fold(0.0, f64::max))
     }

@@ -23,16 +23,23 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
     }
     let through = Problem { whole: true, ..problem.clone() };
     let deviance = |mut built| Ok::<_, Error>(nominal(&mut built, &Trails::default())?.deviance);
-    let by = deviance(anew)? - deviance(build(&through, runs)?)?;
-    let mut likelier = if by > 0.0 { through } else { problem.clone() };
-    let message = if by > 0.0 {
+    let (rows, runs) = (deviance(anew)?, deviance(build(&through, runs)?)?);
+    let whole = runs.is_finite() && (runs < rows || !rows.is_finite());
+    let mut likelier = if whole { through } else { problem.clone() };
+    let message = if whole {
         // one run is example enough of what no longer matters
         told.truncate(1);
-        format!(
-            "each run is simulated whole from its start instead, which is likelier by {by:.0} of deviance"
-        )
+        let by = rows - runs;
+        let by = if by.is_finite() {
+            format!("is likelier by {by:.0} of deviance")
+        } else {
+            "can be followed".into()
+        };
+        format!("each run is simulated whole from its start instead, which {by}")
+    } else if runs.is_finite() {
+        format!("whole runs from their starts are less likely by {:.0} of deviance", runs - rows)
     } else {
-        format!("whole runs from their starts are less likely by {:.0} of deviance", -by)
+        "whole runs from their starts can't be followed either".to_owned()
     };
     likelier.notices.append(&mut told);
     likelier.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });

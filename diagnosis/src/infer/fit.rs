@@ -286,11 +286,12 @@ pub fn fit_from(
         }
         match model.linearise(&to.theta, &to.paths, free) {
             Ok(there) => (at, runs) = (to, there),
-            Err(error) => {
+            Err(_) => {
                 failures += 1;
                 damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
                 if failures >= options.damped {
-                    return Err(error);
+                    // the model can't be followed where the data lead: the best place stays
+                    return Ok(ended(at_best(best), about, free, rounds));
                 }
                 // begin again from the best place with more damping
                 let (from, about, _) = best.clone().unwrap_or_else(|| (at.clone(), runs.clone(), 0.0));

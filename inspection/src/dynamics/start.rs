@@ -44,13 +44,8 @@ pub(super) fn early(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
     let moved: Vec<(&Variable, Value)> = parameters
         .filter_map(|variable| Some((variable, moved(variable, variable.start.as_ref()?)?)))
         .collect();
-    let mut unit = bench.instance("unit")?;
-    for (variable, value) in &moved {
-        unit.set(variable, value)?;
-    }
-    unit.set_up()?;
-    let variables: Vec<&Variable> = moved.iter().map(|(variable, _)| *variable).collect();
-    let values = unit.read(&variables)?;
+    // what a unit refuses, all of them together perhaps, says nothing
+    let Ok(values) = kept(bench, &moved) else { return Ok(()) };
     let lost: Vec<&Variable> = (moved.iter().zip(&values))
         .filter(|((variable, set), value)| *value != set && is_start(variable, value))
         .map(|((variable, _), _)| *variable)
@@ -65,6 +60,17 @@ pub(super) fn early(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
         found.say(Severity::Error, Some(&first.name), text);
     }
     Ok(())
+}
+
+/// What is in force of values that were set before the experiment.
+fn kept(bench: &Bench, moved: &[(&Variable, Value)]) -> Result<Vec<Value>, Halt> {
+    let mut unit = bench.instance("unit")?;
+    for (variable, value) in moved {
+        unit.set(variable, value)?;
+    }
+    unit.set_up()?;
+    let variables: Vec<&Variable> = moved.iter().map(|(variable, _)| *variable).collect();
+    unit.read(&variables)
 }
 
 /// One step of a new instance, begun at a time: outputs before and after.

@@ -8,8 +8,9 @@ use orchestrator::{Cell, Simulation};
 /// Points that are compared: what a unit keeps shows soon, and this costs nothing beside a sweep.
 const POINTS: u32 = 1000;
 
-/// Asks the units by themselves, and then with what they are used for: runs the first case, then the last one with the same units; the last one with fresh units must give the same bits. Which
-/// cases are compared depends on the study alone, so that all parts of it are made alike.
+/// Asks the units by themselves, and then with what they are used for: runs the first case, then the last one with the same
+/// units; the last one with fresh units must give the same bits. Which cases are compared depends on the study alone, so that
+/// all parts of it are made alike.
 pub(crate) fn may_reuse(plan: &Plan) -> Result<bool, Error> {
     let Some(last) = plan.cases().checked_sub(1).filter(|last| *last > 0) else { return Ok(true) };
     let units = plan.units();

@@ -148,8 +148,8 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         grids,
         machine,
     };
-    engine.check_reset(&mut notices)?;
     engine.check_clock(&mut notices)?;
+    engine.check_reset(&mut notices)?;
     let sizes: Vec<f64> = scatters.iter().map(|scatter| scatter.size).collect();
     if problem.whole {
         engine.unmeasured_scales(&sizes)?;

@@ -1,7 +1,6 @@
 //! Clocks of their own: units that begin at 0 whatever start time they are told, so that their first step goes the whole way from there, and
 //! units that make steps of one size and as many as it takes to come by the end. Both are common among generated code.
 
-use super::grid::Grid;
 use super::linearise::Engine;
 use super::schedule::{Piece, Schedule};
 use super::worker::{Job, Worker};
@@ -14,29 +13,22 @@ const LENGTHS: (f64, f64) = (1.0 - SMALL, 1.0 - STEP);
 /// What is shown where a stretch begins and where it ends.
 type Shown = (Vec<f64>, Vec<f64>);
 
-/// One step after a row, tried at different times and lengths.
+/// The first step of a log, tried at different times and lengths; never far from 0, for a unit that begins there steps all the way.
 struct Trial<'a> {
     engine: &'a Engine,
     schedule: Schedule,
-    grid: &'a Grid,
-    row: usize,
     states: Vec<f64>,
 }
 
 impl<'a> Trial<'a> {
-    /// At the first row after the time 0.
-    fn new(engine: &'a Engine) -> Option<Self> {
-        let (grid, row) = engine.grids.iter().find_map(|grid| {
-            let row = (0..grid.time.len() - 1).find(|row| grid.time[*row] > 0.0)?;
-            Some((grid, row))
-        })?;
+    fn new(engine: &'a Engine) -> Self {
+        let grid = &engine.grids[0];
         let schedule = Schedule::new(&engine.machine, grid, &engine.machine.neutral());
-        let states = engine.nominal_states(grid, row);
-        Some(Self { engine, schedule, grid, row, states })
+        Self { engine, schedule, states: engine.nominal_states(grid, 0) }
     }
 
     fn job(&self) -> Job<'_> {
-        self.schedule.job(self.grid.time[self.row], self.row, 1, &self.states)
+        self.schedule.job(0.0, 0, 1, &self.states)
     }
 
     /// Length of the step.
@@ -60,17 +52,16 @@ impl<'a> Trial<'a> {
     /// Told a start and stepped, the model goes where one step from 0 leads to the same end, and not where a step of the same length from 0
     /// leads. A unit that follows the time itself shows it as soon as it is initialised.
     fn begins_at_zero(&self, worker: &mut Worker) -> Option<bool> {
-        let (time, span) = (self.grid.time[self.row], self.span());
-        let told = self.stepped(worker, time, span)?;
-        let (short, long) = (self.stepped(worker, 0.0, span)?, self.stepped(worker, 0.0, time + span)?);
+        let span = self.span();
+        let told = self.stepped(worker, span, span)?;
+        let (short, long) = (self.stepped(worker, 0.0, span)?, self.stepped(worker, 0.0, span + span)?);
         Some(told.0 == short.0 && told.1 == long.1 && told.1 != short.1)
     }
 
     /// Steps of different lengths lead to the same bits, though the model moves.
     fn makes_own_steps(&self, worker: &mut Worker) -> Option<bool> {
-        let (time, span) = (self.grid.time[self.row], self.span());
-        let (short, long) =
-            (self.stepped(worker, time, LENGTHS.0 * span)?, self.stepped(worker, time, LENGTHS.1 * span)?);
+        let lengths = (LENGTHS.0 * self.span(), LENGTHS.1 * self.span());
+        let (short, long) = (self.stepped(worker, 0.0, lengths.0)?, self.stepped(worker, 0.0, lengths.1)?);
         let states = self.engine.machine.order();
         let moved = short.1[states..] != short.0[..] || short.1[..states] != self.states[..];
         Some(moved && short.1 == long.1)
@@ -83,7 +74,7 @@ impl Engine {
     /// # Errors
     /// A unit can't be instantiated.
     pub(super) fn check_clock(&mut self, notices: &mut Vec<Notice>) -> Result<(), Error> {
-        let Some(trial) = Trial::new(self) else { return Ok(()) };
+        let trial = Trial::new(self);
         let (at_zero, own_steps) = self.with_worker(|worker| {
             let at_zero = trial.begins_at_zero(worker).unwrap_or(false);
             Ok((at_zero, trial.makes_own_steps(worker).unwrap_or(false)))

@@ -13,6 +13,8 @@ use crate::value::Kind;
 const STEPS: u32 = 3;
 /// An input is moved off its start value by this share of it, so that a unit at rest begins to move.
 const MOVED: f64 = 0.01;
+/// Length of a step where the description proposes none, s.
+const USUAL: f64 = 0.01;
 
 impl Fmu {
     /// Whether an instance that was reset runs as a fresh one.
@@ -35,7 +37,7 @@ impl Instance {
         let description = fmu.description();
         let start = description.default_experiment.start.unwrap_or(0.0);
         let step = description.default_experiment.step_size.filter(|step| *step > 0.0 && step.is_finite());
-        let step = step.unwrap_or(MOVED);
+        let step = step.unwrap_or(USUAL);
         let (inputs, shown) = (moved(description), shown(description));
         self.setup_experiment(start, None)?;
         self.enter_initialization()?;

@@ -18,7 +18,9 @@ for line in "linux64 x86_64-unknown-linux-gnu.2.17 x86_64-unknown-linux-gnu -" \
     "win64 x86_64-pc-windows-gnu x86_64-pc-windows-gnu .exe" \
     "darwin64 universal2-apple-darwin universal2-apple-darwin -"; do
     read -r platform target folder ending <<<"$line"
-    PATH="$PWD/.venv/bin:$PATH" MACOSX_DEPLOYMENT_TARGET=11.0 cargo zigbuild --quiet --release --package acroscope \
+    PATH="$PWD/.venv/bin:$PATH" MACOSX_DEPLOYMENT_TARGET=11.0 \
+        CARGO_TARGET_AARCH64_APPLE_DARWIN_RUSTFLAGS="-Lframework=$PWD/scripts/darwin" \
+        CARGO_TARGET_X86_64_APPLE_DARWIN_RUSTFLAGS="-Lframework=$PWD/scripts/darwin" cargo zigbuild --quiet --release --package acroscope \
         --target "$target" --target-dir target/programs
     name=acroscope-$version-$platform
     rm -rf "target/archives/$name"

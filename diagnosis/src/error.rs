@@ -1,5 +1,6 @@
 //! What can stop a diagnosis. Everything milder becomes a [`Notice`] and the diagnosis goes on with the rest.
 
+use crate::statistics::levels::SEVERAL;
 use std::path::PathBuf;
 
 /// Why there is no diagnosis.
@@ -60,6 +61,12 @@ pub enum Error {
     /// A unit of the nominal model failed, or something of ours did.
     #[error("nominal model: {0}")]
     Model(String),
+    /// The model is so slow that the budget was over several times before an answer stood.
+    #[error(
+        "no answer within {SEVERAL} times the budget, or a minute: the model takes too long. Give it more time (--budget), strike out candidates with \
+         which its solver slows down (settings of the solver above all), or give it fewer rows"
+    )]
+    TooSlow,
     /// The nominal model can't be loaded as the user gave it.
     #[error("nominal model: {0}")]
     Nominal(String),

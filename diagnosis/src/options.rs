@@ -1,6 +1,7 @@
 //! What a user may choose of a diagnosis, whoever makes it.
 
 use crate::rigs::acrobot::earlier::Earlier;
+use crate::statistics::levels::SEVERAL;
 use orchestrator::Isolation;
 use std::time::{Duration, Instant};
 
@@ -33,10 +34,19 @@ pub enum Budget {
     All(f64),
 }
 
+/// Real time in s for which a model may be followed whatever the budget: a budget of 0 asks for what can be said without a search.
+const GIVEN_UP: f64 = 60.0;
+
 impl Budget {
     /// When time is up for so many runs; nothing where it never is.
     pub(crate) fn end(self, began: Instant, runs: usize) -> Option<Instant> {
         Duration::try_from_secs_f64(self.seconds(runs)).ok().and_then(|time| began.checked_add(time))
+    }
+
+    /// When a model that doesn't come to an end is given up: after the budget has passed several times, and not before the looks
+    /// that need none had their time.
+    pub(crate) fn deadline(self, began: Instant, runs: usize) -> Option<Instant> {
+        Self::All((SEVERAL * self.seconds(runs)).max(GIVEN_UP)).end(began, runs)
     }
 
     /// How long searches in so many runs may take, s.

@@ -70,6 +70,14 @@ const PLANTED: &[Planted] = &[
     (30, "log-categories", "log-categories", Error, None, "its own log categories are refused"),
     (31, "runs", "runs", Warning, Some("y"), "it is NaN at t = 0.01 s"),
     (33, "values-before-setup", "values-before-setup", Error, Some("k"), "as 2 of 2 that were set"),
+    (
+        35,
+        "values-in-initialization",
+        "values-in-initialization",
+        Error,
+        Some("y"),
+        "where parameters are set before fmi2EnterInitializationMode",
+    ),
     (34, "start-time", "start-time", Warning, None, "its first step goes the whole way from 0 s"),
 ];
 

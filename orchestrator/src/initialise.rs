@@ -3,6 +3,7 @@
 //! converge by Newton's method.
 
 use crate::error::Error;
+use crate::fmu::Begin;
 use crate::graph;
 use crate::link::{Link, feed_into};
 use crate::newton;
@@ -89,12 +90,7 @@ pub(crate) fn initialise(
         instance.reset()?;
         unit.not_finite.clear();
         unit.rollback.retried = 0;
-        // values after the experiment, as other masters do: some units begin anew when they are told of it
-        instance.setup_experiment(start.time, stop)?;
-        for (reference, value) in sets {
-            instance.set(*reference, value)?;
-        }
-        instance.enter_initialization()?;
+        instance.begin(start.time, stop, Begin { settings: sets, ..Begin::default() })?;
         // The buffers begin with the start values, whatever an earlier run left there.
         unit.inputs.get(instance, &mut system.values).map_err(|error| *error)?;
         for feed in &mut unit.feeds {

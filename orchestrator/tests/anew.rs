@@ -15,6 +15,18 @@ fn simulation(units: &Units) -> Simulation {
     Simulation::new(&scenario, &units.unit_path()).expect("builds")
 }
 
+/// It takes values that were set before initialization mode back, as units that were made for libcosim do.
+const HEEDS_LATE: (&str, &str) = (
+    "    ((Unit *)c)->initialising = 1;\n",
+    "    start(c);\n    ((Unit *)c)->set_up = ((Unit *)c)->initialising = 1;\n",
+);
+/// It refuses to have its parameters set in that mode.
+const REFUSES_LATE: (&str, &str) = (
+    "        for (size_t i = 0; i < n; i++) ((Unit *)c)->FIELD[refs[i]] = values[i];",
+    "        for (size_t i = 0; i < n; i++) { if (((Unit *)c)->initialising && refs[i] == K) return 3; \
+     ((Unit *)c)->FIELD[refs[i]] = values[i]; }",
+);
+
 /// Where it ends: 1 + 3 · 2.
 fn end(simulation: &mut Simulation) -> f64 {
     simulation.run(&mut NoRecorder, &mut Quiet).expect("runs");
@@ -27,6 +39,15 @@ fn law_values_are_set_where_units_keep_them() {
     assert_eq!(end(&mut simulation(&units)), 7.0);
     units.pack("stateful.fmu", &description(STATEFUL), &library_with(&[FORGETS]));
     assert_eq!(end(&mut simulation(&units)), 7.0, "values set before the experiment are lost");
+    units.pack("stateful.fmu", &description(STATEFUL), &library_with(&[HEEDS_LATE]));
+    assert_eq!(end(&mut simulation(&units)), 7.0, "values set before initialization mode are lost");
+    units.pack("stateful.fmu", &description(STATEFUL), &library_with(&[REFUSES_LATE]));
+    let mut refusing = simulation(&units);
+    assert_eq!(
+        (end(&mut refusing), end(&mut refusing)),
+        (7.0, 7.0),
+        "values in initialization mode are refused"
+    );
 }
 
 #[test]

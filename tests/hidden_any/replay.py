@@ -32,6 +32,9 @@ class Unit:
         for name, value in settable.items():
             self.set(name, value)
         self.slave.enterInitializationMode()
+        # some units heed values in this mode only
+        for name, value in settable.items():
+            self.set(name, value)
 
     def causality(self, name):
         return self.variables[name].causality

@@ -231,5 +231,5 @@ def cases(machine):
 
 def slice_of(names=None):
     """The fixed cases of the tests: (machine, case)."""
-    chosen = {"motor": ["none", "fc", "u:delay", "door"], "car": ["c_s"], "cell": ["R0"], "cart": ["none", "x_cart:lag"], "shed": ["none", "k_a"]}
+    chosen = {"motor": ["none", "fc", "u:delay", "door"], "car": ["c_s"], "cell": ["R0"], "cart": ["none", "x_cart:lag"], "shed": ["none", "k_a"], "sled": ["m"]}
     return [(ALL[name], case) for name, some in chosen.items() if name in ALL and (not names or name in names) for case in some]

@@ -41,6 +41,15 @@ def test_what_a_unit_does_its_own_way_is_told(tmp_path):
         assert words in told, told
 
 
+@pytest.mark.parametrize("case", ["none", "m"])
+def test_outputs_that_are_computed_in_a_step_only_are_read_after_one(case, tmp_path):
+    # begun anew in each row, the unit shows no acceleration, and forgets what was set before initialization mode
+    said = diagnosed(ALL["sled"], case, 5, tmp_path)
+    assert "acceleration is computed in a step only" in " ".join(map(str, said["notices"]))
+    named = [effect["class"] for effect in said["effects"]]
+    assert named == [] if case == "none" else len(named) == 1 and "sled.m" in named[0], said["effects"]
+
+
 @pytest.mark.parametrize("case", ["none", "b"])
 def test_a_state_that_nobody_lists_is_followed_through_whole_runs(case, tmp_path):
     # the motor's current begins anew at 0 with each row, as if each were a blow

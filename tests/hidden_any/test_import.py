@@ -1,5 +1,6 @@
 """`acroscope import` finds columns, units, signs and time as they were written, and the tutorial's commands work."""
 
+import dataclasses
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from . import excite
+from .machine import Parameter
 from .machines import ALL
 from .simulate import simulate, variants
 from .unit_python import environment
@@ -49,6 +51,22 @@ def motor(tmp_path):
 def channels(folder):
     head = tomllib.loads((folder / "dataset.toml").read_text())
     return {entry["variable"]: entry for entry in head["channel"]}, head
+
+
+def test_starts_by_trial_and_what_changes_nothing(tmp_path):
+    sled = ALL["sled"]
+    z, w = sled.states
+    states = (dataclasses.replace(z, start="initialPlace"), dataclasses.replace(w, start="rateInit"))
+    idle = Parameter("plot", "1", 3.0, 0.0, 1e9, "relative", "how often a plot is drawn", 0.5)
+    machine = dataclasses.replace(sled, states=states, parameters=(*sled.parameters, idle))
+    unit = machine.build(machine, tmp_path)
+    heads = {name: (name, 1.0, 0.0) for name in ("force", "z", "w", "acceleration")}
+    run("import", log(tmp_path / "a.csv", machine, heads), "--fmu", unit, "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    assert head["state"] == [{"start": "sled.initialPlace", "shows": "sled.z"}, {"start": "sled.rateInit", "shows": "sled.w"}]
+    # struck out, not lost
+    assert [one["variable"] for one in head["candidate"]] == ["sled.m", "sled.k", "sled.d", "sled.f_c"]
+    assert '# variable = "sled.plot"' in (tmp_path / "set" / "dataset.toml").read_text()
 
 
 def test_signs_units_and_time(motor, tmp_path):

@@ -2,7 +2,10 @@
 
    With OLD it behaves as units of code generators of ten years ago do: one instance in static memory; values that are set before
    fmi2SetupExperiment are forgotten; a start time is not listened to; a reset leaves the clock where it is; steps have a size of
-   their own, and as many are made as it takes to come by the end. */
+   their own, and as many are made as it takes to come by the end.
+
+   With LATE, the name of an output, it behaves as some units do that were made for libcosim: values that are set before initialization
+   mode are forgotten, and that output is computed in a step only. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +30,14 @@ static int alive;
 #endif
 
 static void derived(Unit *unit) {
+#ifdef LATE
+    if (unit->stepping) return;
+#endif
     if (!unit->stepping) begin(unit->v, unit->x);
     outputs(unit->v, unit->x);
+#ifdef LATE
+    unit->v[LATE] = 0;
+#endif
 }
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -59,7 +68,12 @@ Status fmi2SetupExperiment(Component c, Boolean a, double tolerance, double star
 #endif
     return 0;
 }
-Status fmi2EnterInitializationMode(Component c) { return 0; }
+Status fmi2EnterInitializationMode(Component c) {
+#ifdef LATE
+    memcpy(((Unit *)c)->v, START, sizeof START);
+#endif
+    return 0;
+}
 Status fmi2ExitInitializationMode(Component c) {
     Unit *unit = c;
     derived(unit);

@@ -83,8 +83,8 @@ static void outputs(double *v, const double *x) {{ {outputs} }}
 """
 
 
-def build(machine, folder, derivatives, outputs, step, old=False):
-    """Writes `<name>.fmu` into a folder and returns its path. `old`: as code generators of ten years ago made them (`unit.c`)."""
+def build(machine, folder, derivatives, outputs, step, old=False, late=None):
+    """Writes `<name>.fmu` into a folder and returns its path. `old`, and `late`, an output: ways that other tools' units have (`unit.c`)."""
     text = description(machine, "GUID", step, old) + header(machine, derivatives, outputs, "GUID", step) + (HERE / "unit.c").read_text()
     guid = hashlib.sha256(text.encode()).hexdigest()[:32]
     target = Path(folder) / f"{machine.name}.fmu"
@@ -94,7 +94,7 @@ def build(machine, folder, derivatives, outputs, step, old=False):
         work = Path(work)
         (work / "model.h").write_text(header(machine, derivatives, outputs, guid, step))
         library = work / f"{machine.name}.{suffix}"
-        flags = ["-O2", "-shared", "-fPIC", "-Wall", *(["-DOLD"] if old else [])]
+        flags = ["-O2", "-shared", "-fPIC", "-Wall", *(["-DOLD"] if old else []), *([f"-DLATE={late}"] if late else [])]
         command = ["gcc", *flags, "-I", work, HERE / "unit.c", "-o", library, "-lm"]
         subprocess.run(command, check=True, capture_output=True, text=True)
         with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -105,7 +105,7 @@ fn rest(problem: &Problem, glance: &Glance) -> Rest {
     }
     let look = |engine: &Engine| engine.followed(glance).map_or(Rest::ALL, |left| Rest::of(&left));
     let after = look(engine);
-    // where an output follows an input at once, it matters when rows were read
+    // an output may follow an input at once
     if engine.at_once().ok().flatten().is_none() {
         return after;
     }

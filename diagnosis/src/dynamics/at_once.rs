@@ -1,4 +1,5 @@
-//! Outputs that follow an input at once, without a state between them.
+//! Outputs that don't hang on the states alone: some follow an input at once, some units compute only within a step and show old values
+//! where they are begun anew. For both it matters whether a row is read at the begin of its interval or at the end of the one before.
 
 use super::linearise::Engine;
 use super::schedule::Schedule;
@@ -15,6 +16,37 @@ const MOVE: f64 = STEP;
 const TELLS: f64 = SMALL;
 
 impl Engine {
+    /// The first output that shows something else where the unit is begun than after the step that ends in the same states.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn computed_late(&self) -> Result<Option<String>, Error> {
+        let (machine, n) = (&self.machine, self.machine.order());
+        if machine.whole || !machine.any_step || machine.states.iter().any(|state| state.shows.is_none()) {
+            return Ok(None);
+        }
+        let grid = &self.grids[0];
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let channels = machine.channels.len();
+        self.with_worker(|worker| {
+            let (mut step, mut begun) = (Vec::new(), Vec::new());
+            for row in (0..PROBES).map(|probe| probe * grid.time.len().saturating_sub(2) / PROBES) {
+                let states = self.nominal_states(grid, row);
+                let job = schedule.job(grid.time[row], row, 1, &states);
+                worker.interval(machine, &Job { probe: true, ..job }, &mut step)?;
+                let next = schedule.job(grid.time[row + 1], row + 1, 1, &step[..n]);
+                worker.interval(machine, &next, &mut begun)?;
+                let ends = &step[step.len() - channels..];
+                let late = (0..channels)
+                    .find(|place| (ends[*place] - begun[n + place]).abs() > TELLS * self.sensors[*place]);
+                if let Some(place) = late {
+                    return Ok(Some(machine.channels[place].name.clone()));
+                }
+            }
+            Ok(None)
+        })
+    }
+
     /// The first output that follows a held input at once: names of output and input.
     ///
     /// # Errors

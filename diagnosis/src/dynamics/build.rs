@@ -96,6 +96,10 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let Some(first) = grids.first() else {
         return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     };
+    let mut machine = machine;
+    if problem.late && machine.any_step {
+        machine.first_step = FINE * usual(&first.time).min(machine.longest);
+    }
     let mut notices = Vec::new();
     let outliers = excluded(&machine, &grids);
     let values = |channel: usize| -> Vec<Vec<f64>> {

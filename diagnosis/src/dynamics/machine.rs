@@ -5,6 +5,7 @@ use crate::observe::{self, Affine, InputEffect, OutputEffect, Problem, Scale, Se
 use crate::ports;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
+use std::time::Instant;
 
 /// A variable of a unit, as calls want it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,6 +147,10 @@ pub struct Machine {
     pub own_clock: Option<f64>,
     /// Which inputs the outputs of a row see.
     pub reading: observe::Reading,
+    /// A unit that computes its outputs in a step only makes one of this length, s, before a row is read; 0: none.
+    pub first_step: f64,
+    /// From then on no step is made.
+    pub deadline: Option<Instant>,
 }
 
 impl Machine {
@@ -217,6 +222,8 @@ impl Machine {
             begins: Vec::new(),
             own_clock: None,
             reading: problem.reading,
+            first_step: 0.0,
+            deadline: problem.deadline,
         };
         machine.parameters = problem
             .candidates

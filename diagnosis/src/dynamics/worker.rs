@@ -3,14 +3,17 @@
 use super::machine::{Machine, Reference};
 use super::schedule::Piece;
 use crate::error::Error;
-use orchestrator::fmu::{Instance, Status};
+use orchestrator::fmu::{Begin, Instance, Status};
 use orchestrator::{Kind, Value};
+use std::time::Instant;
 
 /// One instance of each unit.
 pub struct Worker {
     instances: Vec<Instance>,
     /// Real start values of each unit: references and values, filled anew for each interval.
     reals: Vec<(Vec<u32>, Vec<f64>)>,
+    /// What else an instance begins with.
+    others: Vec<Vec<(u32, Value)>>,
     /// Whether a reset brings an instance back to where it was after instantiation.
     pub resets: bool,
 }
@@ -65,10 +68,12 @@ fn on_clock(machine: &Machine, job: &Job<'_>, time: f64) -> f64 {
 
 /// Where a piece begins on the units' clock, and how long it is there.
 fn placed(machine: &Machine, job: &Job<'_>, piece: Piece) -> (f64, f64) {
-    let from = on_clock(machine, job, piece.from);
+    // the unit is a little further already
+    let ahead = if piece.from == job.time { machine.first_step } else { 0.0 };
+    let from = on_clock(machine, job, piece.from + ahead);
     match machine.own_clock {
         Some(_) => (from, on_clock(machine, job, piece.from + piece.span) - from),
-        None => (from, piece.span),
+        None => (from, piece.span - ahead),
     }
 }
 
@@ -79,7 +84,8 @@ impl Worker {
     /// A unit can't be instantiated.
     pub fn new(machine: &Machine) -> Result<Self, Error> {
         let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
-        let mut worker = Self { instances: Vec::new(), reals, resets: true };
+        let others = vec![Vec::new(); machine.units.len()];
+        let mut worker = Self { instances: Vec::new(), reals, others, resets: true };
         worker.renew(machine)?;
         Ok(worker)
     }
@@ -150,7 +156,7 @@ impl Worker {
     /// # Errors
     /// A unit refused something.
     pub fn shown(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
-        self.begin(machine, job)?;
+        self.initialise(machine, job)?;
         machine
             .states
             .iter()
@@ -179,8 +185,17 @@ impl Worker {
         Ok(all)
     }
 
-    /// Reset, start values, initialisation.
+    /// Reset, start values, initialisation, and a short step where the unit needs one to show its outputs.
     fn begin(&mut self, machine: &Machine, job: &Job<'_>) -> Result<(), Error> {
+        self.initialise(machine, job)?;
+        if machine.first_step > 0.0 {
+            let inputs = &job.at_row[..machine.inputs.len()];
+            self.step(machine, (on_clock(machine, job, job.time), machine.first_step), inputs)?;
+        }
+        Ok(())
+    }
+
+    fn initialise(&mut self, machine: &Machine, job: &Job<'_>) -> Result<(), Error> {
         if !self.resets || self.instances.len() < machine.units.len() {
             self.renew(machine)?;
         }
@@ -188,13 +203,10 @@ impl Worker {
             if self.resets {
                 self.instances[place].reset().map_err(failed)?;
             }
-            // values after the experiment: some units begin anew when they are told of it
-            self.instances[place].setup_experiment(on_clock(machine, job, job.time), None).map_err(failed)?;
-            for (reference, value) in &unit.settings {
-                self.instances[place].set(*reference, value).map_err(failed)?;
-            }
             self.reals[place].0.clear();
             self.reals[place].1.clear();
+            self.others[place].clear();
+            self.others[place].extend(unit.settings.iter().cloned());
         }
         let own = if machine.whole { &machine.begins } else { &machine.states };
         let starts = own.iter().map(|state| state.start).zip(job.states.iter().copied());
@@ -203,15 +215,13 @@ impl Worker {
                 self.reals[reference.unit].0.push(reference.reference);
                 self.reals[reference.unit].1.push(value);
             } else {
-                let value = typed(reference.kind, value);
-                self.instances[reference.unit].set(reference.reference, &value).map_err(failed)?;
+                self.others[reference.unit].push((reference.reference, typed(reference.kind, value)));
             }
         }
-        for (instance, (references, values)) in self.instances.iter_mut().zip(&self.reals) {
-            if !references.is_empty() {
-                instance.set_real(references, values).map_err(failed)?;
-            }
-            instance.enter_initialization().map_err(failed)?;
+        let start = on_clock(machine, job, job.time);
+        let values = self.others.iter().zip(&self.reals);
+        for (instance, (settings, (reals, values))) in self.instances.iter_mut().zip(values) {
+            instance.begin(start, None, Begin { settings, reals, values }).map_err(failed)?;
         }
         self.feed(machine, &job.at_row[..machine.inputs.len()])?;
         // a chain of links settles after as many passes as units; a loop is the first pass's affair
@@ -251,6 +261,9 @@ impl Worker {
 
     /// One step of all units, each with what those before it gave at its end.
     fn step(&mut self, machine: &Machine, (from, span): (f64, f64), fed: &[f64]) -> Result<(), Error> {
+        if machine.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            return Err(Error::TooSlow);
+        }
         for unit in 0..self.instances.len() {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(unit))?;

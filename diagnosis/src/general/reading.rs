@@ -1,4 +1,5 @@
-//! Whether a row's outputs were read before or after its inputs began to act, where an output follows an input at once.
+//! Whether a row's outputs were read before or after its inputs began to act, where an output follows an input at once, or where the
+//! unit computes it within a step only.
 //!
 //! A master that steps a unit and reads it sees the inputs of the interval that ends; a logger that writes an input and then
 //! reads sees the row's own. The data tell, since each jump of the input shows in the output: the likelier one is taken. All rows
@@ -16,7 +17,14 @@ use crate::observe::{Problem, Reading, Run};
 /// A unit failed.
 pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
     let runs: &[(&Run, Span)] = &problem.runs.iter().map(|run| (run, run.span())).collect::<Vec<_>>();
-    let Some((output, input)) = build(problem, runs)?.engine.at_once()? else { return Ok(problem.clone()) };
+    let late = build(problem, runs)?.engine.computed_late()?;
+    let mut problem = Problem { late: late.is_some(), ..problem.clone() };
+    problem.notices.extend(late.map(|output| Notice {
+        file: "dataset.toml".into(),
+        line: 0,
+        message: format!("{output} is computed in a step only: where the unit is begun it makes a short one before it is read"),
+    }));
+    let Some((output, input)) = build(&problem, runs)?.engine.at_once()? else { return Ok(problem) };
     let deviance = |reading: Reading| {
         let other = Problem { reading, ..problem.clone() };
         let mut built = build(&other, runs)?;
@@ -31,9 +39,7 @@ pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
     likelier.notices.push(Notice {
         file: "dataset.toml".into(),
         line: 0,
-        message: format!(
-            "{output} follows {input} at once: rows were read {words}, which is likelier by {by:.0} of deviance"
-        ),
+        message: format!("{output} follows {input} at once: rows were read {words}, which is likelier by {by:.0} of deviance"),
     });
     Ok(likelier)
 }

@@ -56,8 +56,21 @@ pub fn diagnosed(
     listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
     amended::within_reach(problem, units)?;
-    let until = options.budget.end(Instant::now(), problem.runs.len());
-    let watch = &mut Watch::new(listener, until);
+    let (began, runs) = (Instant::now(), problem.runs.len());
+    let deadline = options.budget.deadline(began, runs);
+    let watch = &mut Watch::new(listener, options.budget.end(began, runs));
+    let problem = &Problem { deadline, ..problem.clone() };
+    let found = found(problem, units, options, watch);
+    // what was found after it stands on steps that were not made
+    if deadline.is_some_and(|deadline| Instant::now() >= deadline) { Err(Error::TooSlow) } else { found }
+}
+
+fn found(
+    problem: &Problem,
+    units: &UnitPath,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
     let problem = &begun::chosen(&reading::read(problem)?)?;

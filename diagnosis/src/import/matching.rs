@@ -129,7 +129,7 @@ fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, Str
 }
 
 /// Lower-case words of a name: `phi_cmd`, `motorSpeed`, `T box`.
-fn words(text: &str) -> Vec<String> {
+pub(super) fn words(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for letter in text.chars() {

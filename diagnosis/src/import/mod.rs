@@ -5,8 +5,10 @@
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
+//! - `idle.rs`: parameters that change nothing
 //! - `write.rs`: the folder
 
+mod idle;
 mod matching;
 mod sheet;
 mod starts;
@@ -53,7 +55,12 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     let unit = units.open(fmu).map_err(crate::opened::model)?;
     let mut sheets = Vec::new();
     for log in logs {
-        sheets.push(Sheet::read(log)?);
+        let mut sheet = Sheet::read(log)?;
+        sheet.with_names(&|text| {
+            let own = text.strip_prefix(&instance(&unit)).and_then(|rest| rest.strip_prefix('.'));
+            unit.description().place(own.unwrap_or(text)).is_some()
+        });
+        sheets.push(sheet);
     }
     let Some(first) = sheets.first() else {
         return Err(Error::Nominal("no log was given".into()));
@@ -70,13 +77,26 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     }
     let (time, told) = first.time_column(unit.description())?;
     let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
-    let starts = starts::of(&unit);
+    let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
+    let starts = starts::of(&unit, &measured);
     trial::against_model(&unit, units, &sheets, &time, &starts, &mut matches, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
-    let found =
-        write::Found { sheets: &sheets, time: &time, told: &told, matches: &matches, starts: &starts };
+    let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
+    let trial =
+        trial::Trial { fmu: &unit, units, sheet: longest, time: &time, starts: &starts, matches: &matches };
+    let candidates = write::parameters(&unit, &starts);
+    let idle = idle::of(&trial, &candidates);
+    let found = write::Found {
+        sheets: &sheets,
+        time: &time,
+        told: &told,
+        matches: &matches,
+        starts: &starts,
+        candidates: &candidates,
+        idle: &idle,
+    };
     let guesses = write::folder(out, fmu, &unit, &found)?;
     // what was written must read
     let problem = observe::load(out, units)?;

@@ -115,6 +115,17 @@ impl Sheet {
         self.rows.iter().map(|row| row[place]).collect()
     }
 
+    /// Columns that are named after a variable to the letter have that name: `M_A` is no M in ampere, `v[2]` no v in units of 2.
+    pub(super) fn with_names(&mut self, known: &dyn Fn(&str) -> bool) {
+        for column in self.columns.iter_mut().filter(|column| known(&column.text)) {
+            // a unit from the line below stays
+            if column.unit == header(&column.text).unit {
+                column.unit = None;
+            }
+            column.name.clone_from(&column.text);
+        }
+    }
+
     /// The column of time, with its unit and why it is thought to be that.
     pub(super) fn time_column(&self, description: &Description) -> Result<(Time, String), Error> {
         let rises = |place: &usize| {
@@ -256,6 +267,16 @@ mod tests {
             let head = header(text);
             assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
         }
+    }
+
+    #[test]
+    fn value_heads_that_are_names_of_variables() {
+        let columns = ["M_A", "v[2]", "u_V", "x [mm]"].map(header).to_vec();
+        let mut sheet = Sheet { path: "log.csv".into(), columns, rows: Vec::new(), dialect: None };
+        sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text));
+        let heads: Vec<_> =
+            sheet.columns.iter().map(|head| (head.name.as_str(), head.unit.as_deref())).collect();
+        assert_eq!(heads, [("M_A", None), ("v[2]", None), ("u", Some("V")), ("x", Some("mm"))]);
     }
 
     #[test]

@@ -1,12 +1,17 @@
 //! Which parameter is where a state starts: found by its name, believed once the unit was seen to start there.
+//!
+//! A parameter is tried where its name says so (`x_initial`, `initialPositionY`): variables that are there after initialisation, at two
+//! values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
 
 use crate::observe;
 use crate::statistics::levels::{ROUNDING, STEP};
-use orchestrator::fmu::{Causality, Description, Variable};
+use orchestrator::fmu::{Begin, Causality, Description, Variable};
 use orchestrator::{Fmu, Kind, Value};
 
 /// What tools and people put behind a state's name for its start: 20-sim, Modelica's libraries, our units.
 const BEHIND: [&str; 6] = ["_initial", "_start", "_init", "_0", ".start", "0"];
+/// How a word of a start's name begins.
+const WORDS: [&str; 2] = ["init", "start"];
 /// A start value is moved by this share of its size.
 const MOVED: f64 = STEP;
 /// And shown again to this share.
@@ -21,16 +26,34 @@ pub(super) struct Start {
     pub shows: usize,
 }
 
-/// States of a unit that can be started.
-pub(super) fn of(fmu: &Fmu) -> Vec<Start> {
+/// States of a unit that can be started; of two variables that one parameter starts a measured one goes first.
+pub(super) fn of(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
     let description = fmu.description();
     let mut all: Vec<Start> = (0..description.variables.len())
         .filter(|place| observe::shows_its_start(&description.variables[*place]))
         .map(|place| Start { start: place, shows: place })
         .collect();
-    let named: Vec<Start> =
-        named(description).filter(|one| all.iter().all(|own| own.shows != one.shows)).collect();
-    all.extend(named.into_iter().filter(|one| is_started(fmu, *one).unwrap_or(false)));
+    let shown: Vec<usize> =
+        (0..description.variables.len()).filter(|place| moves(&description.variables[*place])).collect();
+    let Ok(nominal) = begun(fmu, &shown, None) else { return all };
+    for (place, parameter) in
+        description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
+    {
+        let namesake = namesake(description, parameter);
+        if namesake.is_none() && !has_the_word(&parameter.name) {
+            continue;
+        }
+        let free = |one: &usize| all.iter().all(|known| known.shows != *one);
+        let there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
+        let first = |one: &usize| {
+            let output = description.variables[*one].causality == Causality::Output;
+            (Some(*one) != namesake, !measured.contains(one), !output)
+        };
+        let may = |one: &usize| free(one) && (Some(*one) == namesake || has_the_word(&parameter.name));
+        if let Some(shows) = there.into_iter().filter(may).min_by_key(first) {
+            all.push(Start { start: place, shows });
+        }
+    }
     all
 }
 
@@ -39,22 +62,26 @@ pub(super) fn find(starts: &[Start], shows: usize) -> Option<Start> {
     starts.iter().copied().find(|one| one.shows == shows)
 }
 
-fn named(description: &Description) -> impl Iterator<Item = Start> + '_ {
-    let parameters = description.variables.iter().enumerate().filter(|(_, variable)| {
-        variable.kind == Kind::Real && variable.causality == Causality::Parameter && variable.start.is_some()
-    });
-    parameters.filter_map(|(start, parameter)| {
-        // x_initial[2] starts x[2]
-        let (name, index) = match parameter.name.find('[') {
-            Some(at) if parameter.name.ends_with(']') => parameter.name.split_at(at),
-            _ => (parameter.name.as_str(), ""),
-        };
-        let shows = BEHIND.iter().find_map(|end| {
-            let place = description.place(&format!("{}{index}", name.strip_suffix(end)?))?;
-            moves(&description.variables[place]).then_some(place)
-        })?;
-        Some(Start { start, shows })
-    })
+/// A parameter that is a number, whose name may be that of a start.
+fn is_named_a_start(variable: &Variable) -> bool {
+    variable.kind == Kind::Real && variable.causality == Causality::Parameter && variable.start.is_some()
+}
+
+/// Whether a word of the name is that of a start: `initialPositionY`, `mt0_init`.
+fn has_the_word(name: &str) -> bool {
+    super::matching::words(name).iter().any(|word| WORDS.iter().any(|begin| word.starts_with(begin)))
+}
+
+/// The variable whose name stands in that of its start, with the same index: `x_initial[2]` starts `x[2]`.
+fn namesake(description: &Description, parameter: &Variable) -> Option<usize> {
+    let (name, index) = match parameter.name.find('[') {
+        Some(at) if parameter.name.ends_with(']') => parameter.name.split_at(at),
+        _ => (parameter.name.as_str(), ""),
+    };
+    let stems = BEHIND.iter().filter_map(|end| name.strip_suffix(end));
+    stems
+        .filter_map(|stem| description.place(&format!("{stem}{index}")))
+        .find(|place| moves(&description.variables[*place]))
 }
 
 fn moves(variable: &Variable) -> bool {
@@ -63,27 +90,55 @@ fn moves(variable: &Variable) -> bool {
     seen && variable.kind == Kind::Real && matches!(variable.variability, Continuous | Discrete)
 }
 
-/// Whether the variable is where the parameter says after initialisation, at two places.
-fn is_started(fmu: &Fmu, one: Start) -> Result<bool, orchestrator::Error> {
-    let [start, shows] = [one.start, one.shows].map(|place| &fmu.description().variables[place]);
-    let nominal = start.start.as_ref().and_then(Value::as_f64).unwrap_or(0.0);
-    let by = MOVED * if nominal == 0.0 { 1.0 } else { nominal.abs() };
+/// The variables that are where a parameter says after initialisation, at its nominal value and moved off it.
+fn follows(
+    fmu: &Fmu,
+    parameter: &Variable,
+    shown: &[usize],
+    nominal: &[f64],
+) -> Result<Vec<usize>, orchestrator::Error> {
+    let value = parameter.start.as_ref().and_then(Value::as_f64).unwrap_or(0.0);
+    let by = MOVED * if value == 0.0 { 1.0 } else { value.abs() };
+    let is = |shown: f64, value: f64| (shown - value).abs() <= SHOWN * value.abs().max(by);
     let room = |value: f64| {
-        start.max.is_none_or(|most| value <= most) && start.min.is_none_or(|least| value >= least)
+        parameter.max.is_none_or(|most| value <= most) && parameter.min.is_none_or(|least| value >= least)
     };
-    let moved = [nominal + by, nominal - by].into_iter().find(|value| room(*value));
-    for value in [Some(nominal), moved].into_iter().flatten() {
-        let mut instance = fmu.instantiate("start")?;
-        instance.setup_experiment(0.0, None)?;
-        instance.set_real(&[start.reference], &[value])?;
-        instance.enter_initialization()?;
-        instance.exit_initialization()?;
-        let mut shown = [f64::NAN];
-        instance.get_real(&[shows.reference], &mut shown)?;
-        let there = (shown[0] - value).abs() <= SHOWN * value.abs().max(by);
-        if !there {
-            return Ok(false);
+    let moved = [value + by, value - by].into_iter().find(|value| room(*value));
+    let (Some(moved), true) = (moved, nominal.iter().any(|one| is(*one, value))) else {
+        return Ok(Vec::new());
+    };
+    let there = begun(fmu, shown, Some((parameter.reference, moved)))?;
+    let both = shown.iter().zip(nominal.iter().zip(&there));
+    Ok(both
+        .filter(|(_, (before, after))| is(**before, value) && is(**after, moved))
+        .map(|(place, _)| *place)
+        .collect())
+}
+
+/// What variables show after initialisation, with a parameter's value.
+fn begun(fmu: &Fmu, shown: &[usize], set: Option<(u32, f64)>) -> Result<Vec<f64>, orchestrator::Error> {
+    let mut instance = fmu.instantiate("start")?;
+    let (reals, values): (Vec<u32>, Vec<f64>) = set.into_iter().unzip();
+    instance.begin(0.0, None, Begin { reals: &reals, values: &values, settings: &[] })?;
+    instance.exit_initialization()?;
+    let references: Vec<u32> =
+        shown.iter().map(|place| fmu.description().variables[*place].reference).collect();
+    let mut values = vec![f64::NAN; shown.len()];
+    instance.get_real(&references, &mut values)?;
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_names_of_starts() {
+        for name in ["initialPositionY", "mt0_init", "x_start", "Mass.InitialVelocity"] {
+            assert!(has_the_word(name), "{name}");
+        }
+        for name in ["restartless", "l0", "position", "reinit"] {
+            assert!(!has_the_word(name), "{name}");
         }
     }
-    Ok(moved.is_some())
 }

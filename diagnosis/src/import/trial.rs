@@ -4,10 +4,12 @@ use super::sheet::{GAP, Sheet};
 use super::starts::{self, Start};
 use super::{Match, Time, instance};
 use crate::observe::{Affine, measure};
-use crate::statistics::levels::STEP;
+use crate::statistics::levels::{CERTAIN, STEP};
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
-use orchestrator::{Fmu, MemoryRecorder, Place, Quiet, Scenario, Simulation, UnitPath};
+use orchestrator::{Fmu, MemoryRecorder, Place, Progress, Quiet, Scenario, Simulation, UnitPath};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// Correlation below which model and log say nothing of each other.
 const TELLS: f64 = 0.6;
@@ -21,7 +23,7 @@ const INPUTS: usize = 4;
 /// Rows that are tried.
 const ROWS: usize = 3000;
 /// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
-const OFFSET: f64 = 5.0;
+const OFFSET: f64 = CERTAIN;
 
 /// Units that logs are written in, beside the model's own.
 const USUAL: [&str; 22] = [
@@ -58,7 +60,7 @@ pub(super) fn against_model(
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match compared(fmu, units, sheet, time, starts, matches, &sign) {
+        let lines = match (Trial { fmu, units, sheet, time, starts, matches }).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
@@ -174,52 +176,119 @@ fn unit_of(line: Line, variable: &Variable, description: &Description) -> Option
     })
 }
 
-/// Runs the model with the inputs of a log and gives each output its line; an error is why it didn't run.
-fn compared(
-    fmu: &Fmu,
-    units: &UnitPath,
-    sheet: &Sheet,
-    time: &Time,
-    starts: &[Start],
-    matches: &[Match],
-    sign: &dyn Fn(usize) -> f64,
-) -> Result<Vec<Option<Line>>, String> {
-    let description = fmu.description();
-    let place = sheet.place(&time.name).ok_or("no time")?;
-    let all = sheet.column(place);
-    let stretch = whole_stretch(&all, sheet.usual_gap(place));
-    let stamps = &all[stretch.clone()];
-    let times: Vec<f64> = stamps.iter().map(|stamp| (stamp - stamps[0]) * time.seconds).collect();
-    let name =
-        |matched: &Match| format!("{}.{}", instance(fmu), description.variables[matched.variable].name);
-    let values = |at: usize, matched: &Match| -> Vec<(f64, f64)> {
-        let affine = converted(matched, description);
-        let column = sheet.place(&matched.column).map(|column| sheet.column(column)).unwrap_or_default();
-        let column = column.into_iter().skip(stretch.start);
-        let rows = times.iter().zip(column).filter(|(time, value)| time.is_finite() && value.is_finite());
-        rows.map(|(time, value)| (*time, sign(at) * affine.apply(value))).collect()
-    };
-    let mut scenario = scenario(fmu, &times, sheet.usual_gap(place) * time.seconds)?;
-    for (at, matched) in matches.iter().enumerate() {
-        let points = values(at, matched);
-        let Some((_, first)) = points.first() else { continue };
-        if matched.fed {
-            let place = Place::Override(matched.column.clone());
-            let signal = SignalEntry::Table { shape: Shape::Hold, points };
-            scenario.sources.push(SourceEntry { to: name(matched), signal, place });
-        } else if let Some(own) = starts::find(starts, matched.variable) {
-            let start = &description.variables[own.start].name;
-            let _ = scenario.set(&format!("{}.{start}", instance(fmu)), &first.to_string());
-        }
+/// The model on the inputs of a log.
+pub(super) struct Trial<'a> {
+    pub fmu: &'a Fmu,
+    pub units: &'a UnitPath,
+    pub sheet: &'a Sheet,
+    pub time: &'a Time,
+    pub starts: &'a [Start],
+    pub matches: &'a [Match],
+}
+
+/// Name of a matched variable in a scenario of the unit alone.
+pub(super) fn name(fmu: &Fmu, matched: &Match) -> String {
+    format!("{}.{}", instance(fmu), fmu.description().variables[matched.variable].name)
+}
+
+/// Times of a log's longest stretch in s from its begin, and where it begins.
+struct Stretch {
+    times: Vec<f64>,
+    first: usize,
+    gap: f64,
+}
+
+impl Trial<'_> {
+    fn stretch(&self) -> Result<Stretch, String> {
+        let place = self.sheet.place(&self.time.name).ok_or("no time")?;
+        let (all, usual) = (self.sheet.column(place), self.sheet.usual_gap(place));
+        let stretch = whole_stretch(&all, usual);
+        let stamps = &all[stretch.clone()];
+        let times = stamps.iter().map(|stamp| (stamp - stamps[0]) * self.time.seconds).collect();
+        Ok(Stretch { times, first: stretch.start, gap: usual * self.time.seconds })
     }
-    let said = |error: orchestrator::Error| error.to_string().lines().next().unwrap_or_default().to_owned();
-    let mut results = MemoryRecorder::new();
-    Simulation::new(&scenario, units).and_then(|mut run| run.run(&mut results, &mut Quiet)).map_err(said)?;
-    let line_of = |(at, matched): (usize, &Match)| {
-        let series = results.series(&name(matched)).ok().filter(|_| !matched.fed)?;
-        line(&values(at, matched), results.times(), series)
-    };
-    Ok(matches.iter().enumerate().map(line_of).collect())
+
+    /// Times and values of a column as the variable has them.
+    fn values(&self, stretch: &Stretch, matched: &Match, sign: f64) -> Vec<(f64, f64)> {
+        let affine = converted(matched, self.fmu.description());
+        let column =
+            self.sheet.place(&matched.column).map(|column| self.sheet.column(column)).unwrap_or_default();
+        let rows = stretch.times.iter().zip(column.into_iter().skip(stretch.first));
+        let known = rows.filter(|(time, value)| time.is_finite() && value.is_finite());
+        known.map(|(time, value)| (*time, sign * affine.apply(value))).collect()
+    }
+
+    /// Runs it with some parameters set in a process of its own, `None` beyond a limit of real time; an error is why it didn't run.
+    pub(super) fn run(
+        &self,
+        set: &[(String, String)],
+        limit: Duration,
+    ) -> Result<Option<MemoryRecorder>, String> {
+        let mut within = Within { began: Instant::now(), limit, over: false };
+        let results = self.simulated(&self.stretch()?, &|_| 1.0, set, Some(&mut within))?;
+        Ok((!within.over).then_some(results))
+    }
+
+    fn simulated(
+        &self,
+        stretch: &Stretch,
+        sign: &dyn Fn(usize) -> f64,
+        set: &[(String, String)],
+        within: Option<&mut Within>,
+    ) -> Result<MemoryRecorder, String> {
+        let mut scenario = scenario(self.fmu, &stretch.times, stretch.gap, within.is_some())?;
+        let own = |parameter: &str| format!("{}.{parameter}", instance(self.fmu));
+        for (at, matched) in self.matches.iter().enumerate() {
+            let points = self.values(stretch, matched, sign(at));
+            let Some((_, first)) = points.first() else { continue };
+            if matched.fed {
+                let place = Place::Override(matched.column.clone());
+                let signal = SignalEntry::Table { shape: Shape::Hold, points };
+                scenario.sources.push(SourceEntry { to: name(self.fmu, matched), signal, place });
+            } else if let Some(start) = starts::find(self.starts, matched.variable) {
+                let start = &self.fmu.description().variables[start.start].name;
+                let _ = scenario.set(&own(start), &first.to_string());
+            }
+        }
+        let said =
+            |error: orchestrator::Error| error.to_string().lines().next().unwrap_or_default().to_owned();
+        for (parameter, value) in set {
+            scenario.set(&own(parameter), value).map_err(said)?;
+        }
+        let mut results = MemoryRecorder::new();
+        let run = &mut Simulation::new(&scenario, self.units).map_err(said)?;
+        match within {
+            Some(within) => run.run(&mut results, within),
+            None => run.run(&mut results, &mut Quiet),
+        }
+        .map_err(said)?;
+        Ok(results)
+    }
+
+    /// Runs it and gives each output its line.
+    fn compared(&self, sign: &dyn Fn(usize) -> f64) -> Result<Vec<Option<Line>>, String> {
+        let stretch = self.stretch()?;
+        let results = self.simulated(&stretch, sign, &[], None)?;
+        let line_of = |(at, matched): (usize, &Match)| {
+            let series = results.series(&name(self.fmu, matched)).ok().filter(|_| !matched.fed)?;
+            line(&self.values(&stretch, matched, sign(at)), results.times(), series)
+        };
+        Ok(self.matches.iter().enumerate().map(line_of).collect())
+    }
+}
+
+/// Ends a run that takes too long.
+struct Within {
+    began: Instant,
+    limit: Duration,
+    over: bool,
+}
+
+impl Progress for Within {
+    fn at(&mut self, _: f64, _: f64) -> ControlFlow<()> {
+        self.over |= self.began.elapsed() > self.limit;
+        if self.over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
 }
 
 /// The longest stretch of rows without a gap: what acted within one is not known.
@@ -233,7 +302,7 @@ fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
 }
 
 /// The unit alone, for the span of a log.
-fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, String> {
+fn scenario(fmu: &Fmu, times: &[f64], gap: f64, isolated: bool) -> Result<Scenario, String> {
     let own = fmu.description().default_experiment.step_size.filter(|step| *step > 0.0).unwrap_or(gap);
     // no finer than a tenth of a row: this is a trial
     let interval = format!("{:.3e}", gap.min(own).max(0.1 * gap));
@@ -241,9 +310,10 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, String> {
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let path = fmu.path().canonicalize().map_err(|error| error.to_string())?;
     let text = format!(
-        "format = 1\n[experiment]\nstop = {stop}\n[[units]]\nname = {}\nfmu = {}\ninterval = {interval}\n",
+        "format = 1\n[experiment]\nstop = {stop}\n[[units]]\nname = {}\nfmu = {}\ninterval = {interval}\n{}",
         quoted(&instance(fmu)),
-        quoted(&path.to_string_lossy())
+        quoted(&path.to_string_lossy()),
+        if isolated { "isolate = true\nstep_limit = 5\n" } else { "" }
     );
     Scenario::parse(&text, "import.toml").map_err(|error| error.to_string())
 }

@@ -18,11 +18,15 @@ pub(super) struct Found<'a> {
     pub told: &'a str,
     pub matches: &'a [Match],
     pub starts: &'a [Start],
+    /// Parameters that may be off.
+    pub candidates: &'a [usize],
+    /// Those among them that change nothing.
+    pub idle: &'a [usize],
 }
 
 /// Writes everything and gives a line for each guess.
 pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> Result<Vec<String>, Error> {
-    let Found { sheets, time, told, matches, starts } = *found;
+    let Found { sheets, time, told, matches, starts, candidates, idle } = *found;
     let put = |name: &str, text: String| {
         let path = out.join(name);
         std::fs::write(&path, text).map_err(|source| Error::Io { path, source })
@@ -43,7 +47,7 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
         channel(&mut text, &mut guesses, fmu, matched);
     }
     states(&mut text, &mut guesses, fmu, starts);
-    candidates(&mut text, &mut guesses, fmu, starts);
+    put_candidates(&mut text, &mut guesses, fmu, candidates, idle);
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;
@@ -115,35 +119,44 @@ fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Sta
     }
 }
 
-/// Every parameter, for the user to strike out what can't be off.
-fn candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Start]) {
-    let description = fmu.description();
-    let may = description.variables.iter().enumerate().filter(|(place, variable)| {
+/// Parameters that are numbers and start no state, by their places.
+pub(super) fn parameters(fmu: &Fmu, starts: &[Start]) -> Vec<usize> {
+    let all = fmu.description().variables.iter().enumerate().filter(|(place, variable)| {
         variable.causality == Causality::Parameter
             && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
             && variable.kind != Kind::String
             && variable.start.is_some()
             && starts.iter().all(|one| one.start != *place)
     });
-    let mut count = 0;
-    for (_, variable) in may {
-        if count == 0 {
-            let _ = writeln!(text, "\n# guess: every parameter may be off; strike out what you are sure of");
-        }
-        count += 1;
+    all.map(|(place, _)| place).collect()
+}
+
+/// Every parameter, for the user to strike out what can't be off; what changes nothing is struck out already.
+fn put_candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, all: &[usize], idle: &[usize]) {
+    let entry = |place: usize, mark: &str| {
+        let variable = &fmu.description().variables[place];
         let neutral = variable.start.as_ref().and_then(orchestrator::Value::as_f64).unwrap_or(0.0);
         let about = match variable.description.as_str() {
             "" => String::new(),
             // TOML allows no control character in a comment
             words => format!("                            # {}", words.replace(char::is_control, " ")),
         };
-        let _ = writeln!(text, "[[candidate]]{about}");
-        let _ = writeln!(text, "variable = {}", quoted(&format!("{}.{}", instance(fmu), variable.name)));
-        if variable.kind == Kind::Real && neutral != 0.0 {
-            let _ = writeln!(text, "scale = \"relative\"");
-        }
+        let name = quoted(&format!("{}.{}", instance(fmu), variable.name));
+        let relative = variable.kind == Kind::Real && neutral != 0.0;
+        let scale = if relative { format!("{mark}scale = \"relative\"\n") } else { String::new() };
+        format!("{mark}[[candidate]]{about}\n{mark}variable = {name}\n{scale}")
+    };
+    let (struck, kept): (Vec<usize>, Vec<usize>) = all.iter().partition(|place| idle.contains(place));
+    if !kept.is_empty() {
+        text.push_str("\n# guess: every parameter may be off; strike out what you are sure of\n");
     }
-    guesses.push(format!("{count} parameters may be off"));
+    kept.iter().for_each(|place| text.push_str(&entry(*place, "")));
+    guesses.push(format!("{} parameters may be off", kept.len()));
+    if !struck.is_empty() {
+        text.push_str("\n# guess: moved far, these change nothing that the longest log shows, or the unit can't be run with them\n");
+        struck.iter().for_each(|place| text.push_str(&entry(*place, "# ")));
+        guesses.push(format!("{} more change nothing that the longest log shows", struck.len()));
+    }
 }
 
 /// A log with commas and points.

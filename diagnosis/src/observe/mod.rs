@@ -27,6 +27,7 @@ use orchestrator::fmu::{Description, Variable};
 use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
 pub(crate) use resolve::shows_its_start;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// A data set, read and resolved: what the inference gets.
 #[derive(Debug, Clone)]
@@ -49,6 +50,10 @@ pub struct Problem {
     pub runs: Vec<Run>,
     /// Whether a row's outputs were read before or after its held inputs began to act.
     pub reading: Reading,
+    /// When a model that doesn't come to an end is given up.
+    pub deadline: Option<Instant>,
+    /// Outputs are computed in a step only: the unit makes a short one before a row is read.
+    pub late: bool,
     /// Each run is simulated whole from its start: rows can't be begun anew from the states that can be set.
     pub whole: bool,
     /// What a user should know of how the data set was read.

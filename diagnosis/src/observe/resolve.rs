@@ -37,6 +37,8 @@ pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Pr
         ports,
         runs,
         reading,
+        deadline: None,
+        late: false,
         whole: false,
         notices,
     })

@@ -49,6 +49,7 @@ const RULES: &[Rule] = &[
     rule("repeatable", steps::repeatable),
     rule("start-values", start::values),
     rule("values-before-setup", start::early),
+    comparing("values-in-initialization", start::late),
     comparing("start-time", start::time),
     rule("guid-checked", calls::guid),
     rule("output-range", steps::output_range),

@@ -38,12 +38,7 @@ pub(super) fn compare(
 
 /// Values may be set as soon as there is an instance; telling it of the experiment must not take them back.
 pub(super) fn early(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
-    let parameters = bench.variables(Causality::Parameter).into_iter().filter(|variable| {
-        variable.variability != Variability::Constant && matches!(variable.kind, Kind::Real | Kind::Integer)
-    });
-    let moved: Vec<(&Variable, Value)> = parameters
-        .filter_map(|variable| Some((variable, moved(variable, variable.start.as_ref()?)?)))
-        .collect();
+    let moved = parameters_moved(bench);
     // what a unit refuses, all of them together perhaps, says nothing
     let Ok(values) = kept(bench, &moved) else { return Ok(()) };
     let lost: Vec<&Variable> = (moved.iter().zip(&values))
@@ -60,6 +55,58 @@ pub(super) fn early(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
         found.say(Severity::Error, Some(&first.name), text);
     }
     Ok(())
+}
+
+/// Numbers that are parameters, each a little off its start value.
+fn parameters_moved(bench: &Bench) -> Vec<(&Variable, Value)> {
+    let parameters = bench.variables(Causality::Parameter).into_iter().filter(|variable| {
+        variable.variability != Variability::Constant && matches!(variable.kind, Kind::Real | Kind::Integer)
+    });
+    parameters.filter_map(|variable| Some((variable, moved(variable, variable.start.as_ref()?)?))).collect()
+}
+
+/// Parameters may be set before initialization mode and in it; the model must be the same.
+pub(super) fn late(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
+    let moved = parameters_moved(bench);
+    // what a unit refuses before the mode, all of them together perhaps, says nothing
+    let (Ok(before), false) = (begun(bench, &moved, false), moved.is_empty()) else { return Ok(()) };
+    let within = match begun(bench, &moved, true) {
+        Ok(within) => within,
+        Err(Halt::Call(error)) => {
+            let text = format!("a parameter can't be set in initialization mode: {error}");
+            found.say(Severity::Warning, None, text);
+            return Ok(());
+        }
+        Err(other) => return Err(other),
+    };
+    let outputs = bench.outputs();
+    let differs = outputs.iter().zip(before.iter().zip(&within)).find(|(_, (one, other))| one != other);
+    if let Some((output, (one, other))) = differs {
+        let text = format!(
+            "it is {one} where parameters are set before fmi2EnterInitializationMode, and {other} where they are set in that mode: masters \
+             that do the one and the other run two models"
+        );
+        found.say(Severity::Error, Some(&output.name), text);
+    }
+    Ok(())
+}
+
+/// Outputs after a step, with values that are set before initialization mode or in it.
+fn begun(bench: &Bench, moved: &[(&Variable, Value)], within: bool) -> Result<Vec<Value>, Halt> {
+    let mut unit = bench.instance("unit")?;
+    unit.call("fmi2SetupExperiment", |instance| instance.setup_experiment(bench.start, None))?;
+    if within {
+        unit.call("fmi2EnterInitializationMode", Instance::enter_initialization)?;
+    }
+    for (variable, value) in moved {
+        unit.set(variable, value)?;
+    }
+    if !within {
+        unit.call("fmi2EnterInitializationMode", Instance::enter_initialization)?;
+    }
+    unit.exit_initialization()?;
+    unit.step(bench.start, bench.step)?;
+    unit.read(&bench.outputs())
 }
 
 /// What is in force of values that were set before the experiment.

@@ -6,6 +6,7 @@
 mod anew;
 mod archive;
 mod attributes;
+mod begin;
 mod call;
 pub(crate) mod control_word;
 mod description;
@@ -21,6 +22,7 @@ mod read;
 mod state;
 pub(crate) mod workshop;
 
+pub use begin::Begin;
 pub use description::{
     BaseUnit, Causality, CoSimulation, DefaultExperiment, Description, Initial, Traits, UnitDefinition,
     Unknown, Variability, Variable,
@@ -108,6 +110,8 @@ pub(crate) struct Inner {
     library: OnceLock<Library>,
     /// Whether a reset brings an instance back to where it began; copies know it of each other.
     restores: Arc<OnceLock<bool>>,
+    /// How it takes values in initialization mode.
+    late: Arc<begin::Late>,
     /// Whether the library had an instance already.
     used: AtomicBool,
     archive: Archive,
@@ -134,6 +138,7 @@ impl Fmu {
                 note: OnceLock::new(),
                 library: OnceLock::new(),
                 restores: Arc::default(),
+                late: Arc::default(),
                 used: AtomicBool::new(false),
                 archive,
             }),
@@ -201,6 +206,7 @@ impl Fmu {
             note: OnceLock::new(),
             library: OnceLock::new(),
             restores: self.inner.restores.clone(),
+            late: self.inner.late.clone(),
             used: AtomicBool::new(true),
             archive,
         };

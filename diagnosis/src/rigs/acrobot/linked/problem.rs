@@ -104,6 +104,8 @@ pub(super) fn stretches(
         },
         runs,
         reading: Reading::Before,
+        deadline: None,
+        late: false,
         whole: false,
         notices: Vec::new(),
         model: nominal,

@@ -2,6 +2,7 @@
 //! where they are begun anew. For both it matters whether a row is read at the begin of its interval or at the end of the one before.
 
 use super::linearise::Engine;
+use super::machine::Machine;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
@@ -27,7 +28,8 @@ impl Engine {
         }
         let grid = &self.grids[0];
         let schedule = Schedule::new(machine, grid, &machine.neutral());
-        let channels = machine.channels.len();
+        let (channels, width) = (machine.channels.len(), machine.inputs.len());
+        let ahead = Machine { first_step: machine.short_step(&grid.time), ..machine.clone() };
         self.with_worker(|worker| {
             let (mut step, mut begun) = (Vec::new(), Vec::new());
             for row in (0..PROBES).map(|probe| probe * grid.time.len().saturating_sub(2) / PROBES) {
@@ -37,11 +39,15 @@ impl Engine {
                 let next = schedule.job(grid.time[row + 1], row + 1, 1, &step[..n]);
                 worker.interval(machine, &next, &mut begun)?;
                 let ends = &step[step.len() - channels..];
-                let late = (0..channels)
-                    .find(|place| (ends[*place] - begun[n + place]).abs() > TELLS * self.sensors[*place]);
-                if let Some(place) = late {
-                    return Ok(Some(machine.channels[place].name.clone()));
-                }
+                let off = |begun: &[f64], place: usize| (ends[place] - begun[n + place]).abs();
+                let late = (0..channels).find(|place| off(&begun, *place) > TELLS * self.sensors[*place]);
+                let Some(place) = late else { continue };
+                // what the unit remembers beyond its states shows, too, and no step brings that back; some make a whole step of their own
+                let before = off(&begun, place);
+                let held = [&job.at_row[..width], &job.at_row[..width]].concat();
+                worker.interval(&ahead, &Job { at_row: &held, ..next }, &mut begun)?;
+                let mends = off(&begun, place) < SMALL * before;
+                return Ok(mends.then(|| machine.channels[place].name.clone()));
             }
             Ok(None)
         })

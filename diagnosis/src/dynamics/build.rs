@@ -70,7 +70,7 @@ impl Built {
     }
 }
 
-fn usual(time: &[f64]) -> f64 {
+pub(super) fn usual(time: &[f64]) -> f64 {
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
     gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
@@ -98,7 +98,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     };
     let mut machine = machine;
     if problem.late && machine.any_step {
-        machine.first_step = FINE * usual(&first.time).min(machine.longest);
+        machine.first_step = machine.short_step(&first.time);
     }
     let mut notices = Vec::new();
     let outliers = excluded(&machine, &grids);

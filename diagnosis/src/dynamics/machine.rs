@@ -1,8 +1,10 @@
 //! Which variables of which units are states, inputs, channels and parameters, by reference.
 
+use super::build::usual;
 use crate::error::Error;
 use crate::observe::{self, Affine, InputEffect, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::ports;
+use crate::statistics::levels::FINE;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
 use std::time::Instant;
@@ -154,6 +156,11 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// A step, s, after which outputs are what they are at rows so far apart, and states have hardly moved.
+    pub fn short_step(&self, rows: &[f64]) -> f64 {
+        FINE * usual(rows).min(self.longest)
+    }
+
     /// Of a problem. States that no variable shows are read through the outputs: `through.rs`.
     ///
     /// # Errors

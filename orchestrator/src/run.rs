@@ -156,13 +156,14 @@ pub(crate) fn run_on(
     let mut keeping = simulation.pace.map(|factor| Keeping::new(factor, simulation.now.time));
     let mut saving = Saving::new(checkpoints, start, simulation.now.time);
     let rescued = Rescued::new(Rescue { rows: recorder.rescue(), time: &raw const simulation.now.time });
-    let stepping = simulation.stepping_of_processes();
-    let first = from.is_none().then(|| recorder.row(simulation.now.time, simulation.row()));
-    let result = match first {
-        Some(Err(error)) => Err(error),
-        _ => go(simulation, recorder, progress, &mut pace, &mut saving, keeping.as_mut()),
+    let result = {
+        let _stepping = simulation.stepping_of_processes();
+        let first = from.is_none().then(|| recorder.row(simulation.now.time, simulation.row()));
+        match first {
+            Some(Err(error)) => Err(error),
+            _ => go(simulation, recorder, progress, &mut pace, &mut saving, keeping.as_mut()),
+        }
     };
-    drop(stepping);
     simulation.lateness = keeping.map(|keeping| keeping.lateness);
     drop(rescued);
     simulation.phase = Phase::Over;

@@ -96,6 +96,7 @@ pub(crate) trait Algorithm: Send {
     }
 
     /// It steps units side by side, in several threads.
+    #[cfg(isolation)]
     fn side_by_side(&self) -> bool {
         false
     }

@@ -84,6 +84,7 @@ impl Algorithm for ParallelJacobi {
         Sees::Begin
     }
 
+    #[cfg(isolation)]
     fn side_by_side(&self) -> bool {
         true
     }

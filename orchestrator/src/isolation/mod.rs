@@ -97,6 +97,7 @@ fn register(program: PathBuf, arguments: impl IntoIterator<Item = impl Into<OsSt
 }
 
 /// The program that serves a unit; an error is why there is none.
+#[cfg(isolation)]
 fn host(isolation: &Isolation) -> Result<Host, String> {
     isolation.host.as_ref().or_else(|| HOST.get()).cloned().ok_or_else(|| {
         "it is to run in a process of its own, but this program does not call orchestrator::host_units".into()

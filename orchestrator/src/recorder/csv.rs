@@ -4,12 +4,15 @@
 //! to the system, at the latest when a simulated second is full, so that a killed run leaves a readable file.
 
 #[cfg(unix)]
+use super::Waiting;
+#[cfg(unix)]
 use super::lasting::Lasting;
-use super::{Cell, Column, Position, Recorder, Row, Waiting};
+use super::{Cell, Column, Position, Recorder, Row};
 use crate::error::Error;
 use std::fs::File;
 use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
+#[cfg(unix)]
 use std::ptr;
 
 /// Rows are handed over when this many bytes wait, or when a simulated second is full.

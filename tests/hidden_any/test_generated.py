@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from . import sets
-from .machines import ALL
+from .machine import Parameter
+from .machines import ALL, house
+from .unit_c import build
 from .unit_python import environment
 
 PROGRAM = Path(__file__).resolve().parents[2] / "target" / "release" / "acroscope"
@@ -39,6 +41,21 @@ def test_what_a_unit_does_its_own_way_is_told(tmp_path):
     assert said["verdict"] == "none"
     for words in ("fmi2Reset doesn't bring the unit back", "begins at 0 whatever start time", "makes steps of one size"):
         assert words in told, told
+
+
+def test_a_parameter_that_the_unit_cant_be_run_with_is_told(tmp_path):
+    shed = ALL["shed"]
+    fragile = Parameter("fragile", "1", 1.0, 0.1, 10.0, "relative", "a value that the unit bears as it is only", 0.5)
+    outputs = "v[T_a] = x[0] + sqrt(-(v[fragile] - 1.0) * (v[fragile] - 1.0)); v[T_b] = x[1];"
+    machine = dataclasses.replace(
+        shed,
+        parameters=(*shed.parameters, fragile),
+        build=lambda machine, folder: build(machine, folder, house.C, outputs, step=60.0, old=True),
+    )
+    said = diagnosed(machine, "k_a", 7, tmp_path)
+    assert [effect["name"] for effect in said["effects"]] == ["shed.k_a"], said["effects"]
+    told = " ".join(map(str, said["notices"]))
+    assert "with shed.fragile = " in told and "the unit can't be run" in told, told
 
 
 @pytest.mark.parametrize("case", ["none", "m"])

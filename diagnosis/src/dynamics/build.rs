@@ -146,6 +146,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         outliers,
         pool: Mutex::new(Vec::new()),
         resets: true,
+        refused: Mutex::default(),
         sensors: sensors.clone(),
         scales,
         input_scales,

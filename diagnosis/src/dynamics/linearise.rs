@@ -17,6 +17,7 @@ use crate::infer::{Linearised, Measured};
 use crate::observe::OutputEffect;
 use crate::statistics::levels;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 /// A sensitivity column: from where the parameters are to this value of one of them. A short chord is a derivative; a
@@ -52,6 +53,8 @@ pub struct Engine {
     pub(crate) pool: Mutex<Vec<Worker>>,
     /// Whether units can be reset.
     pub resets: bool,
+    /// Parameters with which a whole run failed: their value and what the unit said.
+    pub(crate) refused: Mutex<BTreeMap<usize, (f64, String)>>,
 }
 
 /// Share of a scale by which a state is moved: rounding of a unit that answers to 1e-12 stays below 1e-7 of a column, bending
@@ -94,6 +97,7 @@ impl Engine {
             sensors: self.sensors.clone(),
             pool: Mutex::new(Vec::new()),
             resets: self.resets,
+            refused: Mutex::default(),
         }
     }
 

@@ -105,6 +105,7 @@ fn found(
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
+    notices.extend(all.built.engine.told_refused());
     let mut story = told::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);

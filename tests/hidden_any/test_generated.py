@@ -4,6 +4,7 @@ ways and says so."""
 import dataclasses
 import json
 import subprocess
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,25 @@ def test_a_parameter_that_the_unit_cant_be_run_with_is_told(tmp_path):
     assert [effect["name"] for effect in said["effects"]] == ["shed.k_a"], said["effects"]
     told = " ".join(map(str, said["notices"]))
     assert "with shed.fragile = " in told and "the unit can't be run" in told, told
+
+
+def test_a_value_that_the_unit_has_against_its_description_is_its_own(tmp_path):
+    def described_otherwise(machine, folder):
+        path = ALL["sled"].build(machine, folder)
+        with zipfile.ZipFile(path) as archive:
+            files = {name: archive.read(name) for name in archive.namelist()}
+        text = files["modelDescription.xml"].decode()
+        assert 'start="400.0"' in text
+        files["modelDescription.xml"] = text.replace('start="400.0"', 'start="300.0"').encode()
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, content in files.items():
+                archive.writestr(name, content)
+        return path
+
+    said = diagnosed(dataclasses.replace(ALL["sled"], build=described_otherwise), "none", 5, tmp_path)
+    # as described it would lack a third of its stiffness
+    assert (said["verdict"], said["effects"]) == ("none", [])
+    assert "sled.k starts at 300 by the description and at 400 in the unit" in " ".join(map(str, said["notices"]))
 
 
 @pytest.mark.parametrize("case", ["none", "m"])

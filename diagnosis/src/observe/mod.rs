@@ -6,6 +6,7 @@
 //!
 //! - `raw.rs`: the keys of the file and their lines
 //! - `nominal.rs`: the scenario, or one unit alone, with `[set]`
+//! - `own.rs`: start values that a unit has against its description
 //! - `resolve.rs`, `candidates.rs`: names become variables, gaps become defaults
 //! - `measure.rs`: units of measurement
 //! - `unlogged.rs`: inputs that no log feeds
@@ -15,6 +16,7 @@ mod candidates;
 mod log;
 pub mod measure;
 mod nominal;
+mod own;
 mod raw;
 mod resolve;
 mod unlogged;

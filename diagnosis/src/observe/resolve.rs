@@ -16,8 +16,9 @@ use toml::Spanned;
 /// Reads everything that the file names.
 pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Problem, Error> {
     let mut model = nominal::load(folder, file, units)?;
-    let channels = channels(&model, file)?;
     let mut notices = Vec::new();
+    super::own::take(&mut model, &mut notices);
+    let channels = channels(&model, file)?;
     let runs = runs(folder, file, &channels, &mut notices)?;
     if file.raw.fmu.is_some() {
         nominal::pace(&mut model, runs.iter().flat_map(|run| &run.series));

@@ -34,8 +34,8 @@ pub enum Budget {
     All(f64),
 }
 
-/// Real time in s for which a model may be followed whatever the budget: a budget of 0 asks for what can be said without a search.
-const GIVEN_UP: f64 = 60.0;
+/// Real time in s that looks at a unit may take whatever the budget: one of 0 asks for what can be said without a search.
+pub(crate) const GIVEN_UP: f64 = 60.0;
 
 impl Budget {
     /// When time is up for so many runs; nothing where it never is.

@@ -6,6 +6,7 @@
 //! with them either, so they are struck out as well.
 
 use super::trial::{Trial, name};
+use crate::options::GIVEN_UP;
 use crate::statistics::levels::{FAR, HALF, ROUNDING, SMALL};
 use orchestrator::fmu::Variable;
 use orchestrator::{Kind, MemoryRecorder, Value};
@@ -16,23 +17,40 @@ const MOVES: [f64; 4] = [SMALL, HALF, 2.0, FAR];
 /// Real time that a run may take in any case: to start a process takes some of it.
 const LEAST: Duration = Duration::from_secs(1);
 
-/// The parameters among these, by their places, that change no measured output.
-pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Vec<usize> {
+/// What was found of parameters, by their places.
+pub(super) struct Found {
+    /// They change no measured output.
+    pub idle: Vec<usize>,
+    /// There was no time to try these.
+    pub untried: usize,
+}
+
+/// Tries each of these, as long as there is time.
+pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let began = Instant::now();
-    let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else { return Vec::new() };
+    let mut found = Found { idle: Vec::new(), untried: 0 };
+    let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else { return found };
     let limit = began.elapsed().mul_f64(FAR) + LEAST;
-    let idle = |place: &&usize| {
-        let variable = &trial.fmu.description().variables[**place];
-        for value in moves(variable) {
-            match trial.run(&[(variable.name.clone(), value)], limit) {
-                Ok(Some(moved)) if differ(trial, &nominal, &moved) => return false,
-                Ok(None) => return true,
-                _ => {}
-            }
+    for place in parameters {
+        if began.elapsed().as_secs_f64() > GIVEN_UP {
+            found.untried += 1;
+        } else if is_idle(trial, &nominal, *place, limit) {
+            found.idle.push(*place);
         }
-        true
-    };
-    parameters.iter().filter(idle).copied().collect()
+    }
+    found
+}
+
+fn is_idle(trial: &Trial<'_>, nominal: &MemoryRecorder, place: usize, limit: Duration) -> bool {
+    let variable = &trial.fmu.description().variables[place];
+    for value in moves(variable) {
+        match trial.run(&[(variable.name.clone(), value)], limit) {
+            Ok(Some(moved)) if differ(trial, nominal, &moved) => return false,
+            Ok(None) => return true,
+            _ => {}
+        }
+    }
+    true
 }
 
 /// Values far from the own one, within the variable's bounds.

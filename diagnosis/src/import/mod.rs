@@ -87,7 +87,7 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     let trial =
         trial::Trial { fmu: &unit, units, sheet: longest, time: &time, starts: &starts, matches: &matches };
     let candidates = write::parameters(&unit, &starts);
-    let idle = idle::of(&trial, &candidates);
+    let tried = idle::of(&trial, &candidates);
     let found = write::Found {
         sheets: &sheets,
         time: &time,
@@ -95,7 +95,7 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
         matches: &matches,
         starts: &starts,
         candidates: &candidates,
-        idle: &idle,
+        tried: &tried,
     };
     let guesses = write::folder(out, fmu, &unit, &found)?;
     // what was written must read

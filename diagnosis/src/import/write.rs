@@ -1,5 +1,6 @@
 //! The folder of a data set: the unit, the logs as plain CSV, and `dataset.toml` with each guess beside its evidence.
 
+use super::idle;
 use super::sheet::Sheet;
 use super::starts::Start;
 use super::{Match, Time, instance};
@@ -20,13 +21,13 @@ pub(super) struct Found<'a> {
     pub starts: &'a [Start],
     /// Parameters that may be off.
     pub candidates: &'a [usize],
-    /// Those among them that change nothing.
-    pub idle: &'a [usize],
+    /// What trying them said.
+    pub tried: &'a idle::Found,
 }
 
 /// Writes everything and gives a line for each guess.
 pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> Result<Vec<String>, Error> {
-    let Found { sheets, time, told, matches, starts, candidates, idle } = *found;
+    let Found { sheets, time, told, matches, starts, candidates, tried } = *found;
     let put = |name: &str, text: String| {
         let path = out.join(name);
         std::fs::write(&path, text).map_err(|source| Error::Io { path, source })
@@ -47,7 +48,7 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
         channel(&mut text, &mut guesses, fmu, matched);
     }
     states(&mut text, &mut guesses, fmu, starts);
-    put_candidates(&mut text, &mut guesses, fmu, candidates, idle);
+    put_candidates(&mut text, &mut guesses, fmu, candidates, tried);
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;
@@ -132,7 +133,13 @@ pub(super) fn parameters(fmu: &Fmu, starts: &[Start]) -> Vec<usize> {
 }
 
 /// Every parameter, for the user to strike out what can't be off; what changes nothing is struck out already.
-fn put_candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, all: &[usize], idle: &[usize]) {
+fn put_candidates(
+    text: &mut String,
+    guesses: &mut Vec<String>,
+    fmu: &Fmu,
+    all: &[usize],
+    tried: &idle::Found,
+) {
     let entry = |place: usize, mark: &str| {
         let variable = &fmu.description().variables[place];
         let neutral = variable.start.as_ref().and_then(orchestrator::Value::as_f64).unwrap_or(0.0);
@@ -146,12 +153,18 @@ fn put_candidates(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, all: 
         let scale = if relative { format!("{mark}scale = \"relative\"\n") } else { String::new() };
         format!("{mark}[[candidate]]{about}\n{mark}variable = {name}\n{scale}")
     };
-    let (struck, kept): (Vec<usize>, Vec<usize>) = all.iter().partition(|place| idle.contains(place));
+    let (struck, kept): (Vec<usize>, Vec<usize>) = all.iter().partition(|place| tried.idle.contains(place));
     if !kept.is_empty() {
         text.push_str("\n# guess: every parameter may be off; strike out what you are sure of\n");
     }
     kept.iter().for_each(|place| text.push_str(&entry(*place, "")));
     guesses.push(format!("{} parameters may be off", kept.len()));
+    if tried.untried > 0 {
+        guesses.push(format!(
+            "the last {} were not tried, since runs of the unit take long: some may change nothing",
+            tried.untried
+        ));
+    }
     if !struck.is_empty() {
         text.push_str("\n# guess: moved far, these change nothing that the longest log shows, or the unit can't be run with them\n");
         struck.iter().for_each(|place| text.push_str(&entry(*place, "# ")));

@@ -63,7 +63,7 @@ class Machine:
     """A machine. `rhs(x, u, p)` and `outputs(x, u, p)` are numpy over any number of variants at once; `extra` are forces that
     nobody lists, as additional entries of p, neutral at 0. `step` is the unit's own idea of a step where it isn't a row: inputs
     that run along lines want more than one between two rows. `units`: the description has units of measurement.
-    `fixed`: nothing sets its states, every run begins where the unit does. Several units: `build` gives all files, `scenario` is the one that connects them, `places` says whose each variable is."""
+    `late`: an output that the unit computes in a step only. `fixed`: nothing sets its states, every run begins where the unit does. Several units: `build` gives all files, `scenario` is the one that connects them, `places` says whose each variable is."""
 
     name: str
     states: tuple
@@ -78,6 +78,7 @@ class Machine:
     build: object
     extra: dict = field(default_factory=dict)
     runs: int = 4
+    late: str = ""
     saves_state: bool = True
     step: float = 0.0
     one_sided: bool = False

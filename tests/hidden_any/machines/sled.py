@@ -44,7 +44,8 @@ MACHINE = Machine(
         C,
         "double dx[2]; derivatives(v, x, dx); v[z] = x[0]; v[w] = x[1]; v[acceleration] = dx[1];",
         step=1e-3,
-        late="acceleration",
+        late=machine.late,
     ),
+    late="acceleration",
     extra={"push": 8.0, "k_3": 2e5},
 )

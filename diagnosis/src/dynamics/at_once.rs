@@ -45,8 +45,8 @@ impl Engine {
                 // what the unit remembers beyond its states shows, too, and no step brings that back; some make a whole step of their own
                 let before = off(&begun, place);
                 let held = [&job.at_row[..width], &job.at_row[..width]].concat();
-                worker.interval(&ahead, &Job { at_row: &held, ..next }, &mut begun)?;
-                let mends = off(&begun, place) < SMALL * before;
+                let goes = worker.interval(&ahead, &Job { at_row: &held, ..next }, &mut begun).is_ok();
+                let mends = goes && off(&begun, place) < SMALL * before;
                 return Ok(mends.then(|| machine.channels[place].name.clone()));
             }
             Ok(None)

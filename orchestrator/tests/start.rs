@@ -60,6 +60,42 @@ fn law_start_values_go_along_the_dependencies() {
 }
 
 #[test]
+fn law_an_output_of_two_inputs_starts_after_both_in_whatever_order_they_are_written() {
+    // `both` needs a gain and the state that the gain needs, too; nothing says which of its inputs comes first.
+    let fixtures = Units::new();
+    fixtures.add(Fixture { name: "12.fmu", y1_dependencies: "1 2", ..FEEDTHROUGH });
+    fixtures.add(Fixture { name: "21.fmu", y1_dependencies: "2 1", ..FEEDTHROUGH });
+    let pairs =
+        [("gain.y1", "both.u1"), ("state.y1", "both.u2"), ("state.y1", "gain.u1"), ("both.y1", "last.u1")];
+    let started = |fmu: &str, names: [&str; 4], pairs: &[(&str, &str)]| {
+        let part = |name: &str| match name {
+            "both" => unit(name, fmu, "mode = 1, k = 5"),
+            "state" => unit(name, "stateful.fmu", "x0 = 2"),
+            _ => unit(name, "feedthrough.fmu", "mode = 1, k = 3"),
+        };
+        let mut parts: Vec<String> = names.into_iter().map(part).collect();
+        parts.extend(pairs.iter().map(|(from, to)| connection(from, to)));
+        let mut simulation = build(&fixtures, &parts).expect("builds");
+        // last: 3 * (5 * (3 * 2)); an input that was set too early keeps what its source said then
+        assert_eq!(simulation.value("last.y1").expect("known"), 90.0, "{fmu} {names:?} {pairs:?}");
+        assert_eq!(simulation.value("both.y2").expect("known"), 2.0, "{fmu} {names:?} {pairs:?}");
+        simulation.replaced_starts().to_vec()
+    };
+    for fmu in ["12.fmu", "21.fmu"] {
+        for names in [["last", "both", "gain", "state"], ["state", "gain", "both", "last"]] {
+            for pairs in [pairs, [pairs[3], pairs[1], pairs[2], pairs[0]]] {
+                let order = started(fmu, names, &pairs);
+                let place = |input: &str| order.iter().position(|told| told.starts_with(input));
+                let places = ["gain.u1 =", "both.u1 =", "both.u2 =", "last.u1 ="].map(place);
+                let [gain, first, second, last] = places.map(|place| place.expect("its start gave way"));
+                assert!(gain < first && first < last && second < last && order.len() == 4, "{order:?}");
+                assert_eq!(started(fmu, names, &pairs), order, "again");
+            }
+        }
+    }
+}
+
+#[test]
 fn value_loops_at_the_start_are_solved_or_named() {
     // a = k (k a + 4) + 1 at the start.
     let parts = |k: f64| {

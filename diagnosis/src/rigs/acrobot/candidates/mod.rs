@@ -296,33 +296,36 @@ mod tests {
         assert_eq!(saturation.derivative_step(0.5), 0.001);
     }
 
+    /// Candidates of an arm whose inertias are so many times those of the paper, with more set.
+    fn found(scale: f64, more: &[(&str, f64)]) -> Vec<Candidate> {
+        let theta = [0.20386, 0.05867, 0.11, 0.01437, 0.0989, 4.779, 1.880]; // Table 2
+        let names = [1, 2, 5, 7, 8, 9, 10].map(|k| format!("plant.theta_{k}"));
+        let set = names.into_iter().zip(theta).map(|(name, value)| (name, Value::Float(scale * value)));
+        let more = more.iter().map(|(name, value)| ((*name).to_owned(), Value::Float(*value)));
+        let manifest = Manifest {
+            stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
+            scenario: "visual-servo".into(),
+            set: set.chain(more).collect(),
+            noise: BTreeMap::new(),
+            runs: Vec::new(),
+        };
+        let data = DataSet {
+            path: ".".into(),
+            manifest,
+            runs: Vec::new(),
+            notices: Vec::new(),
+            clocks_apart: false,
+            late_by_hand: 0.0,
+            pictures_apart: false,
+        };
+        let model = Model::load(&data, &scenarios::unit_path()).expect("cargo xtask pack was run");
+        candidates(&model, &[], &|_| vec![0.5])
+    }
+
     #[test]
     fn every_bound_of_a_load_goes_with_the_inertia() {
-        let found = |scale: f64| {
-            let theta = [0.20386, 0.05867, 0.11, 0.01437, 0.0989, 4.779, 1.880]; // Table 2
-            let names = [1, 2, 5, 7, 8, 9, 10].map(|k| format!("plant.theta_{k}"));
-            let set = names.into_iter().zip(theta).map(|(name, value)| (name, Value::Float(scale * value)));
-            let manifest = Manifest {
-                stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
-                scenario: "visual-servo".into(),
-                set: set.collect(),
-                noise: BTreeMap::new(),
-                runs: Vec::new(),
-            };
-            let data = DataSet {
-                path: ".".into(),
-                manifest,
-                runs: Vec::new(),
-                notices: Vec::new(),
-                clocks_apart: false,
-                late_by_hand: 0.0,
-                pictures_apart: false,
-            };
-            let model = Model::load(&data, &scenarios::unit_path()).expect("cargo xtask pack was run");
-            candidates(&model, &[], &|_| vec![0.5])
-        };
         // the lighter link's inertia is 0.11 kg·m², usual; then 0.24, twice the largest usual one
-        let (usual, heavy) = (found(1.0), found(24.0 / 11.0));
+        let (usual, heavy) = (found(1.0, &[]), found(24.0 / 11.0, &[]));
         for (name, times) in [("plant.b_joint", 2.0), ("plant.tau_bias", 2.0), ("plant.T_act", 1.0)] {
             let of =
                 |list: &[Candidate]| list.iter().find(|one| one.name == name).expect("a candidate").clone();
@@ -334,6 +337,24 @@ mod tests {
             }
             assert!(one.range.1 > 0.0 && one.steps[0] > 0.0);
         }
+    }
+
+    #[test]
+    fn value_a_ceiling_begins_at_the_nominal_one_or_at_none() {
+        let of = |more: &[(&str, f64)]| {
+            let all = found(1.0, more);
+            all.into_iter().find(|one| one.name == "plant.tau_max").expect("a candidate")
+        };
+        // the only level that is tried is 0.5 N·m
+        let none = of(&[]);
+        assert_eq!((none.off, none.value(none.off), none.steps.as_slice()), (0.0, 0.0, [2.0].as_slice()));
+        // of 4 N·m: a tenth and a half tighter, in the inverse
+        let some = of(&[("plant.tau_max", 4.0)]);
+        assert_eq!((some.off, some.value(some.off)), (0.25, 4.0));
+        assert!((some.steps[0] - 0.025).abs() < 1e-15 && (some.steps[1] - 0.125).abs() < 1e-15);
+        // however heavy the arm, from none to no torque at all
+        let heavy = found(24.0 / 11.0, &[]).into_iter().find(|one| one.name == "plant.tau_max");
+        assert_eq!(heavy.map(|one| (one.range, one.steps)), Some(((0.0, f64::INFINITY), vec![2.0])));
     }
 
     #[test]

@@ -92,3 +92,51 @@ fn cut(
     rows.begin(point)?;
     Ok(Some(Box::new(rows)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::correction::Closing;
+
+    fn offered(left: f64, terms: usize) -> Offer {
+        let term = Term {
+            name: "residual.any".into(),
+            value: 1.0,
+            ci95: [1.0; 2],
+            measure: String::new(),
+            phrase: String::new(),
+        };
+        let gap = Closing { before: 1.0, after: 0.1, floor: 0.1, closed: 1.0, held_out_runs: Vec::new() };
+        let correction = Correction {
+            label: String::new(),
+            unit: String::new(),
+            terms: vec![term; terms],
+            gap,
+            supersedes: Vec::new(),
+            parameters: Vec::new(),
+            usual: 0.0,
+            left: Vec::new(),
+        };
+        Offer { correction: (terms > 0).then_some(correction), left }
+    }
+
+    #[test]
+    fn value_a_correction_takes_the_place_of_as_many_effects_that_leaves_far_less() {
+        let withdrawn = ["plant.any".to_owned()];
+        let takes = |left: f64, terms: usize| replaces(&offered(1.0, 1), &offered(left, terms), &withdrawn);
+        // two numbers for two: 0.7 of what is left
+        assert_eq!([0.65, 0.75].map(|left| takes(left, 2)), [true, false]);
+        // one for two: as much; three for two: never
+        assert_eq!([0.95, 1.05].map(|left| takes(left, 1)), [true, false]);
+        assert!(!takes(0.01, 3) && !takes(0.01, 0));
+    }
+
+    #[test]
+    fn value_all_are_tried_without_and_each_of_the_last_three() {
+        assert_eq!(withdrawable(&[4, 5, 6, 7]), [vec![4, 5, 6, 7], vec![7], vec![6], vec![5]]);
+        assert_eq!(withdrawable(&[4, 5]), [vec![4, 5], vec![5], vec![4]]);
+        // the only one is all
+        assert_eq!(withdrawable(&[4]), [vec![4]]);
+        assert_eq!(withdrawable(&[]), [[0; 0]; 0]);
+    }
+}

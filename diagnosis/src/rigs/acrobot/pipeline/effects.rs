@@ -109,3 +109,31 @@ fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candi
     members.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.probability.total_cmp(&a.1.probability)));
     members.into_iter().map(|(_, member)| member).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::selection::examples::candidate;
+
+    fn class(best: f64, own: f64) -> [Alternative; 2] {
+        [(1, best), (0, own)].map(|(candidate, loss)| Alternative { candidate, x: 1.0, loss })
+    }
+
+    #[test]
+    fn value_a_member_is_named_first_that_is_better_by_more_than_a_third_or_so() {
+        let list = [candidate(Side::Plant, false), candidate(Side::Plant, false)];
+        let better = |loss: f64| better_guess(0, &class(0.0, loss), &list).map(|best| best.candidate);
+        // 0.3
+        assert_eq!([0.27, 0.33].map(better), [None, Some(1)]);
+    }
+
+    #[test]
+    fn value_who_loses_more_than_six_is_no_member() {
+        let list = [candidate(Side::Plant, false), candidate(Side::Plant, false)];
+        let count = |loss: f64| members(1, 0, &class(0.0, loss), &list).len();
+        assert_eq!([5.5, 6.5].map(count), [2, 1]);
+        // e^(-loss/2) of the whole: odds of 1 to 20
+        let last = members(1, 0, &class(0.0, 5.999), &list)[1].probability;
+        assert!((last - 1.0 / 21.0).abs() < 1e-3, "{last}");
+    }
+}

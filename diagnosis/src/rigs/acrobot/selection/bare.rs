@@ -43,3 +43,21 @@ impl Bare {
         missed > HOPELESS * temper && missed > SELECTION.forlorn * promised
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::selection::examples::{found, hit};
+
+    #[test]
+    fn value_another_is_forlorn_where_it_misses_much_and_a_part_of_all() {
+        let forlorn = |own: f64, other: f64, temper: f64| {
+            Bare { found: found(vec![hit(0, own), hit(1, other)]) }.is_forlorn(0, 1, temper)
+        };
+        // 12 of deviance, of a small effect, and as many times as the likelihood overstates
+        assert_eq!([9.0, 7.0].map(|other| forlorn(20.0, other, 1.0)), [false, true]);
+        assert_eq!([17.0, 15.0].map(|other| forlorn(40.0, other, 2.0)), [false, true]);
+        // 0.3 of a large one
+        assert_eq!([710.0, 690.0].map(|other| forlorn(1000.0, other, 1.0)), [false, true]);
+    }
+}

@@ -375,3 +375,16 @@ pub fn all_probes(
     }
     probes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::selection::examples::block;
+
+    #[test]
+    fn value_sizes_of_a_discrepancy_reach_from_a_tenth_of_a_millinewtonmetre_to_six_newtonmetres() {
+        // 2e-4 times powers of two up to 2^14, and one to either side
+        let sizes = [0.0, 1e-5, 0.1, 100.0].map(|residual| likely_size(&[block(residual, 1e-7)]));
+        assert_eq!(sizes, [0.0, 1e-4, 0.1024, 6.5536]);
+    }
+}

@@ -5,8 +5,9 @@ mod bare;
 mod classes;
 mod evaluation;
 mod evidence;
+#[cfg(test)]
+pub(crate) mod examples;
 mod follow;
-
 mod policy;
 mod refit;
 mod screen;

@@ -252,3 +252,28 @@ fn limited(candidate: &Candidate, x: f64, wanted: f64) -> f64 {
         _ => wanted,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::candidates::{Cuts, Motion, Side};
+    use crate::rigs::acrobot::selection::examples::candidate;
+
+    #[test]
+    fn value_a_window_ran_away_that_leaves_thirty_times_what_noise_does() {
+        let runs = |square: f64, freedom: f64| ran_away(&Reduced { square, freedom, ..Reduced::zero(0) });
+        assert_eq!([290.0, 310.0].map(|square| runs(square, 10.0)), [false, true]);
+        // a window with hardly any freedom has as many as one
+        assert_eq!([29.0, 31.0].map(|square| runs(square, 0.1)), [false, true]);
+    }
+
+    #[test]
+    fn value_a_saturation_moves_by_three_times_at_most() {
+        let any = candidate(Side::Plant, true);
+        let saturation = Candidate { motion: Motion::Saturation { cuts: Cuts::Torque }, ..any.clone() };
+        let moved = [0.1, 1.5, 10.0].map(|wanted| limited(&saturation, 2.0, wanted));
+        assert_eq!(moved, [2.0 / 3.0, 1.5, 6.0]);
+        // from none to anything, and what isn't one as it likes
+        assert_eq!((limited(&saturation, 0.0, 10.0), limited(&any, 2.0, 10.0)), (10.0, 10.0));
+    }
+}

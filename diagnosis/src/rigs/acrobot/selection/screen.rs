@@ -131,3 +131,27 @@ fn sided(candidate: &Candidate, x: f64, by: f64) -> i8 {
         _ => 0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::candidates::Side;
+    use crate::rigs::acrobot::selection::examples::{block, candidate, evaluation};
+
+    #[test]
+    fn value_a_step_that_moves_rows_by_next_to_nothing_says_nothing() {
+        let says = |moved: f64, integrated: bool| {
+            // a step of 0.1
+            let mut last = evaluation(&[0.0], &[1e3], &[(moved / 0.1).powi(2)]);
+            if !integrated {
+                let mut torques = block(0.0, 1.0);
+                torques.cells.iter_mut().for_each(|cell| cell.floor = vec![1.0]);
+                last.blocks = vec![torques];
+            }
+            !screen(&last, &[candidate(Side::Plant, false)], &[]).hits.is_empty()
+        };
+        // 0.02 standard deviations; of torques, which nothing integrates, 0.001
+        assert_eq!([0.018, 0.022].map(|moved| says(moved, true)), [false, true]);
+        assert_eq!([0.0009, 0.0011].map(|moved| says(moved, false)), [false, true]);
+    }
+}

@@ -271,6 +271,7 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, found, hit};
 
     #[test]
     fn a_clock_is_doubted_only_where_stamps_scatter() {
@@ -292,5 +293,49 @@ mod tests {
         }
         let actuator = Candidate { side: Side::Plant, ..clock };
         assert!(!stamped_late(&actuator, 1e-3, 2e-3));
+    }
+
+    #[test]
+    fn value_who_foretells_half_of_the_best_is_worth_a_fit_and_a_tenth_where_columns_bend() {
+        let listed = |gains: &[f64], nonlinear: bool, dominated: bool| {
+            let candidates: Vec<Candidate> =
+                gains.iter().map(|_| candidate(Side::Plant, nonlinear)).collect();
+            let found = found(gains.iter().enumerate().map(|(at, gain)| hit(at, *gain)).collect());
+            shortlist(&found, &candidates, &[], 1.0, dominated).len()
+        };
+        assert_eq!([45.0, 55.0].map(|gain| listed(&[100.0, gain], false, false)), [1, 2]);
+        assert_eq!([9.0, 11.0].map(|gain| listed(&[100.0, gain], true, false)), [1, 2]);
+        // where the gain is no measure, neither is a bend
+        assert_eq!([45.0, 55.0].map(|gain| listed(&[100.0, gain], true, true)), [1, 2]);
+        // six at most
+        assert_eq!([5, 6, 7].map(|all| listed(&vec![100.0; all], false, false)), [5, 6, 6]);
+    }
+
+    #[test]
+    fn value_a_bent_fit_begins_three_times_as_far_as_well() {
+        let from = |nonlinear: bool| {
+            starts(&[candidate(Side::Plant, nonlinear)], &evaluation(&[2.0], &[0.0], &[1.0]), &hit(0, 1.0))
+        };
+        assert_eq!((from(false), from(true)), (vec![3.0], vec![3.0, 5.0]));
+    }
+
+    #[test]
+    fn value_a_clock_gives_way_to_an_effect_that_it_looks_like() {
+        let candidates = [candidate(Side::Clock, false), candidate(Side::Plant, false)];
+        let handicapped = |cosine: f64, doubt: f64, most: f64| {
+            let last = evaluation(&[0.5, 0.0], &[0.0; 2], &[1.0, cosine, cosine, 1.0]);
+            let found = found(Vec::new());
+            let folds = Folds { of: Vec::new(), count: 0, runs: Vec::new() };
+            let trials =
+                Trials { candidates: &candidates, folds: &folds, last: &last, found: &found, active: &[] };
+            let mut all = vec![(0, 100.0, last.clone()), (1, 100.0, last.clone())];
+            trials.handicap(&mut all, doubt, most);
+            assert_eq!(all[1].1, 100.0);
+            all[0].1
+        };
+        // 3², where the cosine between them is beyond 0.7
+        assert_eq!([0.65, 0.75].map(|cosine| handicapped(cosine, 0.0, 1e3)), [100.0, 91.0]);
+        // known to be off, it may explain 0.3 of the best less, and 9 of the smallest
+        assert_eq!([10.0, 1e3].map(|most| handicapped(0.75, f64::INFINITY, most)), [109.0, 400.0]);
     }
 }

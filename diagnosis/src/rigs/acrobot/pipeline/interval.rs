@@ -132,6 +132,11 @@ fn unexplained(study: &Study) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::pipeline::scale::tests::unlogged;
+    use crate::rigs::acrobot::residual::Probe;
+    use crate::rigs::acrobot::selection::examples::{candidate, found, toy};
+    use crate::rigs::acrobot::selection::{Evaluation, Folds};
+    use crate::statistics::linear::Reduced;
 
     fn saturation() -> Candidate {
         let motion = Motion::Saturation { cuts: Cuts::Torque };
@@ -162,5 +167,45 @@ mod tests {
             let [low, high] = ci95(&saturation(), 2.0, error);
             assert!(0.0 < low && low < 0.5 && (high - 50.0).abs() < 1e-9, "{error:?}: {low} {high}");
         }
+    }
+
+    /// One effect of 100 of deviance, of which this share shows in the first of two runs.
+    fn shown(share: f64) -> Study {
+        let probes = [Probe { candidate: 0, by: 0.1 }];
+        let mut last = Evaluation::at(&mut toy(|x| vec![10.0 - 10.0 * x[0]]), &[1.0], &probes).expect("runs");
+        let part = |share: f64| Reduced { gram: share * &last.total.gram, ..last.total.clone() };
+        last.reduced = vec![part(share), part(1.0 - share)];
+        Study {
+            name: "a toy",
+            active: vec![0],
+            nominal: last.clone(),
+            last,
+            class: None,
+            screen: found(Vec::new()),
+            steps: Vec::new(),
+            folds: Folds { of: vec![0, 1], count: 2, runs: vec![0, 1] },
+            seen: vec![0],
+            explained: 0.0,
+            discrepancy_dominated: false,
+            noise: vec![1.0],
+        }
+    }
+
+    #[test]
+    fn value_one_run_says_it_all_of_which_others_say_less_than_a_fiftieth() {
+        let list = [candidate(Side::Plant, false)];
+        let worth = |share: f64| confirmed(&shown(share), &unlogged(), &list, 0);
+        assert_eq!(worth(0.978), 1.0);
+        // as after one case: 2/3 or a little more
+        assert!((worth(0.982) - 2.0 / 3.0).abs() < 0.01, "{}", worth(0.982));
+    }
+
+    #[test]
+    fn value_a_name_that_may_imitate_keeps_a_twentieth() {
+        let list = [candidate(Side::Plant, false)];
+        let shares = [false, true].map(|confounded| worth(&shown(0.5), &list, &[0], confounded)[0].share);
+        assert!((shares[0] - 0.6).abs() < 1e-9, "{shares:?}");
+        assert_eq!(shares[1], 0.05);
+        assert_eq!(Worth::LEAST.share, 0.05);
     }
 }

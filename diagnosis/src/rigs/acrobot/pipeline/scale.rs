@@ -78,7 +78,7 @@ fn tells_torques(run: &Run) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::rigs::acrobot::candidates::GAIN;
     use std::collections::BTreeMap;
@@ -120,7 +120,7 @@ mod tests {
             .to_vec()
     }
 
-    fn unlogged() -> DataSet {
+    pub(in super::super) fn unlogged() -> DataSet {
         let manifest = crate::rigs::acrobot::dataset::Manifest {
             stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
             scenario: "visual-servo".into(),

@@ -367,7 +367,7 @@ fn linear_loss(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, hit};
+    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, hit, toy};
 
     /// Whether the second is looked at in the place of the first, which explains `strength` and shares `shared` of its square with it.
     fn is_near(strength: f64, shared: f64, nonlinear: bool, linear: Option<f64>) -> bool {
@@ -432,5 +432,36 @@ mod tests {
         };
         // 500 less 24
         assert_eq!([470.0, 480.0].map(resembles), [false, true]);
+    }
+
+    /// What a loss of a column is worth that another explains so much by.
+    fn along(loss: f64, strength: f64, nonlinear: bool) -> (f64, f64) {
+        let candidates = [candidate(Side::Plant, false), candidate(Side::Plant, nonlinear)];
+        let last = evaluation(&[1.0, 0.0], &[0.0; 2], &[1.0, 0.0, 0.0, 1.0]);
+        let seat = Seat {
+            candidates: &candidates,
+            last: &last,
+            others: Vec::new(),
+            effect: 0,
+            temper: 1.0,
+            offsets: DMatrix::zeros(2, 0),
+            own: 0.0,
+            nuisances: Nuisances::default(),
+            unseen: 1,
+        };
+        let mut cut = toy(|_| vec![0.0]);
+        cut.unseen = 3;
+        let replaced = Replaced { loss, x: 0.0, own: 0, other: 1 };
+        (seat.along_columns(&mut cut, 1, &replaced, strength), seat.lost(&cut))
+    }
+
+    #[test]
+    fn value_a_loss_counts_less_by_what_is_not_known_of_columns() {
+        // 0.0025 of 400 standard deviations is one, and variances add
+        assert!((along(10.0, 1.6e5, false).0 - 5.0).abs() < 1e-12);
+        // 0.2 of what tells a blur from another
+        assert!((along(5.0, 0.0, true).0 - 5.0 / 1.2).abs() < 1e-12);
+        // two more frames lost: 3² each
+        assert_eq!(along(10.0, 0.0, false), (10.0, 18.0));
     }
 }

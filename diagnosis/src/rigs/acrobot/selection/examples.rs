@@ -2,8 +2,9 @@
 
 use super::evaluation::Evaluation;
 use super::screen::{Hit, Screen};
+use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::{Block, Probe};
+use crate::rigs::acrobot::residual::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
 use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{Cell, Reduced};
 use nalgebra::{DMatrix, DVector};
@@ -68,9 +69,68 @@ pub(super) fn hit(candidate: usize, gain: f64) -> Hit {
 }
 
 /// A screen with these.
-pub(super) fn found(hits: Vec<Hit>) -> Screen {
+pub(crate) fn found(hits: Vec<Hit>) -> Screen {
     let none = DVector::zeros(0);
     let scores =
         Scores { blocks: DMatrix::zeros(0, 0), total: none.clone(), deviation: none, sided: Vec::new() };
     Screen { hits, null: Null::of(&scores), errors: Vec::new(), p_value: 1.0 }
+}
+
+/// A cut whose rows, of unit noise, are a function of the point: three at most, so that their noise stays what it is.
+pub(crate) struct Toy {
+    rows: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+    signals: Vec<Signal>,
+}
+
+/// Residuals that are a function of the point.
+pub(crate) fn toy(rows: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static) -> Tracked<Toy> {
+    let signal =
+        Signal { name: "plant.q1".into(), unit: "rad", known: None, sigma: 1.0, least: 0.0, tolerance: 0.0 };
+    Tracked::new(Toy { rows: Box::new(rows), signals: vec![signal] })
+}
+
+impl Cut for Toy {
+    fn name(&self) -> &'static str {
+        "a toy"
+    }
+
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn sees(&self, _: &Candidate) -> bool {
+        true
+    }
+
+    fn policy(&self) -> Policy {
+        Policy::USUAL
+    }
+
+    fn initial(&self) -> Nuisances {
+        Nuisances::default()
+    }
+
+    fn linearise(&mut self, at: &[f64], probes: &[Probe], _: &Nuisances) -> Result<Linearised, Error> {
+        let residual = (self.rows)(at);
+        let count = residual.len();
+        let mut columns = DMatrix::zeros(count, probes.len());
+        for (place, probe) in probes.iter().enumerate() {
+            let mut there = at.to_vec();
+            there[probe.candidate] += probe.by;
+            for (row, (here, there)) in residual.iter().zip((self.rows)(&there)).enumerate() {
+                columns[(row, place)] = (here - there) / probe.by;
+            }
+        }
+        let mut block = block(0.0, 1.0);
+        for cell in &mut block.cells {
+            (cell.residual, cell.columns) = (residual.clone(), columns.clone());
+            (cell.sigma, cell.signal, cell.time) = (vec![1.0; count], vec![0; count], vec![0.0; count]);
+            (cell.hard, cell.soft) = (DMatrix::zeros(count, 0), DMatrix::zeros(count, 0));
+        }
+        Ok(Linearised { blocks: vec![block], nuisances: Nuisances::default(), unseen: 0 })
+    }
+
+    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+        self.linearise(at, probes, from)
+    }
 }

@@ -257,7 +257,7 @@ fn limited(candidate: &Candidate, x: f64, wanted: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::rigs::acrobot::candidates::{Cuts, Motion, Side};
-    use crate::rigs::acrobot::selection::examples::candidate;
+    use crate::rigs::acrobot::selection::examples::{candidate, toy};
 
     #[test]
     fn value_a_window_ran_away_that_leaves_thirty_times_what_noise_does() {
@@ -275,5 +275,58 @@ mod tests {
         assert_eq!(moved, [2.0 / 3.0, 1.5, 6.0]);
         // from none to anything, and what isn't one as it likes
         assert_eq!((limited(&saturation, 0.0, 10.0), limited(&any, 2.0, 10.0)), (10.0, 10.0));
+    }
+
+    #[test]
+    fn value_a_fit_ends_that_foretells_next_to_nothing() {
+        let at = |fall: f64| {
+            let candidates = [candidate(Side::Plant, false)];
+            let fit = refit(&mut toy(move |x| vec![fall.sqrt() - x[0]]), &candidates, &[0.0], &[0]);
+            fit.expect("runs").point[0]
+        };
+        // 0.02 of deviance
+        assert_eq!(at(0.018), 0.0);
+        assert!((at(0.022) - 0.022_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn value_a_fit_ends_that_would_not_come_near_enough_by_three_times_what_it_foretells() {
+        let at = |enough: f64| {
+            let candidates = [candidate(Side::Plant, false)];
+            // 110 of deviance, of which 10 go
+            let mut cut = toy(|x| vec![10.0_f64.sqrt() - x[0], 10.0]);
+            refit_towards(&mut cut, &candidates, &[0.0], &[0], enough).expect("runs").point[0]
+        };
+        assert_eq!(at(78.0), 0.0);
+        assert!((at(82.0) - 10.0_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn value_a_fit_of_its_own_is_foretold_where_that_is_less_than_a_standard_error() {
+        let at = |fall: f64| {
+            let candidates = [candidate(Side::Plant, false)];
+            let mut cut = toy(move |x| vec![fall.sqrt() - x[0]]);
+            let last = linearised(&mut cut, &candidates, &[0.0], &[0]).expect("runs");
+            let (x, deviance) = own_fit(&mut cut, &candidates, &last, &[0], 0).expect("runs");
+            assert!(deviance.abs() < 1e-9, "{deviance}");
+            x
+        };
+        assert_eq!(at(0.9), 0.0);
+        assert!((at(1.1) - 1.1_f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn value_a_start_is_doubted_beyond_what_noise_does_and_where_encoders_are_fine() {
+        let doubts = |square: f64, sigma: f64| {
+            let cut = toy(|_| vec![0.0]);
+            let mut best = crate::rigs::acrobot::selection::examples::evaluation(&[], &[], &[]);
+            (best.reduced, best.sigmas) =
+                (vec![Reduced { square, freedom: 8.0, ..Reduced::zero(0) }], vec![sigma]);
+            some_doubted(&cut, &best)
+        };
+        // 8 and 4.5 times 4
+        assert_eq!([24.0, 28.0].map(|square| doubts(square, 1e-6)), [false, true]);
+        // encoders of 0.2 mrad
+        assert_eq!([1.8e-4, 2.2e-4].map(|sigma| doubts(28.0, sigma)), [true, false]);
     }
 }

@@ -143,3 +143,37 @@ fn prune(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::selection::examples::{candidate, toy};
+
+    /// Fitted and pruned: whether the only value stays, and by how much it may still move.
+    fn pruned(deviations: f64) -> (bool, f64) {
+        // ten per unit
+        let mut cut = toy(move |x| vec![deviations - 10.0 * x[0]]);
+        let (mut active, mut point) = (vec![0], vec![0.0]);
+        let (_, tiny) =
+            prune(&mut cut, &[candidate(Side::Plant, false)], &mut active, &mut point).expect("runs");
+        (active == [0], tiny[0])
+    }
+
+    #[test]
+    fn value_an_effect_goes_below_three_standard_errors_and_settles_within_a_third_of_one() {
+        assert_eq!([2.7, 3.3].map(|deviations| pruned(deviations).0), [false, true]);
+        assert!((pruned(3.3).1 - 0.03).abs() < 1e-9);
+    }
+
+    #[test]
+    fn value_what_shows_nothing_is_idle_where_it_takes_nothing_away_either() {
+        let goes = |more: f64| {
+            let mut cut = toy(move |x| vec![if x[0] == 0.0 { (1.0 + more).sqrt() } else { 1.0 }]);
+            let candidates = [candidate(Side::Plant, false)];
+            let fit = refit_closely(&mut cut, &candidates, &[1.0], &[0]).expect("runs");
+            idle(&mut cut, &candidates, &fit, &[0]).expect("runs").is_some()
+        };
+        // 0.001 of deviance
+        assert_eq!([0.0009, 0.0011].map(goes), [true, false]);
+    }
+}

@@ -187,4 +187,13 @@ mod tests {
             .expect("one of the two");
         assert_eq!(left, [0]);
     }
+
+    #[test]
+    fn value_no_more_than_sixteen_are_weighed_together() {
+        let weighed = |count: usize| {
+            let (gram, score) = (DMatrix::identity(count, count), DVector::zeros(count));
+            best(&gram, &score, &exact(count), &vec![0.0; count], count).is_some()
+        };
+        assert_eq!([16, 17].map(weighed), [true, false]);
+    }
 }

@@ -329,4 +329,12 @@ mod tests {
         // encoders of 0.2 mrad
         assert_eq!([1.8e-4, 2.2e-4].map(|sigma| doubts(28.0, sigma)), [true, false]);
     }
+
+    #[test]
+    fn value_a_fit_takes_eight_steps_at_most() {
+        // each step is one further, and leaves 1/e of the residual
+        let mut cut = toy(|x| vec![1e8 * libm::exp(-x[0])]);
+        let fit = refit(&mut cut, &[candidate(Side::Plant, false)], &[0.0], &[0]).expect("runs");
+        assert_eq!(fit.point[0].round(), 8.0);
+    }
 }

@@ -98,3 +98,43 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
 fn by_slack(a: &Evaluation, b: &Evaluation) -> Ordering {
     a.discrepancy_sd.total_cmp(&b.discrepancy_sd).then(a.deviance().total_cmp(&b.deviance()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::candidates::Side;
+    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, toy};
+    use std::sync::{Arc, Mutex};
+
+    /// Where a saturation is tried that no row tells anything of, from the tightest of these to the loosest.
+    fn levels(high: f64, low: f64) -> Vec<f64> {
+        let saturation = Candidate {
+            motion: Motion::Saturation { cuts: Cuts::Torque },
+            steps: vec![low, high],
+            ..candidate(Side::Plant, true)
+        };
+        let tried_at = Arc::new(Mutex::new(Vec::new()));
+        let told = tried_at.clone();
+        let mut cut = toy(move |x| {
+            told.lock().expect("no panic").push(x[0]);
+            vec![0.0]
+        });
+        tried(&mut cut, &saturation, &evaluation(&[0.0], &[0.0], &[0.0]), 0).expect("the first");
+        let all = tried_at.lock().expect("no panic").clone();
+        all
+    }
+
+    #[test]
+    fn value_levels_are_a_quarter_apart_or_thirty_and_the_best_is_looked_at_from_both_sides() {
+        // ln 8/ln 1.25 = 9.3
+        let near = levels(8.0, 1.0);
+        assert!((near[0] - 8.0).abs() < 1e-9 && (near[1] - 6.4).abs() < 1e-9, "{near:?}");
+        // the first is as good as any: a tenth beside it
+        assert_eq!(near.len(), 11 + 2);
+        assert!((near[11] - 8.8).abs() < 1e-9 && (near[12] - 8.0 / 1.1).abs() < 1e-9, "{near:?}");
+        // over six decades a fifth of one each; rounding may add one
+        let far = levels(1e6, 1.0);
+        assert!((far[0] / far[1] - libm::pow(10.0, 0.2)).abs() < 1e-9, "{far:?}");
+        assert!((31 + 2..=32 + 2).contains(&far.len()), "{}", far.len());
+    }
+}

@@ -76,9 +76,12 @@ pub(crate) fn found(hits: Vec<Hit>) -> Screen {
     Screen { hits, null: Null::of(&scores), errors: Vec::new(), p_value: 1.0 }
 }
 
+/// Rows at a point.
+type Rows = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+
 /// A cut whose rows, of unit noise, are a function of the point: three at most, so that their noise stays what it is.
 pub(crate) struct Toy {
-    rows: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+    rows: Rows,
     signals: Vec<Signal>,
 }
 

@@ -120,8 +120,7 @@ mod tests {
             vec![0.0]
         });
         tried(&mut cut, &saturation, &evaluation(&[0.0], &[0.0], &[0.0]), 0).expect("the first");
-        let all = tried_at.lock().expect("no panic").clone();
-        all
+        tried_at.lock().expect("no panic").clone()
     }
 
     #[test]

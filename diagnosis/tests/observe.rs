@@ -64,7 +64,7 @@ fn load(set: &str, a: &str, b: &str, name: &str) -> Result<Problem, Error> {
     folder.put("dataset.toml", set);
     folder.put("a.csv", a);
     folder.put("b.csv", b);
-    observe::load(folder.path(), &common::units())
+    observe::load(folder.path(), &common::units(), None)
 }
 
 #[test]

@@ -31,3 +31,16 @@ def test_a_unit_that_crashes_or_hangs_ends_the_diagnosis_with_what_it_did(tmp_pa
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment(), timeout=120)
     assert done.returncode == 1 and told in done.stderr and "fmi2DoStep" in done.stderr, done.stderr
     assert not (tmp_path / "found").exists()
+
+
+def test_a_unit_that_crashes_where_it_is_begun_takes_no_diagnosis_with_it(tmp_path):
+    machine = motor.MACHINE
+    sets.make(machine, "none", 33, tmp_path / "set", tmp_path / "answers", {"motor": machine.build(machine, tmp_path)})
+    (tmp_path / "bad").mkdir()
+    unit = build(machine, tmp_path / "bad", motor.C, "*(volatile int *)0 = 1; v[i] = x[0]; v[w] = x[1]; v[phi] = x[2];", step=5e-4)
+    shutil.copy(unit, tmp_path / "set" / "motor.fmu")
+    command = [PROGRAM, "--quiet", "diagnose", tmp_path / "set", "--isolate", "--step-limit", "1", "--out", tmp_path / "found"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment(), timeout=120)
+    # it was killed itself before, where start values were looked at
+    assert done.returncode == 1 and "SIGSEGV" in done.stderr, (done.returncode, done.stderr)
+    assert not (tmp_path / "found").exists()

@@ -305,7 +305,7 @@ mod tests {
         put("a.csv", "time,tau,q1,q2\n".to_owned() + &(0..60).map(row).collect::<String>());
         let units = scenarios::unit_path()
             .with(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus"));
-        crate::observe::load(folder, &units).expect("cargo xtask pack made the unit")
+        crate::observe::load(folder, &units, None).expect("cargo xtask pack made the unit")
     }
 
     #[test]

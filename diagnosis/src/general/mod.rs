@@ -46,8 +46,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Error> {
     match observe::format(path) {
         Some(2) => {
-            let mut problem = observe::load(path, units)?;
-            problem.model.isolate(options.isolation.as_ref());
+            let problem = observe::load(path, units, options.isolation.as_ref())?;
             study::diagnosed(&problem, units, options, tell)
         }
         _ => pipeline::diagnose(path, units, options, tell),

@@ -99,7 +99,7 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     };
     let guesses = write::folder(out, fmu, &unit, &found)?;
     // what was written must read
-    let problem = observe::load(out, units)?;
+    let problem = observe::load(out, units, None)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));
     Ok(Imported { guesses, notices })
 }

@@ -307,7 +307,7 @@ impl Run {
 
 impl Nominal {
     /// Units in processes of their own: those of which the scenario says so, and where it is asked for all.
-    pub fn isolate(&mut self, all: Option<&Isolation>) {
+    fn isolate(&mut self, all: Option<&Isolation>) {
         for (fmu, unit) in self.fmus.iter_mut().zip(&mut self.scenario.units) {
             unit.isolation = unit.isolation.take().or_else(|| all.cloned());
             if let Some(isolation) = &unit.isolation {
@@ -356,11 +356,11 @@ pub fn format(folder: &Path) -> Option<i64> {
     text.parse::<toml::Table>().ok()?.get("format")?.as_integer()
 }
 
-/// Reads a data set of `format = 2`.
+/// Reads a data set of `format = 2`. Units run in processes of their own where the scenario says so, or all of them if that is asked for.
 ///
 /// # Errors
 /// The file, the model or a log can't be read, or something in the file is unknown.
-pub fn load(folder: &Path, units: &UnitPath) -> Result<Problem, Error> {
+pub fn load(folder: &Path, units: &UnitPath, isolation: Option<&Isolation>) -> Result<Problem, Error> {
     let file = raw::File::read(&folder.join("dataset.toml"))?;
-    resolve::problem(folder, &file, units)
+    resolve::problem(folder, &file, units, isolation)
 }

@@ -9,13 +9,20 @@ use super::{
 use super::{candidates, measure, nominal, unlogged};
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Causality, Initial, Variability, Variable};
-use orchestrator::{Kind, UnitPath, nearest};
+use orchestrator::{Isolation, Kind, UnitPath, nearest};
 use std::path::Path;
 use toml::Spanned;
 
 /// Reads everything that the file names.
-pub(super) fn problem(folder: &Path, file: &File, units: &UnitPath) -> Result<Problem, Error> {
+pub(super) fn problem(
+    folder: &Path,
+    file: &File,
+    units: &UnitPath,
+    isolation: Option<&Isolation>,
+) -> Result<Problem, Error> {
     let mut model = nominal::load(folder, file, units)?;
+    // before any unit is run
+    model.isolate(isolation);
     let mut notices = Vec::new();
     super::own::take(&mut model, &mut notices);
     let channels = channels(&model, file)?;

@@ -21,7 +21,7 @@ const LEAST: Duration = Duration::from_secs(1);
 pub(super) struct Found {
     /// They change no measured output.
     pub idle: Vec<usize>,
-    /// There was no time to try these.
+    /// These were not tried: there was no time, or the unit can't be run in a process of its own.
     pub untried: usize,
 }
 
@@ -29,7 +29,9 @@ pub(super) struct Found {
 pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let began = Instant::now();
     let mut found = Found { idle: Vec::new(), untried: 0 };
-    let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else { return found };
+    let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else {
+        return Found { untried: parameters.len(), ..found };
+    };
     let limit = began.elapsed().mul_f64(FAR) + LEAST;
     for place in parameters {
         if began.elapsed().as_secs_f64() > GIVEN_UP {
@@ -82,6 +84,8 @@ fn differ(trial: &Trial<'_>, one: &MemoryRecorder, other: &MemoryRecorder) -> bo
         let output = name(trial.fmu, matched);
         let (Ok(one), Ok(other)) = (one.series(&output), other.series(&output)) else { return true };
         let size = one.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        one.len() != other.len() || one.iter().zip(other).any(|(a, b)| (a - b).abs() > ROUNDING * size)
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * size;
+        // what is no number is not the same
+        one.len() != other.len() || !one.iter().zip(other).all(same)
     })
 }

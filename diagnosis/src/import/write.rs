@@ -161,7 +161,7 @@ fn put_candidates(
     guesses.push(format!("{} parameters may be off", kept.len()));
     if tried.untried > 0 {
         guesses.push(format!(
-            "the last {} were not tried, since runs of the unit take long: some may change nothing",
+            "the last {} were not tried, since the unit takes long or can't be run in a process of its own: some may change nothing",
             tried.untried
         ));
     }

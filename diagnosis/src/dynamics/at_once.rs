@@ -1,5 +1,5 @@
-//! Outputs that don't hang on the states alone: some follow an input at once, some units compute only within a step and show old values
-//! where they are begun anew. For both it matters whether a row is read at the begin of its interval or at the end of the one before.
+//! Outputs that don't hang on the states alone: some follow an input at once, so that it matters whether a row was read before or after its
+//! inputs acted; and some units compute them within a step only and show old values where they are begun anew.
 
 use super::linearise::Engine;
 use super::machine::Machine;

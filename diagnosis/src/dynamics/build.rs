@@ -2,7 +2,7 @@
 
 use super::excluded::excluded;
 use super::first_path::Trails;
-use super::grid::Grid;
+use super::grid::{Grid, usual};
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Role};
 use super::schedule::Schedule;
@@ -70,18 +70,12 @@ impl Built {
     }
 }
 
-pub(super) fn usual(time: &[f64]) -> f64 {
-    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
-}
-
 /// Builds for these runs, each between two times.
 ///
 /// # Errors
 /// No state can be linked, or a unit failed.
 pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
-    let machine = Machine::new(problem)?;
+    let mut machine = Machine::new(problem)?;
     let n = machine.order();
     if n > crate::infer::sweep::MOST_STATES - 2 {
         return Err(Error::Model(format!(
@@ -96,7 +90,6 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let Some(first) = grids.first() else {
         return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     };
-    let mut machine = machine;
     if problem.late && machine.any_step {
         machine.first_step = machine.short_step(&first.time);
     }

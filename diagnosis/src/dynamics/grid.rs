@@ -121,7 +121,8 @@ impl Lost {
     }
 }
 
-fn usual(time: &[f64]) -> f64 {
+/// The usual distance of rows, s.
+pub(super) fn usual(time: &[f64]) -> f64 {
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
     gaps.get(gaps.len() / 2).copied().unwrap_or(f64::INFINITY)

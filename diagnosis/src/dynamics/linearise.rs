@@ -113,26 +113,6 @@ impl Engine {
         Job { probe: horizon > 0, ..schedule.job(grid.time[row], row, 1 + horizon, states) }
     }
 
-    /// Lends a worker.
-    ///
-    /// # Errors
-    /// A unit can't be instantiated.
-    pub fn with_worker<R>(&self, job: impl FnOnce(&mut Worker) -> Result<R, Error>) -> Result<R, Error> {
-        let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
-        let mut worker = match kept {
-            Some(worker) => worker,
-            None => Worker::new(&self.machine)?,
-        };
-        worker.resets = self.resets;
-        let result = job(&mut worker);
-        if result.is_ok()
-            && let Ok(mut pool) = self.pool.lock()
-        {
-            pool.push(worker);
-        }
-        result
-    }
-
     /// Parameters of units that are off their nominal values.
     pub fn set(&self, theta: &[f64]) -> Vec<(Reference, f64)> {
         let of = |(parameter, value): (&super::machine::Parameter, &f64)| match parameter.role {

@@ -1,6 +1,6 @@
 //! Which variables of which units are states, inputs, channels and parameters, by reference.
 
-use super::build::usual;
+use super::grid::usual;
 use crate::error::Error;
 use crate::observe::{self, Affine, InputEffect, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::ports;

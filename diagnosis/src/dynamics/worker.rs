@@ -1,5 +1,6 @@
 //! Instances of the units, and one interval on them: set the states, feed, step, read.
 
+use super::linearise::Engine;
 use super::machine::{Machine, Reference};
 use super::schedule::Piece;
 use crate::error::Error;
@@ -290,5 +291,27 @@ impl Worker {
         }
         let value = instance.get(variable.kind, variable.reference).map_err(failed)?;
         value.as_f64().ok_or_else(|| Error::Model(format!("{value} is no number")))
+    }
+}
+
+impl Engine {
+    /// Lends a worker.
+    ///
+    /// # Errors
+    /// A unit can't be instantiated.
+    pub fn with_worker<R>(&self, job: impl FnOnce(&mut Worker) -> Result<R, Error>) -> Result<R, Error> {
+        let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
+        let mut worker = match kept {
+            Some(worker) => worker,
+            None => Worker::new(&self.machine)?,
+        };
+        worker.resets = self.resets;
+        let result = job(&mut worker);
+        if result.is_ok()
+            && let Ok(mut pool) = self.pool.lock()
+        {
+            pool.push(worker);
+        }
+        result
     }
 }

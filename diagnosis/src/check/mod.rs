@@ -12,6 +12,8 @@ mod readings;
 mod stuck;
 mod ways;
 
+pub(crate) use readings::{STRETCH, Signs, signs};
+
 use crate::error::Error;
 use crate::observe::Problem;
 

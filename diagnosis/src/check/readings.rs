@@ -42,7 +42,7 @@ struct Policy {
 }
 
 /// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
-const STRETCH: usize = 100;
+pub(crate) const STRETCH: usize = 100;
 
 const POLICY: Policy = Policy {
     tells: 25.0,
@@ -96,7 +96,7 @@ impl Rest {
 
 /// How well the model follows a data set.
 fn rest(problem: &Problem, glance: &Glance) -> Rest {
-    let runs: Vec<_> = problem.runs.iter().map(|run| (run, run.span())).collect();
+    let runs = problem.whole_runs();
     let Ok(mut built) = build(problem, &runs) else { return Rest::ALL };
     let engine = &mut built.engine;
     // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
@@ -156,7 +156,14 @@ fn is_it(way: &Way, problem: &Problem, rest: &Rest, own: &Rest) -> bool {
     let extreme = way.is_extreme();
     let most = if extreme { POLICY.extreme.1 } else { POLICY.less };
     let near = rest.is_right(way) && rest.excess <= most * own.excess;
-    near && (extreme || is_exact(way, problem, rest, POLICY.exact))
+    near && (extreme
+        || way.is_sign() && turns(way, problem, own)
+        || is_exact(way, problem, rest, POLICY.exact))
+}
+
+/// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
+fn turns(way: &Way, problem: &Problem, own: &Rest) -> bool {
+    way.beside(problem).iter().all(|beside| rest(beside, &POLICY.long).excess <= HALF * own.excess)
 }
 
 /// Whether the model follows the logs clearly worse a little beside this way.
@@ -164,6 +171,36 @@ fn is_exact(way: &Way, problem: &Problem, rest: &Rest, times: f64) -> bool {
     let worse =
         |beside: &Problem| self::rest(beside, &POLICY.long).excess >= times * rest.excess + POLICY.clear;
     way.beside(problem).iter().all(worse)
+}
+
+/// The signs with which the model follows the logs.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Signs {
+    /// Names of the channels that are turned.
+    pub turned: Vec<String>,
+    /// The largest share of its motion that is left of a channel that tells.
+    pub left: f64,
+}
+
+/// The signs with which the model follows stretches of the logs, the fewest turns first where several follow as well; nothing where none does:
+/// a model that drifts off within a whole log is followed through stretches of it.
+pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
+    let own = tried(problem, &POLICY.long)?;
+    let mut all = vec![(own, Vec::new())];
+    // a sign that is wrong leaves several times the motion, so that the short glance chooses
+    let follows = |way: &&Way| {
+        let rest = rest(&way.read(problem), &POLICY.short);
+        rest.excess < own.excess && rest.share.is_some_and(|share| share < POLICY.extreme.0)
+    };
+    let ways = ways::signs(problem);
+    for way in ways.iter().filter(follows) {
+        all.push((rest(&way.read(problem), &POLICY.long), way.channels(problem)));
+    }
+    let least = all.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
+    let near = |(rest, _): &(Rest, Vec<String>)| rest.excess <= POLICY.same * least;
+    let (rest, turned) = all.into_iter().filter(near).min_by_key(|(_, turned)| turned.len())?;
+    let left = rest.share.filter(|share| *share < POLICY.extreme.0)?;
+    Some(Signs { turned, left })
 }
 
 fn told(way: &Way, others: &[&Way], shares: Option<(Rest, Rest)>) -> Doubt {

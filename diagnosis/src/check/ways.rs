@@ -63,6 +63,16 @@ impl Way {
         }
     }
 
+    /// Names of the channels whose values are otherwise.
+    pub(super) fn channels(&self, problem: &Problem) -> Vec<String> {
+        let name = |place: usize| problem.channels[place].name.clone();
+        match &self.change {
+            Change::Time(_) => Vec::new(),
+            Change::Values(by) => by.iter().map(|(place, _)| name(*place)).collect(),
+            Change::Exchanged(a, b) => vec![name(*a), name(*b)],
+        }
+    }
+
     /// Whether no gain that a machine has is so large or so small.
     pub(super) fn is_extreme(&self) -> bool {
         match &self.change {
@@ -71,6 +81,11 @@ impl Way {
                 by.iter().any(|(_, affine)| !(GAIN.0..=GAIN.1).contains(&affine.scale.abs()))
             }
         }
+    }
+
+    /// Whether it turns signs and nothing else.
+    pub(super) fn is_sign(&self) -> bool {
+        matches!(&self.change, Change::Values(by) if by.iter().all(|(_, affine)| affine.scale == -1.0))
     }
 
     /// The same way not quite: a factor that is a fifth smaller and a quarter larger, an offset by a thirtieth, a time by half. A gain, an offset or
@@ -147,26 +162,34 @@ pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
 
 /// All but those of time, in the order in which they are told where several fit.
 pub(super) fn others(problem: &Problem) -> Vec<Way> {
-    let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
     let all: Vec<usize> = (0..problem.channels.len()).collect();
-    let (inputs, outputs): (Vec<usize>, Vec<usize>) = all.iter().copied().partition(fed);
-    let mut ways: Vec<Way> = inputs.iter().map(|place| turned(problem, &[*place])).collect();
-    ways.extend(outputs.iter().map(|place| turned(problem, &[*place])));
+    let (mut ways, several): (Vec<Way>, Vec<Way>) =
+        signs(problem).into_iter().partition(|way| way.channels(problem).len() == 1);
     ways.extend(all.iter().flat_map(|place| units(problem, *place)));
     ways.extend(together(problem, &["deg", "deg/s"]));
     ways.extend(together(problem, &["degC"]));
     ways.extend(together(problem, &["K"]));
-    let pairs = |list: &[usize]| -> Vec<(usize, usize)> {
-        let from = |first: usize| list[first + 1..].iter().map(move |second| (list[first], *second));
-        (0..list.len()).flat_map(from).collect()
-    };
     ways.extend(pairs(&all).into_iter().take(PAIRS).map(|(a, b)| columns(problem, a, b)));
-    // an axis the other way round: a position and its rate
+    ways.extend(several);
+    ways
+}
+
+/// Turned signs: of each channel, the inputs first; of an axis that runs the other way round, a position and its rate; of all inputs and
+/// all outputs.
+pub(super) fn signs(problem: &Problem) -> Vec<Way> {
+    let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
+    let (inputs, outputs): (Vec<usize>, Vec<usize>) = (0..problem.channels.len()).partition(fed);
+    let mut ways: Vec<Way> = inputs.iter().chain(&outputs).map(|place| turned(problem, &[*place])).collect();
     ways.extend(pairs(&outputs).into_iter().take(PAIRS).map(|(a, b)| turned(problem, &[a, b])));
     ways.extend(
         [&inputs, &outputs].into_iter().filter(|list| list.len() > 2).map(|list| turned(problem, list)),
     );
     ways
+}
+
+fn pairs(list: &[usize]) -> Vec<(usize, usize)> {
+    let from = |first: usize| list[first + 1..].iter().map(move |second| (list[first], *second));
+    (0..list.len()).flat_map(from).collect()
 }
 
 /// Where to write it.

@@ -312,7 +312,7 @@ mod tests {
     fn law_what_a_late_sensor_saw_does_not_hang_on_the_path_about_which_it_is_read() {
         let folder = std::env::temp_dir().join(format!("diagnosis-late-{}", std::process::id()));
         let problem = pendulum(&folder);
-        let runs: Vec<_> = problem.runs.iter().map(|run| (run, run.span())).collect();
+        let runs = problem.whole_runs();
         let built = crate::dynamics::build::build(&problem, &runs).expect("it can be followed");
         let engine = &built.engine;
         let mut theta = engine.machine.neutral();

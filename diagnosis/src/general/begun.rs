@@ -5,17 +5,17 @@
 //! drifts off by itself, rows begun anew are likelier in spite of what they forget.
 
 use super::study::nominal;
-use crate::dynamics::build::{Span, build};
+use crate::dynamics::build::build;
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
-use crate::observe::{Problem, Run};
+use crate::observe::Problem;
 
 /// The problem with the likelier of both ways, where they differ.
 ///
 /// # Errors
 /// A unit failed.
 pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
-    let runs: &[(&Run, Span)] = &problem.runs.iter().map(|run| (run, run.span())).collect::<Vec<_>>();
+    let runs = &problem.whole_runs();
     let anew = build(problem, runs)?;
     let mut told = anew.engine.remembered();
     if told.is_empty() {

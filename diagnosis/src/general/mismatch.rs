@@ -106,6 +106,14 @@ pub fn held_out(
     Ok((gaps.into_iter().map(|(_, _, gap)| gap).collect(), channels))
 }
 
+/// Whether the model found is farther from the rows left out than the nominal one, all channels together, each in units of its noise.
+pub fn widened(gaps: &[Gap]) -> bool {
+    let square = |of: fn(&Gap) -> f64| -> f64 {
+        gaps.iter().filter(|gap| gap.floor > 0.0).map(|gap| (of(gap) / gap.floor).powi(2)).sum()
+    };
+    square(|gap| gap.after) > square(|gap| gap.before)
+}
+
 fn mean(windows: &[Window], channel: usize) -> f64 {
     let (square, count) =
         windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));

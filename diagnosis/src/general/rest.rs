@@ -18,11 +18,11 @@ pub(super) const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
 const ABOVE: f64 = 1e4;
 /// A course follows a variable when that takes away at least this share of its square.
-const FOLLOWS: f64 = 0.25;
+pub(super) const FOLLOWS: f64 = 0.25;
 /// Each further term must take away at least this share.
-const FURTHER: f64 = 0.05;
+pub(super) const FURTHER: f64 = 0.05;
 /// Terms of a shape, at most.
-const TERMS: usize = FEW;
+pub(super) const TERMS: usize = FEW;
 /// An event is a stretch where the course is above this share of its largest value.
 const EVENT: f64 = 0.35;
 

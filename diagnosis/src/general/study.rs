@@ -3,7 +3,7 @@
 use super::rest::{self, Rest};
 use super::{amended, begun, mismatch, reading, sensor, told};
 use crate::design::Question;
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{Diagnosis, Gap, Verdict};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
@@ -76,14 +76,19 @@ fn found(
     let problem = &begun::chosen(&reading::read(problem)?)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");
-    let trained = studied(problem, &kept, options, None, false, watch)?;
+    let mut trained = studied(problem, &kept, options, None, false, watch)?;
     watch.stage("measuring the gap on the rows left out");
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
-    let (gaps, channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    let (mut gaps, mut channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    let unfit = unfit(&mut trained, &gaps, options);
+    if !unfit.is_empty() {
+        (gaps, channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    }
     watch.stage("searching in all rows");
-    let whole: Vec<(&Run, Span)> = problem.runs.iter().map(|run| (run, run.span())).collect();
-    let all = studied(problem, &whole, options, Some((&trained, &known)), true, watch)?;
+    let whole = problem.whole_runs();
+    let mut all = studied(problem, &whole, options, Some((&trained, &known)), true, watch)?;
+    withdraw(&mut all, &unfit)?;
     let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all));
     let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
@@ -131,6 +136,40 @@ fn found(
         traces: Vec::new(),
         channels,
     })
+}
+
+/// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
+/// for a part of that. What a user asked for stays.
+fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
+    let takes = trained.rest.unlisted.is_some() && options.fit.is_empty() && mismatch::widened(gaps);
+    if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
+}
+
+/// A search's result without these effects.
+fn withdraw(all: &mut Studied, gone: &[usize]) -> Result<(), Error> {
+    if all.rest.unlisted.is_none() || !all.effects.iter().any(|effect| gone.contains(effect)) {
+        return Ok(());
+    }
+    let engine = &all.built.engine;
+    let mut start = all.fit.at.clone();
+    for effect in all.effects.iter().filter(|effect| gone.contains(effect)) {
+        let parameter = &engine.machine.parameters[*effect];
+        start.theta[*effect] = parameter.neutral;
+        all.story.push(format!(
+            "{} is withdrawn: a search without the rows left out found it, and with it they are followed worse than by the nominal model",
+            parameter.name
+        ));
+    }
+    let kept: Vec<bool> = all.effects.iter().map(|effect| !gone.contains(effect)).collect();
+    let mut places = kept.iter();
+    all.effects.retain(|_| places.next().copied().unwrap_or(true));
+    let mut places = kept.iter();
+    all.classes.retain(|_| places.next().copied().unwrap_or(true));
+    let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| !gone.contains(free)).collect();
+    all.fit = fit(engine, &start, &free, Some(&all.rest.sizes), &FitOptions::default())?;
+    all.rest = rest::judged(engine, &all.fit, &all.rest.sizes, &all.policy);
+    all.last = None;
+    Ok(())
 }
 
 /// Runs, each between two times.
@@ -217,6 +256,7 @@ pub fn studied(
         candidates,
         visited: Visited::new(),
         story: Vec::new(),
+        doubts: Vec::new(),
         last: None,
     };
     search.visited.insert(Vec::new(), nominal.clone());
@@ -254,6 +294,7 @@ pub fn studied(
         (effects, here) = search.walk(effects, fresh, watch)?;
         here = search.fresh(here)?;
         (effects, here) = search.agreed(effects, here)?;
+        (effects, here) = search.nearer(effects, here, policy, watch)?;
         rest = rest::judged(&built.engine, &here, &beside, &search.policy);
     }
     let mut alternatives = Vec::new();
@@ -265,6 +306,8 @@ pub fn studied(
         }
     }
     let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
+    let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
+    built.notices.extend(search.doubts.into_iter().map(notice));
     Ok(Studied { built, effects, fit: here, nominal, rest, story, classes: alternatives, policy, last })
 }
 

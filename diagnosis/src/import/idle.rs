@@ -18,6 +18,7 @@ const MOVES: [f64; 4] = [SMALL, HALF, 2.0, FAR];
 const LEAST: Duration = Duration::from_secs(1);
 
 /// What was found of parameters, by their places.
+#[derive(Default)]
 pub(super) struct Found {
     /// They change no measured output.
     pub idle: Vec<usize>,
@@ -28,7 +29,7 @@ pub(super) struct Found {
 /// Tries each of these, as long as there is time.
 pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let began = Instant::now();
-    let mut found = Found { idle: Vec::new(), untried: 0 };
+    let mut found = Found::default();
     let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else {
         return Found { untried: parameters.len(), ..found };
     };
@@ -45,7 +46,12 @@ pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
 
 fn is_idle(trial: &Trial<'_>, nominal: &MemoryRecorder, place: usize, limit: Duration) -> bool {
     let variable = &trial.fmu.description().variables[place];
-    for value in moves(variable) {
+    let values = moves(variable);
+    // what can't be moved was not seen to do nothing
+    if values.is_empty() {
+        return false;
+    }
+    for value in values {
         match trial.run(&[(variable.name.clone(), value)], limit) {
             Ok(Some(moved)) if differ(trial, nominal, &moved) => return false,
             Ok(None) => return true,
@@ -55,24 +61,27 @@ fn is_idle(trial: &Trial<'_>, nominal: &MemoryRecorder, place: usize, limit: Dur
     true
 }
 
-/// Values far from the own one, within the variable's bounds.
+/// Values far from the own one; where a bound is nearer, the bound.
 fn moves(variable: &Variable) -> Vec<String> {
     let Some(own) = variable.start.as_ref() else { return Vec::new() };
     let number = own.as_f64().unwrap_or(0.0);
-    let room = |value: &f64| {
-        variable.max.is_none_or(|most| *value <= most) && variable.min.is_none_or(|least| *value >= least)
+    let within = |value: f64| {
+        value.min(variable.max.unwrap_or(f64::INFINITY)).max(variable.min.unwrap_or(f64::NEG_INFINITY))
     };
     match (variable.kind, own) {
         (Kind::Boolean, Value::Boolean(on)) => vec![(!on).to_string()],
         (Kind::Integer, _) => [number + 1.0, number - 1.0, 2.0 * number]
             .into_iter()
-            .filter(|value| *value != number && room(value))
+            .map(within)
+            .filter(|value| *value != number)
             .map(|value| format!("{value:.0}"))
             .collect(),
         (Kind::Real, _) => {
             let zero = number == 0.0;
             let all = MOVES.into_iter().flat_map(|by| if zero { vec![by, -by] } else { vec![by * number] });
-            all.filter(room).map(|value| format!("{value:e}")).collect()
+            let mut values: Vec<f64> = all.map(within).filter(|value| *value != number).collect();
+            values.dedup();
+            values.iter().map(|value| format!("{value:e}")).collect()
         }
         _ => Vec::new(),
     }
@@ -88,4 +97,27 @@ fn differ(trial: &Trial<'_>, one: &MemoryRecorder, other: &MemoryRecorder) -> bo
         // what is no number is not the same
         one.len() != other.len() || !one.iter().zip(other).all(same)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use orchestrator::fmu::Description;
+
+    fn moves_of(attributes: &str) -> Vec<f64> {
+        let text = format!(
+            r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/><ModelVariables>
+            <ScalarVariable name="T" valueReference="0" causality="parameter" variability="fixed" initial="exact"><Real {attributes}/></ScalarVariable>
+            </ModelVariables><ModelStructure/></fmiModelDescription>"#
+        );
+        let description = Description::parse(&text).expect("a description");
+        moves(&description.variables[0]).iter().map(|value| value.parse().expect("a number")).collect()
+    }
+
+    #[test]
+    fn value_where_a_bound_is_near_the_bound_is_tried() {
+        assert_eq!(moves_of(r#"start="300" min="270" max="320""#), [270.0, 320.0]);
+        assert_eq!(moves_of(r#"start="0" min="0""#), [0.1, 0.5, 2.0, 10.0]);
+        assert_eq!(moves_of(r#"start="4""#), [0.4, 2.0, 8.0, 40.0]);
+    }
 }

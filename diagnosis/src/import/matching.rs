@@ -4,7 +4,7 @@ use super::sheet::{Header, Sheet};
 use super::{Match, instance};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
-use crate::statistics::levels::HALF;
+use crate::statistics::levels::{HALF, SMALL};
 use orchestrator::fmu::{Causality, Variable};
 use orchestrator::{Fmu, Kind};
 
@@ -12,6 +12,8 @@ use orchestrator::{Fmu, Kind};
 const ALIKE: f64 = HALF;
 /// What a fitting unit of measurement adds to it.
 const FITS: f64 = 0.2;
+/// What the same initial adds to the same number.
+const INITIAL: f64 = SMALL;
 
 /// Matches the columns of a log with inputs, outputs and local variables, the likeliest pair first.
 pub(super) fn columns(
@@ -113,11 +115,15 @@ fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, Str
     let by_name =
         names.iter().flat_map(|name| written.iter().map(move |text| alike(name, text))).fold(0.0, f64::max);
     let by_text = 0.7 * same(&words(&header.name), &words(&variable.description));
-    let (best, why) = if by_name >= by_text { (by_name, "name") } else { (by_text, "description") };
+    let by_unit = if fits == Some(true) { numbered(&header.name, &variable.name) } else { 0.0 };
+    let (best, why) =
+        [(by_name, "name"), (by_text, "description"), (by_unit, "unit of measurement and number")]
+            .into_iter()
+            .reduce(|best, one| if one.0 > best.0 { one } else { best })?;
     if best < ALIKE {
         return None;
     }
-    let exact = if best >= 1.0 { "the same" } else { "a similar" };
+    let exact = if best >= 1.0 || by_unit == best { "the same" } else { "a similar" };
     let unit = match (fits, header.unit.as_deref(), own) {
         (Some(true), Some(unit), Some(own)) => format!(", and {unit} converts to {own}"),
         _ => String::new(),
@@ -159,9 +165,43 @@ fn same(one: &[String], other: &[String]) -> f64 {
     0.8 * shared / short.len() as f64 + 0.1 * shared / long.len() as f64
 }
 
+/// How alike two names are that have the same number: more where one begins a word of the other (`T1`, `Temperature 1`).
+fn numbered(column: &str, variable: &str) -> f64 {
+    let split = |text: &str| -> (Vec<String>, Vec<String>) {
+        let runs = words(text).join(" ");
+        let spaced: String = runs
+            .chars()
+            .scan(' ', |before, letter| {
+                let new = before.is_alphanumeric() && before.is_ascii_digit() != letter.is_ascii_digit();
+                *before = letter;
+                Some(if new { format!(" {letter}") } else { letter.to_string() })
+            })
+            .collect();
+        spaced
+            .split_whitespace()
+            .map(ToOwned::to_owned)
+            .partition(|word| !word.starts_with(|c: char| c.is_ascii_digit()))
+    };
+    let ((one, number), (other, same)) = (split(column), split(variable));
+    if number.is_empty() || number != same {
+        return 0.0;
+    }
+    let begins = |word: &String| one.iter().any(|long| long.starts_with(word.as_str()));
+    if other.iter().any(begins) { ALIKE + INITIAL } else { ALIKE }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_names_with_a_number_are_alike_by_it() {
+        assert_eq!(numbered("Temperature 1", "T1"), ALIKE + INITIAL);
+        assert_eq!(numbered("Set Point 1", "T1"), ALIKE);
+        assert_eq!(numbered("Heater 1", "Q1"), ALIKE);
+        assert_eq!(numbered("Heater 2", "Q1"), 0.0);
+        assert_eq!(numbered("Heater", "Q"), 0.0);
+    }
 
     #[test]
     fn value_names_are_alike_by_words() {

@@ -15,8 +15,10 @@ mod starts;
 mod trial;
 mod write;
 
+use crate::check;
+use crate::dynamics::build::build;
 use crate::error::Error;
-use crate::observe::{self, Affine};
+use crate::observe::{self, Affine, Problem};
 use orchestrator::{Fmu, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
@@ -79,14 +81,45 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
     let starts = starts::of(&unit, &measured);
-    trial::against_model(&unit, units, &sheets, &time, &starts, &mut matches, &mut notices);
+    let mut candidates = write::parameters(&unit, &starts);
+    let plain = write::Found {
+        sheets: &sheets,
+        time: &time,
+        told: &told,
+        matches: &matches,
+        starts: &starts,
+        unshown: &[],
+        candidates: &candidates,
+        tried: &idle::Found::default(),
+    };
+    write::folder(out, fmu, &unit, &plain)?;
+    let problem = observe::load(out, units, None)?;
+    let mut unshown = starts::unshown(&unit, &candidates);
+    if !unshown.is_empty() {
+        let with = write::Found { unshown: &unshown, ..plain };
+        write::folder(out, fmu, &unit, &with)?;
+        if !remembers(&problem) || !can_be_begun(&observe::load(out, units, None)?) {
+            unshown.clear();
+        }
+    }
+    candidates.retain(|place| !unshown.contains(place));
+    // stretches tell signs of a model that drifts off within a whole log
+    let signs = check::signs(&problem);
+    let known = trial::Known {
+        fmu: &unit,
+        units,
+        sheets: &sheets,
+        time: &time,
+        starts: &starts,
+        signs: signs.as_ref(),
+    };
+    trial::against_model(&known, &mut matches, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
     let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
     let trial =
         trial::Trial { fmu: &unit, units, sheet: longest, time: &time, starts: &starts, matches: &matches };
-    let candidates = write::parameters(&unit, &starts);
     let tried = idle::of(&trial, &candidates);
     let found = write::Found {
         sheets: &sheets,
@@ -94,6 +127,7 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
         told: &told,
         matches: &matches,
         starts: &starts,
+        unshown: &unshown,
         candidates: &candidates,
         tried: &tried,
     };
@@ -102,6 +136,16 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     let problem = observe::load(out, units, None)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));
     Ok(Imported { guesses, notices })
+}
+
+/// Whether the model remembers more than the states that it can be begun from.
+fn remembers(problem: &Problem) -> bool {
+    build(problem, &problem.whole_runs()).is_ok_and(|built| !built.engine.remembered().is_empty())
+}
+
+/// Whether its rows can be begun from these states.
+fn can_be_begun(problem: &Problem) -> bool {
+    build(problem, &problem.whole_runs()).is_ok_and(|built| !built.engine.machine.whole)
 }
 
 /// Where the time stands, and in what.

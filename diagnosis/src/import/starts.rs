@@ -57,6 +57,17 @@ pub(super) fn of(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
     all
 }
 
+/// Parameters that are starts by their names, though no variable shows them: those of states that a unit keeps to itself.
+pub(super) fn unshown(fmu: &Fmu, candidates: &[usize]) -> Vec<usize> {
+    let variables = &fmu.description().variables;
+    let named = |place: &usize| {
+        let name = &variables[*place].name;
+        is_named_a_start(&variables[*place])
+            && (has_the_word(name) || BEHIND.iter().any(|end| end.len() > 1 && name.ends_with(end)))
+    };
+    candidates.iter().copied().filter(named).collect()
+}
+
 /// The one that starts a variable.
 pub(super) fn find(starts: &[Start], shows: usize) -> Option<Start> {
     starts.iter().copied().find(|one| one.shows == shows)

@@ -3,6 +3,7 @@
 use super::sheet::{GAP, Sheet};
 use super::starts::{self, Start};
 use super::{Match, Time, instance};
+use crate::check::{STRETCH, Signs};
 use crate::observe::{Affine, measure};
 use crate::statistics::levels::{CERTAIN, STEP};
 use orchestrator::fmu::{Description, Variable};
@@ -40,19 +41,26 @@ struct Line {
     spread: f64,
 }
 
+/// What is known before a trial.
+pub(super) struct Known<'a> {
+    pub fmu: &'a Fmu,
+    pub units: &'a UnitPath,
+    pub sheets: &'a [Sheet],
+    pub time: &'a Time,
+    pub starts: &'a [Start],
+    /// The signs that stretches of the logs tell, where they do.
+    pub signs: Option<&'a Signs>,
+}
+
 /// Tries every match against the model and writes what it says beside it.
-pub(super) fn against_model(
-    fmu: &Fmu,
-    units: &UnitPath,
-    sheets: &[Sheet],
-    time: &Time,
-    starts: &[Start],
-    matches: &mut [Match],
-    notices: &mut Vec<String>,
-) {
+pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &mut Vec<String>) {
+    let Known { fmu, units, sheets, time, starts, signs } = *known;
     let Some(sheet) = sheets.iter().max_by_key(|sheet| sheet.rows.len()) else { return };
+    if let Some(signs) = signs {
+        matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
+    }
     let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
-    let turned = if fed.len() <= INPUTS { 1 << fed.len() } else { 1 };
+    let turned = if signs.is_none() && fed.len() <= INPUTS { 1 << fed.len() } else { 1 };
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
     for turns in 0..turned {
@@ -95,10 +103,27 @@ pub(super) fn against_model(
         }
     }
     for (matched, line) in matches.iter_mut().zip(lines) {
-        if let Some(line) = line {
-            judge(matched, line, described, starts, notices);
+        // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
+        if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
+            judge(matched, line, described, starts, signs.is_some(), notices);
         }
     }
+}
+
+/// Gives a match the sign that stretches of the logs tell.
+fn with_sign(matched: &mut Match, signs: &Signs, fmu: &Fmu, notices: &mut Vec<String>) {
+    let turned = signs.turned.contains(&name(fmu, matched));
+    let left = format!(
+        "the model follows stretches of {STRETCH} rows so, and leaves at most {:.0} % of an output's motion",
+        100.0 * signs.left
+    );
+    if turned {
+        let own = converted(matched, fmu.description());
+        matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
+        notices.push(format!("column {:?}: sign turned, by trial: {left}", matched.column));
+    }
+    let how = if turned { "turned" } else { "as logged" };
+    matched.evidence.push(format!("sign {how}: {left}"));
 }
 
 /// What the numbers of a column are by what is known.
@@ -108,16 +133,20 @@ fn converted(matched: &Match, description: &Description) -> Affine {
     matched.affine.or_else(by_unit).unwrap_or(Affine::SAME)
 }
 
-/// What a line says of unit, sign and offset of an output.
+/// What a line says of unit, sign and offset of an output. `known`: its sign is.
 fn judge(
     matched: &mut Match,
     line: Line,
     description: &Description,
     starts: &[Start],
+    known: bool,
     notices: &mut Vec<String>,
 ) {
     let variable = &description.variables[matched.variable];
     let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
+    if line.correlation.abs() < TELLS && known {
+        return;
+    }
     if line.correlation.abs() < TELLS {
         matched.evidence.push(format!("the model alone says nothing of sign and unit ({said})"));
         notices.push(format!(

@@ -19,6 +19,8 @@ pub(super) struct Found<'a> {
     pub told: &'a str,
     pub matches: &'a [Match],
     pub starts: &'a [Start],
+    /// Parameters that are starts of states which no variable shows.
+    pub unshown: &'a [usize],
     /// Parameters that may be off.
     pub candidates: &'a [usize],
     /// What trying them said.
@@ -27,7 +29,7 @@ pub(super) struct Found<'a> {
 
 /// Writes everything and gives a line for each guess.
 pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> Result<Vec<String>, Error> {
-    let Found { sheets, time, told, matches, starts, candidates, tried } = *found;
+    let Found { sheets, time, told, matches, starts, unshown, candidates, tried } = *found;
     let put = |name: &str, text: String| {
         let path = out.join(name);
         std::fs::write(&path, text).map_err(|source| Error::Io { path, source })
@@ -47,8 +49,10 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     for matched in matches {
         channel(&mut text, &mut guesses, fmu, matched);
     }
-    states(&mut text, &mut guesses, fmu, starts);
-    put_candidates(&mut text, &mut guesses, fmu, candidates, tried);
+    states(&mut text, &mut guesses, fmu, starts, unshown);
+    let candidates: Vec<usize> =
+        candidates.iter().copied().filter(|place| !unshown.contains(place)).collect();
+    put_candidates(&mut text, &mut guesses, fmu, &candidates, tried);
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;
@@ -103,9 +107,9 @@ fn channel(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matched: &Ma
 }
 
 /// States that can be started; where each is a variable of initial "exact", that is the default and nothing is written.
-fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Start]) {
+fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Start], unshown: &[usize]) {
     let name = |place: usize| fmu.description().variables[place].name.as_str();
-    if starts.iter().all(|one| one.start == one.shows) {
+    if unshown.is_empty() && starts.iter().all(|one| one.start == one.shows) {
         return;
     }
     for one in starts {
@@ -118,9 +122,18 @@ fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Sta
         let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
         let _ = writeln!(text, "shows = {}", quoted(&format!("{}.{shown}", instance(fmu))));
     }
+    for place in unshown {
+        let start = name(*place);
+        let why = format!(
+            "{start} is a start by its name, no variable shows it, and without it the model remembers more than its states"
+        );
+        let _ = writeln!(text, "\n[[state]]\n# guess: {why}");
+        let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
+        guesses.push(why);
+    }
 }
 
-/// Parameters that are numbers and start no state, by their places.
+/// Parameters that are numbers and start no state that shows, by their places.
 pub(super) fn parameters(fmu: &Fmu, starts: &[Start]) -> Vec<usize> {
     let all = fmu.description().variables.iter().enumerate().filter(|(place, variable)| {
         variable.causality == Causality::Parameter

@@ -294,6 +294,11 @@ impl Problem {
         gaps.sort_by(f64::total_cmp);
         gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
     }
+
+    /// All runs, each from its first row to its last, s.
+    pub fn whole_runs(&self) -> Vec<(&Run, (f64, f64))> {
+        self.runs.iter().map(|run| (run, run.span())).collect()
+    }
 }
 
 impl Run {

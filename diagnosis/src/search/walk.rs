@@ -29,6 +29,8 @@ pub struct Search<'a> {
     pub visited: Visited,
     /// What was done, in words.
     pub story: Vec<String>,
+    /// What a user should look at.
+    pub doubts: Vec<String>,
     /// The last screening of a walk, which found nothing more.
     pub last: Option<Last>,
 }
@@ -39,7 +41,8 @@ impl Search<'_> {
         !matches!(self.engine.machine.parameters[parameter].scale, Scale::Switch | Scale::Count)
     }
 
-    fn name(&self, parameter: usize) -> &str {
+    /// Name of a parameter.
+    pub fn name(&self, parameter: usize) -> &str {
         &self.engine.machine.parameters[parameter].name
     }
 
@@ -172,7 +175,8 @@ impl Search<'_> {
         self.visited.values_mut().for_each(|fit| fit.runs.clear());
     }
 
-    pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
+    /// Candidates beside these.
+    pub fn others(&self, effects: &[usize]) -> Vec<usize> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
     }
 

@@ -1,0 +1,276 @@
+//! Which listed effects do most of what the unlisted input did: a real machine lacks several things at once, and the one that nobody listed
+//! takes up the listed ones as well.
+//!
+//! What an effect does to a state within an interval (∂F/∂θ, or a chord) is held against what the unlisted input does there (G d), and
+//! its smoothed course is told by few of them, by forward selection.
+
+use super::rest::{FOLLOWS, FURTHER, TERMS};
+use crate::dynamics::Engine;
+use crate::dynamics::linearise::Chord;
+use crate::dynamics::machine::Role;
+use crate::error::Error;
+use crate::infer::{Disturbance, Fit, Linearised, smooth};
+use crate::observe::InputEffect;
+use crate::search::trials::trials;
+use crate::search::{Policy, Search};
+use crate::statistics::levels::HALF;
+use crate::statistics::linear::solve;
+use crate::watch::Watch;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// What comes nearest to an unlisted input.
+#[derive(Debug, Clone, PartialEq)]
+enum Near {
+    /// Listed effects.
+    Effects(Nearest),
+    /// A gain of an input that would have to be about -1, and the share that it takes away: the column's sign is turned.
+    Turned(usize, f64),
+}
+
+/// Listed effects that together do a part of what the unlisted input did.
+#[derive(Debug, Clone, PartialEq)]
+struct Nearest {
+    /// Parameters and their values, the one that does most first.
+    effects: Vec<(usize, f64)>,
+    /// Share of the course's square that they take away.
+    share: f64,
+}
+
+impl Search<'_> {
+    /// The effects with those that do most of what the unlisted input did, where the data want them beside it. It takes up what they do, so
+    /// that each gains little; but what it did is then told by few numbers. `alone` are the numbers of a search without it.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn nearer(
+        &mut self,
+        mut effects: Vec<usize>,
+        mut here: Fit,
+        alone: Policy,
+        watch: &mut Watch<'_>,
+    ) -> Result<(Vec<usize>, Fit), Error> {
+        while effects.len() < self.policy.most && !watch.is_over("the search for what an unlisted input did")
+        {
+            let others = self.others(&effects);
+            // what a part of the effects gets wrong may look like a turned sign
+            let near = match nearest(self.engine, &here, &others, effects.is_empty())? {
+                Some(Near::Effects(near)) => near,
+                Some(Near::Turned(gain, share)) => {
+                    let name = self.name(gain).trim_end_matches(":gain").to_owned();
+                    self.doubts.push(format!(
+                        "with its sign turned {name} would do {:.0} % of what the unlisted input did: look at the sign of its column",
+                        100.0 * share
+                    ));
+                    break;
+                }
+                None => break,
+            };
+            let mut start = here.at.clone();
+            let mut with = effects.clone();
+            for (parameter, value) in near.effects {
+                start.theta[parameter] = value;
+                with.push(parameter);
+            }
+            let names: Vec<&str> = with[effects.len()..].iter().map(|place| self.name(*place)).collect();
+            self.story.push(format!(
+                "{} would do {:.0} % of what the unlisted input did",
+                names.join(", "),
+                100.0 * near.share
+            ));
+            let fitted = self.visit(&with, &start)?;
+            let beside = std::mem::replace(&mut self.policy, alone);
+            let kept = self.pruned(with, fitted, "the unlisted input doesn't");
+            let kept = kept.and_then(|(with, fit)| self.agreed(with, fit));
+            self.policy = beside;
+            let (with, fit) = kept?;
+            if fit.deviance >= here.deviance - alone.gain || with.len() <= effects.len() {
+                break;
+            }
+            (effects, here) = (with, fit);
+        }
+        Ok((effects, here))
+    }
+}
+
+/// What one trial of an effect does, in units of the unlisted input.
+struct Column {
+    chord: Chord,
+    /// Where its parameter is.
+    from: f64,
+    values: Vec<f64>,
+}
+
+impl Column {
+    /// Where an amount of it takes its parameter.
+    fn value(&self, amount: f64) -> f64 {
+        self.from + amount * (self.chord.to - self.from) / self.chord.per
+    }
+}
+
+/// The effects among `candidates` that come nearest to the unlisted input of a fit; nothing where none does a part that counts.
+/// `signs`: whether a turned sign may be it.
+///
+/// # Errors
+/// A unit failed.
+fn nearest(engine: &Engine, fit: &Fit, candidates: &[usize], signs: bool) -> Result<Option<Near>, Error> {
+    let Fit { at, .. } = fit;
+    let Some(unlisted) = at.noise.disturbance.filter(|_| !engine.machine.whole) else { return Ok(None) };
+    let chords: Vec<Chord> =
+        candidates.iter().flat_map(|parameter| trials(engine, &at.theta, *parameter)).collect();
+    let runs = engine.chords(&at.theta, &at.paths, &chords)?;
+    let course: Vec<f64> = (runs.par_iter().zip(&fit.runs))
+        .flat_map(|(run, own)| {
+            let mut course = smooth(own, &at.noise).disturbance;
+            course.truncate(run.rows().saturating_sub(1));
+            course
+        })
+        .collect();
+    let columns: Vec<Column> = chords
+        .iter()
+        .enumerate()
+        .map(|(place, chord)| {
+            let values = runs.iter().flat_map(|run| likened(run, place, &unlisted, &engine.scales)).collect();
+            Column { chord: *chord, from: at.theta[chord.parameter], values }
+        })
+        .collect();
+    let within = |parameter: usize, value: f64| {
+        let (least, most) = engine.machine.parameters[parameter].range;
+        (least..=most).contains(&value)
+    };
+    let sign = turned(engine, &columns, &course).filter(|_| signs);
+    Ok(sign.or_else(|| selected(&columns, &course, &within).map(Near::Effects)))
+}
+
+/// A gain of about -1 that alone does a part of what the unlisted input did.
+fn turned(engine: &Engine, columns: &[Column], course: &[f64]) -> Option<Near> {
+    let is_gain = |column: &&Column| {
+        matches!(engine.machine.parameters[column.chord.parameter].role, Role::Input(_, InputEffect::Gain))
+    };
+    let of = |column: &Column| {
+        let (along, square) = (dot(&column.values, course), dot(&column.values, &column.values));
+        let share = along * along / (square * dot(course, course));
+        let gain = column.value(along / square);
+        (share >= FOLLOWS && (-HALF.recip()..=-HALF).contains(&gain))
+            .then_some(Near::Turned(column.chord.parameter, share))
+    };
+    columns.iter().filter(is_gain).find_map(of)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// What an effect does in each interval of a run, as the unlisted input that comes nearest to it.
+fn likened(run: &Linearised, column: usize, unlisted: &Disturbance, scales: &[f64]) -> Vec<f64> {
+    let n = run.states;
+    let of = |row: usize| {
+        if run.is_torn(row) {
+            return 0.0;
+        }
+        let (mut along, mut square) = (0.0, 0.0);
+        // states behind those with a scale are lags of sensors, which no input drives
+        for (state, (drive, scale)) in run.column(row, column).iter().zip(scales).enumerate() {
+            let own = if state == unlisted.equation { 1.0 } else { 0.0 };
+            let a = run.transition[(row * n + state) * n + unlisted.equation];
+            let by = 0.5 * run.interval(row) * (own + a) / scale;
+            along += by * drive / scale;
+            square += by * by;
+        }
+        along / square.max(f64::MIN_POSITIVE)
+    };
+    (0..run.rows().saturating_sub(1)).map(of).collect()
+}
+
+/// Forward selection of the columns.
+fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> bool) -> Option<Nearest> {
+    let whole = dot(course, course);
+    let taken = |chosen: &[usize]| -> Option<(f64, Vec<f64>)> {
+        let of = |place: usize| &columns[chosen[place]].values;
+        let gram = DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| dot(of(i), of(j)));
+        let score = DVector::from_fn(chosen.len(), |i, _| dot(of(i), course));
+        let amounts = solve(&gram, &score)?;
+        let values: Vec<f64> =
+            chosen.iter().zip(amounts.iter()).map(|(place, by)| columns[*place].value(*by)).collect();
+        let mut both = chosen.iter().zip(&values);
+        let allowed = both.all(|(place, value)| within(columns[*place].chord.parameter, *value));
+        allowed.then(|| (amounts.dot(&score) / whole, values))
+    };
+    let (mut chosen, mut share, mut values) = (Vec::new(), 0.0, Vec::new());
+    while chosen.len() < TERMS {
+        let free = |place: &usize| {
+            let parameter = columns[*place].chord.parameter;
+            chosen.iter().all(|known: &usize| columns[*known].chord.parameter != parameter)
+        };
+        let with = |place: usize| {
+            let with: Vec<usize> = chosen.iter().copied().chain([place]).collect();
+            Some((taken(&with)?, with))
+        };
+        let best = (0..columns.len()).filter(free).filter_map(with).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
+        match best {
+            Some(((more, found), with)) if more - share >= needed => {
+                (chosen, share, values) = (with, more, found);
+            }
+            _ => break,
+        }
+    }
+    let effects: Vec<(usize, f64)> =
+        chosen.iter().map(|place| columns[*place].chord.parameter).zip(values).collect();
+    (!effects.is_empty()).then_some(Nearest { effects, share })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A column of a parameter at 1, moved by a derivative.
+    fn column(parameter: usize, of: fn(f64) -> f64) -> Column {
+        let values = (0..200).map(|row| of(0.1 * f64::from(row))).collect();
+        Column { chord: Chord { parameter, to: 1.5, per: 0.5 }, from: 1.0, values }
+    }
+
+    fn columns() -> [Column; 3] {
+        [column(0, libm::sin), column(1, libm::cos), column(2, |time| libm::sin(7.0 * time))]
+    }
+
+    /// Amounts of the three, and of what no column gives.
+    fn course(amounts: [f64; 3], other: f64) -> Vec<f64> {
+        let all = columns();
+        let rest = (0..200).map(|row| libm::cos(0.1 * 23.0 * f64::from(row)));
+        rest.enumerate()
+            .map(|(row, rest)| {
+                all.iter().zip(amounts).map(|(one, by)| by * one.values[row]).sum::<f64>() + other * rest
+            })
+            .collect()
+    }
+
+    fn found(amounts: [f64; 3], other: f64) -> Option<Nearest> {
+        selected(&columns(), &course(amounts, other), &|_, value| value >= 0.0)
+    }
+
+    #[test]
+    fn value_effects_that_a_course_is_made_of_are_found_with_their_values() {
+        let near = found([0.6, 0.0, -0.4], 0.1).expect("two of them");
+        assert_eq!(near.effects.iter().map(|(place, _)| *place).collect::<Vec<_>>(), [0, 2]);
+        // 20 s are no whole number of periods, so that what no column gives is not quite orthogonal to them
+        assert!((near.effects[0].1 - 1.6).abs() < 0.01 && (near.effects[1].1 - 0.6).abs() < 0.01, "{near:?}");
+        assert!((near.share - 0.52 / 0.53).abs() < 0.01, "{near:?}");
+    }
+
+    #[test]
+    fn value_what_does_less_than_a_quarter_is_not_near() {
+        // 0.55² : 1 is 23 % of the square, 0.6² : 1 is 26 %
+        assert_eq!(found([0.55, 0.0, 0.0], 1.0), None);
+        assert!(found([0.6, 0.0, 0.0], 1.0).is_some());
+        // a further one needs a twentieth
+        let count = |by: f64| found([1.0, by, 0.0], 0.0).map_or(0, |near| near.effects.len());
+        assert_eq!((count(0.21), count(0.25)), (1, 2));
+    }
+
+    #[test]
+    fn value_a_value_out_of_range_is_none() {
+        assert_eq!(found([-1.5, 0.0, 0.0], 0.0), None);
+        assert!(found([-0.9, 0.0, 0.0], 0.0).is_some());
+    }
+}

@@ -99,7 +99,7 @@ impl Model {
 
     /// What a user should know of the nominal model.
     pub fn notices(&self, data: &DataSet) -> Vec<Notice> {
-        let limit = self.number(parameters::STOP).filter(|limit| data.contact(*limit) > *limit);
+        let limit = self.number(parameters::LIMIT).filter(|limit| data.contact(*limit) > *limit);
         let beyond = limit.map(|limit| Notice {
             file: "dataset.toml".into(),
             line: 0,

@@ -5,7 +5,7 @@ use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::statistics::levels::{PART, SLIGHT};
 
-/// Scatter about the ticks that is worth a look, as a share of the interval, and beyond which there are no ticks.
+/// Scatter about the ticks that is worth a test, as a share of the interval, and beyond which there are no ticks.
 const SCATTER: (f64, f64) = (SLIGHT, PART);
 
 /// Even times through timestamps that scatter about them, and by how much they do, s.

@@ -12,10 +12,10 @@ pub struct Logs {
     pub few_bare: usize,
     /// Links that touch may give way by this, or be logged a little off, rad.
     pub touching: f64,
-    /// Links this near to their stop may touch it, rad, by encoders and in images, which a lens bends.
+    /// Links this near to their mechanical limit may touch it, rad, by encoders and in images, which a lens bends.
     pub near: f64,
     pub seen: f64,
-    /// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
+    /// Six turns: what moves less is not tested for degrees, and 38 degrees is little motion.
     pub largest_angle: f64,
     /// A torque is held from its row to the next: one row is a log of it.
     pub fewest_torques: usize,

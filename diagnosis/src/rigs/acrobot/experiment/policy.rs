@@ -31,11 +31,11 @@ pub struct Design {
     pub thinned: f64,
     /// Torque steps of an arm that hangs, s.
     pub held: f64,
-    /// Beyond this an arm hangs rather than stands, rad.
+    /// Beyond this an arm hangs rather than balances, rad.
     pub hanging: f64,
     /// Frames that are rendered for a prediction: enough to visit the image, few enough to be quick.
     pub frames: usize,
-    /// A tangent in the plant is taken over this share of the step at which a candidate is looked for: far above the
+    /// A tangent in the plant is taken over this share of the step at which a candidate is tried: far above the
     /// integrator's 1e-9, far below where a window bends.
     pub tangent: f64,
     /// Rows of the encoders per second where none were logged before.

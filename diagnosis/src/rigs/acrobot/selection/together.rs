@@ -12,7 +12,7 @@ use crate::statistics::linear::RANK_TOLERANCE;
 use crate::statistics::linear::{inverse, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 
-/// Fall of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
+/// Decrease of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
 const EACH: f64 = POLICY.clear * POLICY.clear;
 
 /// Share of a column's square by which two that do the same are told apart.
@@ -25,9 +25,9 @@ pub(super) struct Proposal {
     pub(super) point: Vec<f64>,
 }
 
-/// Whether a fall of the squares is worth so many more effects, beside so many that are left; of fewer, whether a rise is.
-pub(super) fn pays(fall: f64, more: f64, left: f64) -> bool {
-    fall > more * EACH + more.signum() * SELECTION.lattice * left
+/// Whether a decrease of the squares is worth so many more effects, beside so many that are left; of fewer, whether a rise is.
+pub(super) fn pays(decrease: f64, more: f64, left: f64) -> bool {
+    decrease > more * EACH + more.signum() * SELECTION.lattice * left
 }
 
 /// What all linear effects of the image say together, if those that are needed are others than the active ones.
@@ -146,8 +146,8 @@ mod tests {
     fn value_fits_that_the_lattice_alone_tells_apart_are_equally_good() {
         // one of 10 000 squares with two effects more: 0.011 and 0.014 of them are the lattice's, 0.03 aren't
         let left = 1e4;
-        let falls = [110.0, 140.0, 300.0].map(|fall| pays(fall, 2.0, left));
-        assert_eq!(falls, [false, false, true]);
+        let decreases = [110.0, 140.0, 300.0].map(|decrease| pays(decrease, 2.0, left));
+        assert_eq!(decreases, [false, false, true]);
         // two that aren't there go though 0.014 more is left, and stay where 0.03 would be
         let rises = [140.0, 300.0].map(|rise| pays(-rise, -2.0, left));
         assert_eq!(rises, [true, false]);

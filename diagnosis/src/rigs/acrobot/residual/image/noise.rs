@@ -50,17 +50,18 @@ impl ImageCut {
     /// The camera unit failed.
     pub fn noise(&mut self, point: &[f64], at: &Nuisances) -> Result<Option<Noise>, Error> {
         self.begin_from(at);
-        let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::Scatter) else {
+        let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::SensorNoise)
+        else {
             return Ok(None);
         };
         let candidate = &self.candidates[index];
         let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
         let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
-        let rest = |place: usize| {
+        let residual = |place: usize| {
             let (here, seen) = (clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
-        let measured: Vec<Option<Seen>> = (0..shots.len()).map(rest).collect();
+        let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
         let Some(seen) = self.scatter(&[measured]) else { return Ok(None) };
         let predicted = |sigma: f64| -> Result<Option<Scatter>, Error> {
             let mut there = point.to_vec();
@@ -69,11 +70,11 @@ impl ImageCut {
             let mut sets = Vec::new();
             for seed in 0..IMAGES.made {
                 let made = self.studio.noisy(&settings, &self.unsure(seed), seed)?;
-                let rest = |place: usize| {
+                let residual = |place: usize| {
                     let (here, made) = (clean[place]?, made[place]?);
                     self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
                 };
-                sets.push((0..shots.len()).map(rest).collect());
+                sets.push((0..shots.len()).map(residual).collect());
             }
             Ok(self.scatter(&sets))
         };
@@ -131,11 +132,11 @@ impl ImageCut {
             let settings = self
                 .shifted(&self.settings(point, None)?, (u * IMAGES.noise_beside, v * IMAGES.noise_beside))?;
             let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
-            let rest = |place: usize| {
+            let residual = |place: usize| {
                 let (here, made) = (clean[place]?, made[place]?);
                 self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
             };
-            let set: Vec<Option<Seen>> = (0..clean.len()).map(rest).collect();
+            let set: Vec<Option<Seen>> = (0..clean.len()).map(residual).collect();
             if let Some(scatter) = self.scatter(&[set]) {
                 logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
             }

@@ -16,7 +16,7 @@ pub struct Windows {
     pub bins: usize,
     /// Parts of a window that each get a torque the model may lack.
     pub parts: usize,
-    /// So many rows tell a curvature from noise; the fewest that are looked at.
+    /// So many rows tell a curvature from noise; the fewest that are used.
     pub curved: usize,
     pub fewest: usize,
     /// Where an arm tumbles, so many rows on either side, and no less than this, s: at 50 rad/s a parabola through 0.06 s is off by

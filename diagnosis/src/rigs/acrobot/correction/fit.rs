@@ -4,12 +4,9 @@ use super::dictionary::Entry;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::torque::{Torque, rms, torques};
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
-use crate::rigs::acrobot::selection::{Evaluation, Folds};
+use crate::rigs::acrobot::selection::{Evaluation, Folds, discrepancies};
 use crate::statistics::linear::{moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
-
-/// Sizes of what may be lacking beside the terms, N·m at an arm of inertia scale 1: the likeliest is taken.
-const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 
 /// Chosen terms with their size.
 #[derive(Debug, Clone)]
@@ -167,10 +164,10 @@ impl Residual<'_> {
             *sigma = signal.known.unwrap_or(*sigma);
         }
         let size = |discrepancy_sd: f64| Evaluation { discrepancy_sd, ..sharper.clone() };
-        let likely = |discrepancy_sd: &f64| sharper.under(&size(*discrepancy_sd)).deviance();
+        let likely = |discrepancy_sd: f64| sharper.under(&size(discrepancy_sd)).deviance();
         let inertia_scale = sharper.inertia_scale();
-        let sizes = SIZES.map(|size| inertia_scale * size);
-        let best = sizes.iter().map(|size| (likely(size), *size)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let sizes = std::iter::once(0.0).chain(discrepancies(inertia_scale));
+        let best = sizes.map(|size| (likely(size), size)).min_by(|a, b| a.0.total_cmp(&b.0));
         self.evaluation = self.evaluation.under(&size(best.map_or(0.0, |(_, size)| size)));
     }
 

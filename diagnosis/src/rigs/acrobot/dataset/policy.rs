@@ -3,7 +3,8 @@
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::plausibility::time::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL};
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,13 +66,13 @@ pub const LOGS: Logs = Logs {
     absurd: FAR * FAR * FAR,
     below: PART,
     even_rows: SAMPLE,
-    known: 2.5e-5,
+    known: WINDOWS.smallest,
     wanders: PART,
     turned: POLICY.small_angle,
     first: ROWS,
-    on_line: 5.0,
+    on_line: SMALL * PLAUSIBLE.near,
     off_line: PLAUSIBLE.near,
-    step: 0.02,
+    step: POLICY.around,
     longest: 7200.0,
     stamps_rows: POLICY.most,
     agrees: PART,

@@ -150,7 +150,7 @@ mod tests {
         // explains all but nothing, as much as is left, next to nothing
         let shares = [beside(1e6, 1.0), beside(100.0, 100.0), beside(1.0, 1e6)];
         assert!(
-            (shares[0] - 0.6).abs() < 1e-6 && (shares[1] - 0.3).abs() < 1e-12 && shares[2] < 1e-6,
+            (shares[0] - 0.5).abs() < 1e-6 && (shares[1] - 0.3).abs() < 1e-12 && shares[2] < 1e-6,
             "{shares:?}"
         );
         assert_eq!(beside(0.0, 0.0), 0.0);
@@ -202,11 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn value_a_name_that_may_imitate_keeps_a_twentieth() {
+    fn value_a_confounded_name_keeps_what_none_of_23_tells() {
         let list = [candidate(Side::Plant, false)];
         let shares = [false, true].map(|confounded| worth(&shown(0.5), &list, &[0], confounded)[0].share);
-        assert!((shares[0] - 0.6).abs() < 1e-9, "{shares:?}");
-        assert_eq!(shares[1], 0.05);
-        assert_eq!(Worth::LEAST.share, 0.05);
+        assert!((shares[0] - 0.5).abs() < 1e-9, "{shares:?}");
+        // Jeffreys: 0.5 of 24
+        assert!((shares[1] - 0.5 / 24.0).abs() < 1e-3, "{shares:?}");
+        assert_eq!(Worth::LEAST.share, shares[1]);
     }
 }

@@ -229,8 +229,15 @@ fn stretch(
     Stretch { run: grid.run, from, to, nodes, weights, measured, noise, inertia: Matrix2::zeros() }
 }
 
-/// ∫ (1 - s²)⁴ ds from -1 to 1.
-const AREA: f64 = 256.0 / 315.0;
+/// ∫ φ ds from -1 to 1 (Wallis).
+const AREA: f64 = {
+    let (mut area, mut power) = (2.0, 1);
+    while power <= POWER {
+        area *= 1.0 - 1.0 / (2 * power + 1) as f64;
+        power += 1;
+    }
+    area
+};
 
 fn bump(s: f64) -> f64 {
     (1.0 - s * s).max(0.0).powi(POWER)

@@ -24,7 +24,7 @@ use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{self, HALF, MIDDLE};
+use crate::statistics::levels::{self, FEW, HALF, MIDDLE};
 use crate::statistics::linear::Cell;
 use crate::statistics::linear::RANK_TOLERANCE;
 use nalgebra::{DMatrix, Matrix2, Vector2};
@@ -35,8 +35,6 @@ use std::sync::Arc;
 
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = levels::TASK;
-/// How many of the latest answers are kept: a linearisation with all candidates and the fits around it.
-const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
 
@@ -171,7 +169,8 @@ impl Weak {
             return Ok(known.clone());
         }
         let given = Arc::new(self.ask(all, zeros, point, moved)?);
-        if self.known.len() == KNOWN {
+        // a linearisation with all candidates and the fits around it
+        if self.known.len() > FEW * self.candidates.len() {
             self.known.pop_front();
         }
         self.known.push_back((key, given.clone()));
@@ -252,11 +251,7 @@ impl Cut for Weak {
         }
         let mut blocks: Vec<Block> = Vec::new();
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
-        let length = if covered < RESIDUAL.short {
-            (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block)
-        } else {
-            RESIDUAL.block
-        };
+        let length = (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block);
         for (place, stretch) in self.stretches.iter().enumerate() {
             let torque = stretch.inertia * (stretch.measured - base[place]);
             let mut matrix = DMatrix::zeros(2, perturbations.len());

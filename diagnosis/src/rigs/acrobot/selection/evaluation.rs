@@ -327,19 +327,23 @@ fn inertia_scale(blocks: &[Block]) -> f64 {
     cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.inertia_scale)
 }
 
+/// Sizes of the discrepancy among which the most likely is taken, each twice the one before, for cells of this inertia scale.
+pub fn discrepancies(inertia_scale: f64) -> impl Iterator<Item = f64> {
+    (0..SELECTION.sizes).map(move |power| SELECTION.smallest * inertia_scale * f64::from(1_u32 << power))
+}
+
 /// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
 fn likely_size(blocks: &[Block]) -> f64 {
     let cells: Vec<&Cell> = blocks.iter().flat_map(|block| &block.cells).collect();
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
-    let smallest = SELECTION.smallest * inertia_scale(blocks);
+    let sizes: Vec<f64> = discrepancies(inertia_scale(blocks)).collect();
     let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
     let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
-    // every fourth power of two first, then the neighbours of the best
-    for power in (0..SELECTION.sizes).step_by(2) {
-        let size = smallest * f64::from(1_u32 << power);
+    // every other one first, then the neighbours of the best
+    for size in sizes.into_iter().step_by(2) {
         let here = deviance(size);
         if here < best.0 {
             best = (here, size);

@@ -21,7 +21,7 @@ mod tolerance;
 mod trials;
 
 pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
-pub use evaluation::{Evaluation, Folds, all_perturbations};
+pub use evaluation::{Evaluation, Folds, all_perturbations, discrepancies};
 pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};

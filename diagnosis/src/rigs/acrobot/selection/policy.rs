@@ -55,11 +55,10 @@ pub struct Selection {
     pub reach: f64,
     /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
     pub follows: f64,
-    /// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
-    pub apart: f64,
-    pub levels: f64,
-    /// How far beside the best level it is tried once more.
+    /// How far beside the best level of a saturation it is tried once more. Levels are as far apart as that reaches on both sides, or as
+    /// many as these: with one a quarter off a machine runs away as it does without.
     pub beside: f64,
+    pub levels: f64,
     /// After so many levels at which windows need slack torques so many times more than at the best, looser ones are no better.
     pub beyond: usize,
     pub switched_far: f64,
@@ -84,8 +83,6 @@ pub struct Selection {
     /// Share of the squares by which two fits differ that are equally good, since the pixel lattice lies otherwise under each image. Seen: 0.011
     /// and 0.014 between a lens of seven terms and one with two that aren't there.
     pub lattice: f64,
-    /// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
-    pub together_most: usize,
     /// The share of what an effect predicts that another may miss to be fitted.
     pub forlorn: f64,
     /// Columns of which less than this share is apart are alike enough for a fit to decide.
@@ -136,9 +133,8 @@ pub const SELECTION: Selection = Selection {
     fine: POLICY.read,
     reach: SEVERAL,
     follows: PART,
-    apart: 1.25,
-    levels: SEVERAL * FAR,
     beside: 1.0 + SMALL,
+    levels: SEVERAL * FAR,
     beyond: 2,
     switched_far: FAR,
     search_most: 6,
@@ -151,7 +147,6 @@ pub const SELECTION: Selection = Selection {
     idle: FINE,
     better: 2.0,
     lattice: SLIGHT,
-    together_most: 16,
     forlorn: PART,
     classes_alike: SLIGHT,
     alike_bent: SMALL,

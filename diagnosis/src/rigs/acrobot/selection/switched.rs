@@ -74,7 +74,7 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
         return steps.filter_map(evaluated).min_by(by_slack);
     }
     let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    let apart = SELECTION.apart.max((high / low).powf(SELECTION.levels.recip()));
+    let apart = (SELECTION.beside * SELECTION.beside).max((high / low).powf(SELECTION.levels.recip()));
     let count = libm::ceil(libm::log(high / low) / libm::log(apart)) as i32;
     let (mut best, mut beyond): (Option<Evaluation>, _) = (None, 0);
     // the tightest first: under one that is too loose machines run away, which takes long

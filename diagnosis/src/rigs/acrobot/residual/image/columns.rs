@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 /// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
 /// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
-const DITHER: [f64; 2] = [0.02, 0.01];
+const DITHER: [f64; 2] = [2.0 * IMAGES.turn, IMAGES.turn];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
 /// How far the image is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
 /// that a secant has there would not average out.

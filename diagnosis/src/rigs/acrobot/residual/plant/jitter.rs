@@ -46,8 +46,9 @@ impl PlantCut {
             }
             best.1
         };
-        for power in 0..WINDOWS.sizes {
-            self.jitter = more_likely(WINDOWS.smallest * f64::from(1 << power));
+        let twice = std::iter::successors(Some(WINDOWS.smallest), |size| Some(2.0 * size));
+        for size in twice.take_while(|size| *size < POLICY.motion_step) {
+            self.jitter = more_likely(size);
         }
         // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
         let mut finer = 2.0_f64;

@@ -13,7 +13,9 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::{FAR, HALF};
 use crate::statistics::linear::{Cell, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -40,7 +42,10 @@ pub use window::WindowState;
 use window::{Kept, Window, cut_run, lost, most, thin};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
-const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
+const NUDGE: State = {
+    let (angle, rate) = (HALF * POLICY.read, HALF * POLICY.read * FAR);
+    [angle, angle, rate, rate]
+};
 pub(crate) const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
 
 /// Torque in, motion out.

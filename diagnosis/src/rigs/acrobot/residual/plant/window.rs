@@ -28,7 +28,7 @@ pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
 
 /// From this rate on (rad/s) nothing is simulated any more.
 pub(super) fn lost(data: &DataSet, model: &Model) -> f64 {
-    WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(WINDOWS.growth), f64::max)
+    WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(0.0), f64::max)
 }
 
 /// Evenly chosen windows, at most so many.
@@ -247,7 +247,7 @@ impl Curve {
     pub(super) const USUAL: Self = Self { around: POLICY.around, power: 2 };
 
     fn near(typical: f64) -> Self {
-        Self { around: (WINDOWS.near_rows * typical).clamp(WINDOWS.near, POLICY.around), power: 3 }
+        Self { around: (WINDOWS.near_rows * typical).clamp(POLICY.motion_step, POLICY.around), power: 3 }
     }
 }
 

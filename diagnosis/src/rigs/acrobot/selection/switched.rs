@@ -124,13 +124,13 @@ mod tests {
     }
 
     #[test]
-    fn value_levels_are_a_quarter_apart_or_thirty_and_the_best_is_looked_at_from_both_sides() {
-        // ln 8/ln 1.25 = 9.3
+    fn value_levels_are_a_fifth_apart_or_thirty_and_the_best_is_tried_on_both_sides() {
+        // ln 8/ln 1.21 = 10.9
         let near = levels(8.0, 1.0);
-        assert!((near[0] - 8.0).abs() < 1e-9 && (near[1] - 6.4).abs() < 1e-9, "{near:?}");
+        assert!((near[0] - 8.0).abs() < 1e-9 && (near[1] - 8.0 / 1.21).abs() < 1e-9, "{near:?}");
         // the first is as good as any: a tenth beside it
-        assert_eq!(near.len(), 11 + 2);
-        assert!((near[11] - 8.8).abs() < 1e-9 && (near[12] - 8.0 / 1.1).abs() < 1e-9, "{near:?}");
+        assert_eq!(near.len(), 12 + 2);
+        assert!((near[12] - 8.8).abs() < 1e-9 && (near[13] - 8.0 / 1.1).abs() < 1e-9, "{near:?}");
         // over six decades a fifth of one each; rounding may add one
         let far = levels(1e6, 1.0);
         assert!((far[0] / far[1] - libm::pow(10.0, 0.2)).abs() < 1e-9, "{far:?}");

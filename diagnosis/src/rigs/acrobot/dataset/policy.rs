@@ -72,7 +72,7 @@ pub const LOGS: Logs = Logs {
     first: ROWS,
     on_line: SMALL * PLAUSIBLE.near,
     off_line: PLAUSIBLE.near,
-    step: POLICY.around,
+    step: 0.02,
     longest: 7200.0,
     stamps_rows: POLICY.most,
     agrees: PART,

@@ -34,7 +34,7 @@ fn law_no_model_sets_the_floor_that_it_is_measured_by() {
 }
 
 #[test]
-fn recovers_a_defocus_beyond_what_is_looked_for_first() {
+fn recovers_a_defocus_beyond_what_is_tried_first() {
     let diagnosis = found(&recorded("defocus-6", &[("camera.N", "6")]));
     assert_eq!(names(&diagnosis), ["camera.N"], "{:?}", diagnosis.story);
     assert_eq!((diagnosis.effects[0].value, diagnosis.effects[0].at_end), (6.0, false));

@@ -24,7 +24,7 @@ fn scatter(name: &str, value: &str) -> (f64, bool) {
     let seen = rows.scatter();
     let hidden = list.iter().position(|candidate| candidate.name == name).expect("it is listed");
     point[hidden] = value.parse().expect("a number");
-    (seen, rows.still_scatters(&point).expect("the unit runs"))
+    (seen, rows.jitter_remains(&point).expect("the unit runs"))
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn norm(a: &[f64]) -> f64 {
 /// Whitened rows of a cell after projection, with the soft nuisances' own rows below.
 pub struct Projected {
     /// What is left of the residual.
-    pub rest: DVector<f64>,
+    pub residual: DVector<f64>,
     /// What is left of the columns.
     pub columns: DMatrix<f64>,
     /// Rows less hard nuisances.
@@ -234,9 +234,9 @@ pub fn bare(cell: &Cell, residual: &[f64], discrepancy_sd: f64) -> Projected {
 fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, discrepancy_sd: f64) -> Projected {
     let n = cell.residual.len();
     let basis = Basis::new(cell, discrepancy_sd);
-    let mut rest = DVector::zeros(basis.rows);
-    whiten(cell, residual, 1.0, rest.as_mut_slice());
-    basis.project(rest.as_mut_slice());
+    let mut left = DVector::zeros(basis.rows);
+    whiten(cell, residual, 1.0, left.as_mut_slice());
+    basis.project(left.as_mut_slice());
     let mut columns = DMatrix::zeros(basis.rows, raw.ncols());
     for (column, into) in raw.column_iter().zip(columns.as_mut_slice().chunks_exact_mut(basis.rows.max(1))) {
         if column.amax() > 0.0 {
@@ -251,15 +251,15 @@ fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, discrepancy_sd: f64
         expected.iter_mut().zip(vector).for_each(|(expected, value)| *expected -= value * value);
     }
     expected.iter_mut().for_each(|expected| *expected = expected.max(0.0));
-    Projected { rest, columns, freedom, log_det: basis.log_det + log_sigma, expected }
+    Projected { residual: left, columns, freedom, log_det: basis.log_det + log_sigma, expected }
 }
 
 /// Projects the nuisances out of a cell. `discrepancy` multiplies the discrepancy's prior standard deviation.
 pub fn reduce(cell: &Cell, discrepancy_sd: f64) -> Reduced {
-    let Projected { rest, columns, freedom, log_det, .. } = projected(cell, discrepancy_sd);
+    let Projected { residual, columns, freedom, log_det, .. } = projected(cell, discrepancy_sd);
     Reduced {
-        square: rest.norm_squared(),
-        score: columns.tr_mul(&rest),
+        square: residual.norm_squared(),
+        score: columns.tr_mul(&residual),
         gram: columns.tr_mul(&columns),
         freedom,
         log_det,
@@ -279,13 +279,13 @@ impl Sized {
     pub fn of(cell: &Cell) -> Self {
         let free = cell.discrepancy.min(cell.soft.ncols());
         let columns = cell.soft.columns(free, cell.soft.ncols() - free).into_owned();
-        let Projected { rest, columns, log_det, .. } = beside(cell, &cell.residual, &columns, 0.0);
-        let none = rest.norm_squared() + log_det;
+        let Projected { residual, columns, log_det, .. } = beside(cell, &cell.residual, &columns, 0.0);
+        let none = residual.norm_squared() + log_det;
         if columns.ncols() == 0 {
             return Self { none, along: Vec::new() };
         }
         let eigen = columns.tr_mul(&columns).symmetric_eigen();
-        let scores = eigen.eigenvectors.tr_mul(&columns.tr_mul(&rest));
+        let scores = eigen.eigenvectors.tr_mul(&columns.tr_mul(&residual));
         let along =
             eigen.eigenvalues.iter().zip(&scores).map(|(value, score)| (value.max(0.0), score * score));
         Self { none, along: along.collect() }

@@ -51,7 +51,7 @@ fn of_torques(nominal: &Evaluation, signal: usize) -> Option<f64> {
 struct Row {
     time: f64,
     state: [f64; 4],
-    rest: f64,
+    residual: f64,
 }
 
 /// The scatter of an image's signal about smooth functions of pose, rates and time; `None` where there are too few frames.
@@ -64,8 +64,8 @@ fn local(nominal: &Evaluation, signal: usize) -> Option<f64> {
             else {
                 continue;
             };
-            let rest = bare(cell, &cell.residual, 0.0).rest[row] * cell.sigma[row];
-            rows.push(Row { time: cell.time[row], state: [*q1, *q2, *dq1, *dq2], rest });
+            let residual = bare(cell, &cell.residual, 0.0).residual[row] * cell.sigma[row];
+            rows.push(Row { time: cell.time[row], state: [*q1, *q2, *dq1, *dq2], residual });
             runs.push(block.run);
         }
     }
@@ -103,10 +103,10 @@ fn fitted(rows: &[Row]) -> Option<(f64, f64)> {
             basis.push(column.iter().map(|x| x / after).collect());
         }
     }
-    let mut rest: Vec<f64> = rows.iter().map(|row| row.rest).collect();
-    basis.iter().for_each(|known| take_out(known, &mut rest));
+    let mut residual: Vec<f64> = rows.iter().map(|row| row.residual).collect();
+    basis.iter().for_each(|known| take_out(known, &mut residual));
     let freedom = rows.len() as f64 - basis.len() as f64;
-    (freedom > 0.0).then(|| (norm(&rest).powi(2), freedom))
+    (freedom > 0.0).then(|| (norm(&residual).powi(2), freedom))
 }
 
 fn norm(column: &[f64]) -> f64 {

@@ -183,9 +183,9 @@ fn squares(blocks: &[Block], shifted: &Shifted<'_>, signals: &Range<usize>) -> (
     for (index, block) in blocks.iter().enumerate() {
         let shift = shifted.folds.get(index).and_then(|fold| shifted.shifts.get(*fold));
         for cell in &block.cells {
-            let rest = bare(cell, &moved(cell, shifted.places, shift), 0.0).rest;
+            let residual = bare(cell, &moved(cell, shifted.places, shift), 0.0).residual;
             for row in (0..cell.residual.len()).filter(|row| signals.contains(&cell.signal[*row])) {
-                sum += (rest[row] * cell.sigma[row]).powi(2);
+                sum += (residual[row] * cell.sigma[row]).powi(2);
                 count += 1.0;
             }
         }

@@ -99,7 +99,7 @@ impl Model {
 
     /// What a user should know of the nominal model.
     pub fn notices(&self, data: &DataSet) -> Vec<Notice> {
-        let limit = self.number(parameters::STOP).filter(|limit| data.contact(*limit) > *limit);
+        let limit = self.number(parameters::LIMIT).filter(|limit| data.contact(*limit) > *limit);
         let beyond = limit.map(|limit| Notice {
             file: "dataset.toml".into(),
             line: 0,
@@ -128,14 +128,10 @@ impl Model {
         if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }
     }
 
-    /// Fastest growth of a pinned arm at its upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12) with R = 0.
-    /// `None` for one that rolls.
+    /// Fastest unstable pole at the upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12). `None` where there is none.
     pub fn growth(&self) -> Option<f64> {
         let theta = |k: usize| self.number(&format!("plant.theta_{k}"));
-        if theta(2)? != 0.0 || theta(7)? != 0.0 {
-            return None;
-        }
-        let (m11, m12, m22) = (theta(1)?, theta(8)?, theta(5)?);
+        let (m11, m12, m22) = (theta(1)? + theta(2)?, theta(7)? + theta(8)?, theta(5)?);
         let (g1, g2) = (theta(9)?, theta(10)?);
         let det = m11 * m22 - m12 * m12;
         let half = 0.5 * (m22 * g1 + m11 * g2) / det;

@@ -1,7 +1,7 @@
 //! Parameters of our units that a diagnosis asks for and never frees, each under one name.
 
 /// Angle between the links at which they touch, rad.
-pub const STOP: &str = "plant.q2_max";
+pub const LIMIT: &str = "plant.q2_max";
 /// How far the camera is turned about its axis as its vision knows, rad.
 pub const MOUNT: &str = "camera.mount";
 /// Frames a second.

@@ -19,9 +19,9 @@ pub fn places(study: &Study, signals: &[Signal]) -> Vec<(f64, Where)> {
         let mut own = vec![0.0; signals.len()];
         let mut rows = vec![0.0; signals.len()];
         for cell in &block.cells {
-            let rest = bare(cell, &cell.residual, 0.0).rest;
+            let residual = bare(cell, &cell.residual, 0.0).residual;
             for row in 0..cell.residual.len() {
-                own[cell.signal[row]] += rest[row] * rest[row];
+                own[cell.signal[row]] += residual[row] * residual[row];
                 rows[cell.signal[row]] += 1.0;
             }
         }

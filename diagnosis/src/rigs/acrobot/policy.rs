@@ -8,16 +8,16 @@ use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, MORE, ROWS, SL
 pub struct Policy {
     /// Standard errors from which what images show is named, a noise, too, and a clock drifts.
     pub clear: f64,
-    /// Fall of the deviance that the log's own faults and a torque that lacks must bring: as much as one value that is certain, and
+    /// Decrease of the deviance that the log's own faults and a torque that lacks must bring: as much as one value that is certain, and
     /// chance, on one side, once in 300 000.
     pub evidence: f64,
-    /// Fall of the deviance that values of their own in each run must bring: half as much again, since any of some
+    /// Decrease of the deviance that values of their own in each run must bring: half as much again, since any of some
     /// thirty candidates may have them.
     pub runs_apart: f64,
-    /// By how much a clock must explain more than an effect that its sensitivity resembles (deviance): forwards it looks just like a
+    /// By how much a clock must explain more than an effect that its sensitivity resembles (deviance): forwards it has the sensitivity of a
     /// delay.
     pub clock_behind: f64,
-    /// Times the median's squares from which a fit, a block or a torque is of no noise: a circle that was mistaken, a fall, a window
+    /// Times the median's squares from which a fit, a block or a torque is of no noise: a circle that was mistaken, a loss of balance, a window
     /// that nothing holds to the log.
     pub wild: f64,
     /// Rows from which a log tells anything.
@@ -42,9 +42,9 @@ pub struct Policy {
     pub motion_share: f64,
     /// Times that differ by less are one, s: recorded times are rounded doubles of exact points.
     pub same_time: f64,
-    /// Time between rows over the time of falling, beyond which an arm falls in between: 30 Hz gives 0.2, milliseconds taken for
+    /// Time between rows times the unstable pole, beyond which an arm loses its balance in between: 30 Hz gives 0.2, milliseconds taken for
     /// seconds 6 and more at 1 kHz.
-    pub fallen: f64,
+    pub coarse: f64,
     /// Motion below this tells neither units nor signs, rad.
     pub least_motion: f64,
     /// Share of the disagreement below which a signal isn't listed.
@@ -60,7 +60,7 @@ pub struct Policy {
     pub gap_clearly: f64,
     /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), and 2 ln 140 is 9.9.
     pub excluded: f64,
-    /// Rows at the beginning of a log from which its rates are read, s: an arm hardly falls meanwhile.
+    /// Rows at the beginning of a log from which its rates are read, s: an arm hardly moves away meanwhile.
     pub replay_first: f64,
     /// And at least so many.
     pub replay_rows: usize,
@@ -84,7 +84,7 @@ pub const POLICY: Policy = Policy {
     motion_step: 0.008,
     motion_share: HALF,
     same_time: 5e-7,
-    fallen: MORE,
+    coarse: MORE,
     least_motion: 0.02,
     listed: SLIGHT,
     floor_frames: ROWS,

@@ -127,7 +127,7 @@ pub const LIST: &[Entry] = &[
     real("camera.s1", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along u"),
     real("camera.s2", Side::Camera, &[0.02], (-1.0, 1.0), "thin-prism distortion along v"),
     real("camera.beta", Side::Camera, &[1.0], (0.0, 100.0), "vignetting"),
-    Entry { name: DEFOCUS, side: Side::Camera, motion: Motion::Count { looked: 4, most: 16 }, nonlinear: true, attributes: &[], twin: None, phrase: "defocus" },
+    Entry { name: DEFOCUS, side: Side::Camera, motion: Motion::Count { tried: 4, most: 16 }, nonlinear: true, attributes: &[], twin: None, phrase: "defocus" },
     is(&[CameraRoll], real("camera.roll", Side::Camera, &[0.01], (-3.2, 3.2), "camera rolled about its axis")),
     real("camera.pan", Side::Camera, &[0.005], (-0.5, 0.5), "camera panned"),
     real("camera.tilt", Side::Camera, &[0.005], (-0.5, 0.5), "camera tilted"),
@@ -141,5 +141,5 @@ pub const LIST: &[Entry] = &[
     // below 0 only to tell a clock that is off: no camera is that quick
     is(&[ImageDelay], real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results")),
     is(&[LostFrames], real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames")),
-    is(&[SensorNoise], real("camera.sigma", Side::Scatter, &[8.0], (0.0, 100.0), "noise of the sensor")),
+    is(&[SensorNoise], real("camera.sigma", Side::SensorNoise, &[8.0], (0.0, 100.0), "noise of the sensor")),
 ];

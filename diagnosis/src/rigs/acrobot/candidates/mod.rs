@@ -23,17 +23,17 @@ pub enum Side {
     /// In the zeros of the plant log's angles: a nuisance, too.
     Zero,
     /// In the timestamps of images, where they have a clock of their own: a nuisance in the place of a delay.
-    Stamps,
+    Timestamps,
     /// In the count of images.
     Count,
     /// In the scatter of the image's signals.
-    Scatter,
+    SensorNoise,
 }
 
 impl Side {
     /// It is about the log and no part of the machine: cleared, told, and never named.
     pub fn is_of_log(self) -> bool {
-        matches!(self, Self::Clock | Self::Zero | Self::Stamps)
+        matches!(self, Self::Clock | Self::Zero | Self::Timestamps)
     }
 }
 
@@ -42,7 +42,7 @@ impl Side {
 pub enum Motion {
     /// A real number; steps in the parameter's own unit.
     Real {
-        /// Displacements from off at which it is looked for; the first is also the step of its derivative.
+        /// Displacements from off at which it is tried; the first is also the step of its derivative.
         steps: &'static [f64],
         /// Smallest and largest value.
         range: (f64, f64),
@@ -68,8 +68,8 @@ pub enum Motion {
     },
     /// A whole number from off upwards.
     Count {
-        /// Largest that is looked for; who wants that is tried further on, one by one.
-        looked: i32,
+        /// Largest that is tried at first; who wants that is tried further on, one by one.
+        tried: i32,
         /// Largest that is tried.
         most: i32,
     },
@@ -120,7 +120,7 @@ pub struct Candidate {
     pub motion: Motion,
     /// x at which the model is the nominal one.
     pub off: f64,
-    /// Displacements of x at which it is looked for.
+    /// Displacements of x at which it is tried.
     pub steps: Vec<f64>,
     /// Smallest and largest x.
     pub range: (f64, f64),
@@ -152,11 +152,11 @@ impl Candidate {
         self.is(Attribute::Sticks)
     }
 
-    /// The whole number after the largest that is looked for, or after one beyond it.
+    /// The whole number after the largest that is tried, or after one beyond it.
     pub fn after(&self, x: f64) -> Option<f64> {
-        let looked = self.steps.last().map_or(f64::INFINITY, |step| self.off + step);
+        let tried = self.steps.last().map_or(f64::INFINITY, |step| self.off + step);
         let counts = matches!(self.motion, Motion::Count { .. });
-        (counts && x >= looked && x < self.range.1).then_some(x + 1.0)
+        (counts && x >= tried && x < self.range.1).then_some(x + 1.0)
     }
 
     /// It takes a few separate values only.
@@ -221,11 +221,11 @@ pub fn candidates(
                     (0.0, saturations(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
                 }
             }
-            Motion::Count { looked, most } => {
+            Motion::Count { tried, most } => {
                 let first = nominal as i32 + 1;
                 (
                     nominal,
-                    (first..=looked.max(first).min(most)).map(|n| f64::from(n) - nominal).collect(),
+                    (first..=tried.max(first).min(most)).map(|n| f64::from(n) - nominal).collect(),
                     (0.0, f64::from(most)),
                 )
             }

@@ -1,4 +1,4 @@
-//! Do clocks drift apart? What that leaves looks like much else.
+//! Do clocks drift apart? What that leaves resembles much else.
 
 use super::shape::nearest;
 use super::{Found, Judgement};

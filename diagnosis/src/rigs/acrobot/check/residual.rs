@@ -37,8 +37,10 @@ fn block_means(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> V
 fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
-        let rest = bare(cell, &cell.residual, accounted).rest;
-        rows.extend((0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| rest[row]));
+        let residual = bare(cell, &cell.residual, accounted).residual;
+        rows.extend(
+            (0..cell.residual.len()).filter(|row| cell.signal[*row] == signal).map(|row| residual[row]),
+        );
     }
     rows
 }

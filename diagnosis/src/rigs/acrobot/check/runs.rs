@@ -1,5 +1,5 @@
 //! Runs that differ: a residual that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
-//! no effect of the machine, so it is told with the rest and not named.
+//! no effect of the machine, so it is reported with the residual and not named.
 
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
@@ -38,7 +38,7 @@ fn differing(at: &Evaluation, active: &[usize], list: &[Candidate], names: &[Str
 mod tests {
     use super::*;
     use crate::rigs::acrobot::candidates::Motion;
-    use crate::rigs::acrobot::residual::{Block, Probe, Signal};
+    use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
     use crate::statistics::linear::Cell;
     use crate::statistics::random::Random;
     use nalgebra::DMatrix;
@@ -90,7 +90,7 @@ mod tests {
             least: 0.0,
             tolerance: 0.0,
         };
-        Evaluation::of(blocks.collect(), &[2.0], &[Probe { candidate: 0, by: 0.002 }], &[signal])
+        Evaluation::of(blocks.collect(), &[2.0], &[Perturbation { candidate: 0, by: 0.002 }], &[signal])
     }
 
     #[test]

@@ -147,9 +147,9 @@ pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, Strin
     let total: f64 = rows.iter().map(|(y, _)| y * y).sum();
     let share = |law: usize| {
         let design = DVector::from_iterator(rows.len(), rows.iter().map(|(_, x)| x[law]));
-        let rest = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
+        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
         let xx = design.dot(&design);
-        if xx > 0.0 && total > 0.0 { design.dot(&rest).powi(2) / xx / total } else { 0.0 }
+        if xx > 0.0 && total > 0.0 { design.dot(&residual).powi(2) / xx / total } else { 0.0 }
     };
     let best = (0..LAWS.len()).map(|law| (share(law), law)).max_by(|a, b| a.0.total_cmp(&b.0));
     match best {
@@ -181,5 +181,5 @@ pub(super) fn nominal_shape(
 fn square(at: &Evaluation, signal: usize) -> f64 {
     let cells = at.blocks.iter().flat_map(|block| &block.cells);
     let rows = cells.flat_map(|cell| cell.signal.iter().zip(cell.residual.iter().zip(&cell.sigma)));
-    rows.filter(|(own, _)| **own == signal).map(|(_, (rest, sigma))| (rest / sigma).powi(2)).sum()
+    rows.filter(|(own, _)| **own == signal).map(|(_, (residual, sigma))| (residual / sigma).powi(2)).sum()
 }

@@ -71,7 +71,7 @@ pub fn covered(states: &[Vec<State>]) -> Vec<(String, f64)> {
     ] {
         let seen = || states.iter().flatten().map(of);
         let mean = seen().map(|(angle, _)| angle).sum::<f64>() / (seen().count().max(1) as f64);
-        // springs of links that stand or hang: from the nearest upright or hanging angle
+        // springs of links that are upright or hang: from the nearest upright or hanging angle
         let centre = (mean / std::f64::consts::PI).round() * std::f64::consts::PI;
         let most = |f: &dyn Fn((f64, f64)) -> f64| {
             let most = seen().map(f).fold(0.0, f64::max);

@@ -3,13 +3,10 @@
 use super::dictionary::Entry;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::torque::{Torque, rms, torques};
-use crate::rigs::acrobot::residual::{Block, Probe, Signal};
-use crate::rigs::acrobot::selection::{Evaluation, Folds};
+use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
+use crate::rigs::acrobot::selection::{Evaluation, Folds, discrepancies};
 use crate::statistics::linear::{moved, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
-
-/// Sizes of what may be lacking beside the terms, N·m at an arm of inertia scale 1: the likeliest is taken.
-const SIZES: [f64; 9] = [0.0, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 0.1];
 
 /// Chosen terms with their size.
 #[derive(Debug, Clone)]
@@ -27,7 +24,7 @@ pub struct Fitted {
 }
 
 /// The residual that the terms are chosen against.
-struct Rest<'a> {
+struct Residual<'a> {
     evaluation: Evaluation,
     folds: Folds,
     entries: &'a [Entry],
@@ -37,41 +34,42 @@ struct Rest<'a> {
 
 /// Fits terms to blocks whose columns are those of the entries.
 pub fn fit(blocks: Vec<Block>, signals: &[Signal], entries: &[Entry]) -> Fitted {
-    let probes: Vec<Probe> = (0..entries.len()).map(|candidate| Probe { candidate, by: 1.0 }).collect();
+    let perturbations: Vec<Perturbation> =
+        (0..entries.len()).map(|candidate| Perturbation { candidate, by: 1.0 }).collect();
     let folds = Folds::new(&blocks);
-    let evaluation = Evaluation::of(blocks, &vec![0.0; entries.len()], &probes, signals);
-    let mut rest = Rest { evaluation, folds, entries, first: 0.0 };
-    rest.sharpen(&[], signals);
-    let (before, floor) = rest.size(&[]);
-    rest.first = before;
+    let evaluation = Evaluation::of(blocks, &vec![0.0; entries.len()], &perturbations, signals);
+    let mut residual = Residual { evaluation, folds, entries, first: 0.0 };
+    residual.sharpen(&[], signals);
+    let (before, floor) = residual.size(&[]);
+    residual.first = before;
     let mut active: Vec<usize> = Vec::new();
     let mut now = before;
     loop {
-        let supported = rest.ranked(&active).into_iter().find_map(|more| {
-            let with = rest.size(&more).0;
-            (rest.worth(now, with, floor) && rest.certain(&more)).then_some((more, with))
+        let supported = residual.ranked(&active).into_iter().find_map(|more| {
+            let with = residual.size(&more).0;
+            (residual.worth(now, with, floor) && residual.certain(&more)).then_some((more, with))
         });
         let Some((more, _)) = supported else { break };
         active = more;
-        rest.sharpen(&active, signals);
-        now = rest.size(&active).0;
+        residual.sharpen(&active, signals);
+        now = residual.size(&active).0;
     }
-    rest.drop_needless(&mut active, &mut now, floor);
-    let values = rest.values(&active);
-    let errors = rest.errors(&active);
+    residual.drop_needless(&mut active, &mut now, floor);
+    let values = residual.values(&active);
+    let errors = residual.errors(&active);
     let terms =
         active.iter().enumerate().map(|(place, entry)| (*entry, values[place], errors[place])).collect();
-    let torques = rest.left(&active);
+    let torques = residual.left(&active);
     Fitted {
         terms,
         gap: (before, now, floor),
         usual: rms(&torques).0,
-        folds: rest.folds.clone(),
-        left: rest.over_time(&torques),
+        folds: residual.folds.clone(),
+        left: residual.over_time(&torques),
     }
 }
 
-impl Rest<'_> {
+impl Residual<'_> {
     /// What is left on runs left out.
     fn left(&self, active: &[usize]) -> Vec<Torque> {
         let shifts = self.evaluation.shifts(&self.folds, active);
@@ -152,7 +150,7 @@ impl Rest<'_> {
         values.iter().zip(&errors).all(|(value, error)| value.abs() > CORRECTION.certain * error)
     }
 
-    /// Noise and size of what is lacking as they show once the terms are there: large rests weigh rows too alike.
+    /// Noise and size of what is lacking as they show once the terms are there: large residuals weigh rows too alike.
     fn sharpen(&mut self, active: &[usize], signals: &[Signal]) {
         let (places, values) = (self.evaluation.places(active), self.values(active));
         let mut blocks = self.evaluation.blocks.clone();
@@ -166,10 +164,10 @@ impl Rest<'_> {
             *sigma = signal.known.unwrap_or(*sigma);
         }
         let size = |discrepancy_sd: f64| Evaluation { discrepancy_sd, ..sharper.clone() };
-        let likely = |discrepancy_sd: &f64| sharper.under(&size(*discrepancy_sd)).deviance();
+        let likely = |discrepancy_sd: f64| sharper.under(&size(discrepancy_sd)).deviance();
         let inertia_scale = sharper.inertia_scale();
-        let sizes = SIZES.map(|size| inertia_scale * size);
-        let best = sizes.iter().map(|size| (likely(size), *size)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let sizes = std::iter::once(0.0).chain(discrepancies(inertia_scale));
+        let best = sizes.map(|size| (likely(size), size)).min_by(|a, b| a.0.total_cmp(&b.0));
         self.evaluation = self.evaluation.under(&size(best.map_or(0.0, |(_, size)| size)));
     }
 

@@ -1,7 +1,7 @@
 //! A residual that no listed effect takes away, as labelled torques of the residual unit: the last step of a diagnosis
 //! whose verdict is `unknown`.
 //!
-//! The rest of the plant's cut is a torque. What simple functions of angle and rate would give along the measured
+//! The residual of the plant's cut is a torque. What simple functions of angle and rate would give along the measured
 //! motion is asked of the residual unit, pushed through the plant unit in the same windows, and fitted by least squares
 //! with the windows' nuisances projected out. Terms are taken in one by one, each only if runs that were left out
 //! support it. `amended.toml` gets the residual unit with what was found. It is a correction, no explanation: the verdict
@@ -176,7 +176,7 @@ pub fn left(
     Ok(torques(&blocks, &places, &[values], &vec![0; blocks.len()]))
 }
 
-/// Looks for the best correction that runs left out support.
+/// Finds the best correction that runs left out support.
 ///
 /// # Errors
 /// A unit failed or isn't there.

@@ -30,9 +30,9 @@ pub fn gravity(manifest: &Manifest) -> f64 {
     of("theta_9", usual.theta_9) + of("theta_10", usual.theta_10)
 }
 
-/// The usual distance of rows where it is so long that an arm falls in between: no law of motion can be read off such a log.
+/// The usual distance of rows where it is so long that an arm loses its balance in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
-    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > POLICY.fallen)
+    typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > POLICY.coarse)
 }
 
 /// Median time between rows, s.

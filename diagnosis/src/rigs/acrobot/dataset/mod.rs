@@ -28,7 +28,7 @@ use crate::rigs::acrobot::policy::POLICY;
 use std::path::{Path, PathBuf};
 use timestamps::Moved;
 
-/// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine that falls at 7 1/s goes where no
+/// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine whose unstable pole is at 7 1/s goes where no
 /// cubic does.
 pub const TORN: f64 = FAR * POLICY.motion_step;
 
@@ -108,7 +108,7 @@ impl Run {
         speeds.map(|values| angles::speed(&log.time, values)).fold(0.0, f64::max)
     }
 
-    /// The first row of `plant.csv` at which the links touch: from there on the arm lies in its stop.
+    /// The first row of `plant.csv` at which the links touch: from there on the arm is at its mechanical limit.
     pub fn touches(&self, contact: f64) -> Option<usize> {
         let q2 = self.plant.as_ref()?.column("q2")?;
         q2.iter().position(|angle| angle.abs() >= contact - LOGS.near)

@@ -3,7 +3,8 @@
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::plausibility::time::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL};
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,10 +13,10 @@ pub struct Logs {
     pub few_bare: usize,
     /// Links that touch may give way by this, or be logged a little off, rad.
     pub touching: f64,
-    /// Links this near to their stop may touch it, rad, by encoders and in images, which a lens bends.
+    /// Links this near to their mechanical limit may touch it, rad, by encoders and in images, which a lens bends.
     pub near: f64,
     pub seen: f64,
-    /// Six turns: what moves less is not looked at for degrees, and 38 degrees is little motion.
+    /// Six turns: what moves less is not tested for degrees, and 38 degrees is little motion.
     pub largest_angle: f64,
     /// A torque is held from its row to the next: one row is a log of it.
     pub fewest_torques: usize,
@@ -65,11 +66,11 @@ pub const LOGS: Logs = Logs {
     absurd: FAR * FAR * FAR,
     below: PART,
     even_rows: SAMPLE,
-    known: 2.5e-5,
+    known: WINDOWS.smallest,
     wanders: PART,
     turned: POLICY.small_angle,
     first: ROWS,
-    on_line: 5.0,
+    on_line: SMALL * PLAUSIBLE.near,
     off_line: PLAUSIBLE.near,
     step: 0.02,
     longest: 7200.0,

@@ -166,10 +166,10 @@ fn left(logged: &[(f64, [f64; 2])], seen: &[(f64, [f64; 2])], late: f64) -> f64 
         let mean = both.iter().map(value).sum::<f64>() / both.len() as f64;
         both.iter().map(|row| (value(row) - mean).powi(2)).sum::<f64>()
     };
-    let (mut rest, mut motion) = (0.0, 0.0);
+    let (mut residual, mut motion) = (0.0, 0.0);
     for angle in 0..2 {
-        rest += spread(&|row| row[0][angle] - row[1][angle]);
+        residual += spread(&|row| row[0][angle] - row[1][angle]);
         motion += spread(&|row| row[0][angle]);
     }
-    (rest / motion).sqrt()
+    (residual / motion).sqrt()
 }

@@ -76,7 +76,7 @@ pub enum Profile {
 const PI_HALF: f64 = std::f64::consts::FRAC_PI_2;
 /// Length of a run, s.
 pub const LENGTH: f64 = 15.0;
-/// Steps of up to 0.4 in 0.8 s: the balanced arm bears them.
+/// Steps of up to 0.4 in 0.8 s: the balanced arm tolerates them.
 #[rustfmt::skip]
 const FAST: Profile = Profile::Points(&[
     (0.0, 0.0), (1.2, 0.0), (2.0, 0.18), (3.0, 0.18), (3.8, -0.12), (4.8, -0.12), (5.6, 0.2), (6.6, 0.2), (7.4, -0.2),

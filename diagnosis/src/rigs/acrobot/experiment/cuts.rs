@@ -13,7 +13,7 @@ use crate::rigs::acrobot::residual::chain::Chain;
 use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::trajectory::{PREROLL, State};
-use crate::rigs::acrobot::residual::{Block, Probe, Tracked};
+use crate::rigs::acrobot::residual::{Block, Perturbation, Tracked};
 use crate::statistics::linear::{Reduced, reduce};
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ impl<'a> Cuts<'a> {
     /// own way, and predict to tell members apart that no fit would. In the image it is a secant over a step of some
     /// pixels, since the lattice is no part of a prediction. What has separate values only, or a saturation, is moved by
     /// its whole `size`.
-    pub fn probe(&self, candidate: usize, x: f64, size: f64) -> Probe {
+    pub fn perturbation(&self, candidate: usize, x: f64, size: f64) -> Perturbation {
         let here = &self.list[candidate];
         let step = here.derivative_step(x);
         let by = match here.motion {
@@ -79,31 +79,32 @@ impl<'a> Cuts<'a> {
             _ if here.side == Side::Plant => step * DESIGN.tangent,
             _ => step,
         };
-        Probe { candidate, by }
+        Perturbation { candidate, by }
     }
 
-    /// What moves a torque in time, by its whole size, with the place among the probes.
-    fn late(&self, point: &[f64], probes: &[Probe]) -> Vec<(usize, Probe)> {
+    /// What moves a torque in time, by its whole size, with the place among the perturbations.
+    fn late(&self, point: &[f64], perturbations: &[Perturbation]) -> Vec<(usize, Perturbation)> {
         let size = |member: &Member| member.x - self.list[member.candidate].off;
-        let whole = |(place, probe): (usize, &Probe)| {
-            let member = self.question.members.iter().find(|member| member.candidate == probe.candidate)?;
-            let (here, x) = (&self.list[probe.candidate], point[probe.candidate]);
+        let whole = |(place, perturbation): (usize, &Perturbation)| {
+            let member =
+                self.question.members.iter().find(|member| member.candidate == perturbation.candidate)?;
+            let (here, x) = (&self.list[perturbation.candidate], point[perturbation.candidate]);
             let late = self.logs.torque && here.side == Side::Plant && here.steps.len() > 1;
             let by = if x == here.off { size(member) } else { here.off - x };
-            late.then_some((place, Probe { by, ..*probe }))
+            late.then_some((place, Perturbation { by, ..*perturbation }))
         };
-        probes.iter().enumerate().filter_map(whole).collect()
+        perturbations.iter().enumerate().filter_map(whole).collect()
     }
 
     /// What is left of all rows at a point, with the nuisances projected out, under the noise that the logs have.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn reduced(&mut self, point: &[f64], probes: &[Probe]) -> Result<Reduced, Error> {
-        let mut sum = Reduced::zero(probes.len());
-        let late = self.late(point, probes);
+    pub fn reduced(&mut self, point: &[f64], perturbations: &[Perturbation]) -> Result<Reduced, Error> {
+        let mut sum = Reduced::zero(perturbations.len());
+        let late = self.late(point, perturbations);
         for (cut, share) in &mut self.all {
-            let mut blocks = cut.linearise(point, probes)?;
+            let mut blocks = cut.linearise(point, perturbations)?;
             if !late.is_empty() {
                 torque_columns(cut.as_mut(), point, &late, &mut blocks)?;
             }
@@ -128,10 +129,10 @@ impl<'a> Cuts<'a> {
 fn torque_columns(
     cut: &mut Tracked,
     point: &[f64],
-    late: &[(usize, Probe)],
+    late: &[(usize, Perturbation)],
     blocks: &mut [Block],
 ) -> Result<(), Error> {
-    let whole: Vec<Probe> = late.iter().map(|(_, probe)| *probe).collect();
+    let whole: Vec<Perturbation> = late.iter().map(|(_, perturbation)| *perturbation).collect();
     let torque = cut.signals().iter().position(|signal| signal.name == "plant.tau_applied");
     let other = cut.chord(point, &whole)?;
     let cells = other.iter().flat_map(|block| &block.cells);

@@ -1,8 +1,8 @@
 //! Numbers that the next experiment is chosen by, each with its reason.
 
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::rigs::acrobot::selection::CLASS;
 use crate::statistics::levels::{FEW, SEVERAL, STEP};
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,7 +13,7 @@ pub struct Design {
     pub caution: f64,
     /// Certainties that differ by less are equal; the cheaper experiment is taken then.
     pub equal: f64,
-    /// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS` from 17 on.
+    /// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS` then.
     pub enough: f64,
     /// A lab records as many times what it did before, but no more.
     pub longest: f64,
@@ -31,11 +31,11 @@ pub struct Design {
     pub thinned: f64,
     /// Torque steps of an arm that hangs, s.
     pub held: f64,
-    /// Beyond this an arm hangs rather than stands, rad.
+    /// Beyond this an arm hangs rather than balances, rad.
     pub hanging: f64,
     /// Frames that are rendered for a prediction: enough to visit the image, few enough to be quick.
     pub frames: usize,
-    /// A tangent in the plant is taken over this share of the step at which a candidate is looked for: far above the
+    /// A tangent in the plant is taken over this share of the step at which a candidate is tried: far above the
     /// integrator's 1e-9, far below where a window bends.
     pub tangent: f64,
     /// Rows of the encoders per second where none were logged before.
@@ -46,7 +46,7 @@ pub struct Design {
 pub const DESIGN: Design = Design {
     caution: SEVERAL,
     equal: STEP,
-    enough: 17.0,
+    enough: SEVERAL * CLASS,
     longest: 5.0,
     finalists: 2,
     truths: FEW,
@@ -54,7 +54,7 @@ pub const DESIGN: Design = Design {
     torque: 0.01,
     short: 10.0,
     thinned: PREROLL,
-    held: WINDOWS.near,
+    held: POLICY.motion_step,
     hanging: FRAC_PI_2,
     frames: 100,
     tangent: STEP,

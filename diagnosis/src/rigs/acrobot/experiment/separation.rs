@@ -22,7 +22,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, name}
 use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
-use crate::rigs::acrobot::residual::Probe;
+use crate::rigs::acrobot::residual::Perturbation;
 use crate::statistics::linear::{solve, submatrix};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -141,18 +141,22 @@ impl<'a> Bench<'a> {
 
     fn linear(&self, cuts: &mut Cuts<'_>, point: &[f64]) -> Result<Losses, Error> {
         let members = &self.question.members;
-        let mut probes: Vec<Probe> = Vec::new();
+        let mut perturbations: Vec<Perturbation> = Vec::new();
         for member in members {
-            probes.push(cuts.probe(member.candidate, point[member.candidate], self.size(member)));
+            perturbations.push(cuts.perturbation(
+                member.candidate,
+                point[member.candidate],
+                self.size(member),
+            ));
         }
         for (index, x) in point.iter().enumerate() {
             let active = *x != self.list[index].off && !self.list[index].is_discrete();
             if active && members.iter().all(|member| member.candidate != index) {
-                probes.push(cuts.probe(index, *x, 0.0));
+                perturbations.push(cuts.perturbation(index, *x, 0.0));
             }
         }
-        let gram = cuts.reduced(point, &probes)?.gram;
-        let nuisances: Vec<usize> = (members.len()..probes.len()).collect();
+        let gram = cuts.reduced(point, &perturbations)?.gram;
+        let nuisances: Vec<usize> = (members.len()..perturbations.len()).collect();
         let cleaned = cleaned(&gram, members.len(), &nuisances);
         let sizes: Vec<f64> = members.iter().map(|member| self.size(member)).collect();
         let row = |a: usize| (0..members.len()).map(|b| self.loss(&cleaned, &sizes, a, b)).collect();

@@ -22,7 +22,7 @@ pub struct Trial {
 /// Runs an experiment with some parameters of the units set.
 ///
 /// # Errors
-/// A unit refuses a value or fails, or the arm falls.
+/// A unit refuses a value or fails, or the arm loses its balance.
 pub fn simulate(
     prepared: &Prepared,
     values: &[(String, String)],
@@ -53,7 +53,10 @@ pub fn simulate(
     simulation.run(&mut memory, &mut Quiet).map_err(refused)?;
     let log = Recorded { memory, controlled };
     if let Some(row) = log.series("plant.contact")?.iter().position(|contact| *contact > 0.5) {
-        return Err(Error::Model(format!("the arm falls after {:.1} s", log.memory.times()[row])));
+        return Err(Error::Model(format!(
+            "the arm loses its balance after {:.1} s",
+            log.memory.times()[row]
+        )));
     }
     if let Some(time) = log.goes_round()?.filter(|_| !controlled) {
         return Err(Error::Model(format!("a link goes round after {time:.1} s")));

@@ -64,7 +64,8 @@ fn law_longer_records_are_asked_for_where_they_tell() {
         one.lengthen();
         (one.times, one.pair(0, 1))
     };
-    assert_eq!(longer(17.0), (1.0, 17.0));
+    assert_eq!(longer(18.0), (1.0, 18.0));
+    assert_eq!(longer(17.9).0, 2.0);
     assert_eq!(longer(5.0), (4.0, 20.0));
     assert_eq!(longer(3.0), (1.0, 3.0), "five times as long is not enough");
     let mut three = Tried {

@@ -37,7 +37,7 @@ pub(super) fn stretches(
     point: &[f64],
     sigma: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<Option<Stretches>, Error> {
-    let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
+    let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
     let used: Vec<&Run> = data.runs.iter().filter(|run| both_angles(run)).collect();
     let logs = || used.iter().filter_map(|run| run.plant.as_ref().zip(run.controller.as_ref()));
     let motion: Vec<usize> = (0..MOTION.len())
@@ -124,7 +124,7 @@ fn id(nominal: &Nominal, name: &str) -> Result<VariableId, Error> {
     place.map(|place| VariableId { unit: 0, place }).ok_or_else(none)
 }
 
-/// The plant alone, without an actuator and without a stop.
+/// The plant alone, without an actuator and without a mechanical limit.
 fn nominal(model: &Model) -> Result<Nominal, Error> {
     let mut scenario = model.scenario.clone();
     scenario.units.retain(|unit| unit.name == "plant");
@@ -137,7 +137,7 @@ fn nominal(model: &Model) -> Result<Nominal, Error> {
     let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
     let off =
         ACTUATOR.iter().map(|(name, effect)| (*name, if *effect == InputEffect::Gain { 1.0 } else { 0.0 }));
-    for (name, value) in off.chain([(parameters::STOP, 1e9), ("plant.tolerance", TOLERANCE)]) {
+    for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", TOLERANCE)]) {
         let own = name.split_once('.').map_or(name, |(_, own)| own);
         if let Some(place) = nominal.description(0).place(own) {
             nominal.set.push((VariableId { unit: 0, place }, Value::Real(value)));
@@ -179,11 +179,11 @@ fn listed(
 /// Rows with an angle before the links touch, while the torque is known; of a dense log every so many.
 fn usable(run: &Run, plant: &Table, contact: f64) -> Vec<usize> {
     let (begin, end) = run.driven();
-    let fallen = run.touches(contact).unwrap_or(plant.len());
+    let limit = run.touches(contact).unwrap_or(plant.len());
     let angle = |row: usize, name| plant.column(name).is_some_and(|values| values[row].is_finite());
     let told = |row: &usize| angle(*row, "q1") || angle(*row, "q2");
     let within = |row: &usize| (begin..=end).contains(&plant.time[*row]);
-    let rows: Vec<usize> = (0..fallen).filter(told).filter(within).collect();
+    let rows: Vec<usize> = (0..limit).filter(told).filter(within).collect();
     let every = (DENSE / usual(&rows, plant) - 1e-9).ceil().max(1.0);
     rows.into_iter().step_by(every as usize).collect()
 }

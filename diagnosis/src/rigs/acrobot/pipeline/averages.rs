@@ -5,7 +5,7 @@
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::selection::look;
+use crate::rigs::acrobot::selection::linearise;
 
 /// Puts the values of the plant where linearisations about the fit want them on average, and notes by how much these differ.
 pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
@@ -27,12 +27,12 @@ pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -
     let Some(wanted) = wanted(cut, list, &part.study, &free, &values)? else { return Ok(()) };
     let mut next = fitted.clone();
     for (column, value) in values.iter().enumerate() {
-        let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.looks as f64;
+        let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.linearisations as f64;
         let square: f64 = wanted.iter().map(|all| (all[column] - mean).powi(2)).sum();
         next[value.index] = value.within(list, mean);
-        part.rough.push((value.index, (square / (PIPELINE.looks - 1) as f64).sqrt()));
+        part.rough.push((value.index, (square / (PIPELINE.linearisations - 1) as f64).sqrt()));
     }
-    part.study.last = look(cut, list, &next, &part.study.active)?;
+    part.study.last = linearise(cut, list, &next, &part.study.active)?;
     values.iter().for_each(|value| follow(list, part, value.index, fitted[value.index]));
     Ok(())
 }
@@ -74,14 +74,14 @@ fn wanted(
     values: &[Value],
 ) -> Result<Option<Vec<Vec<f64>>>, Error> {
     let mut all = Vec::new();
-    for round in 0..PIPELINE.looks {
+    for round in 0..PIPELINE.linearisations {
         let mut point = study.last.point.clone();
         for value in values {
             let sign = if (round + value.place) % 2 == 0 { PIPELINE.off } else { -PIPELINE.off };
             let by = sign * (1 + round / 2) as f64 * value.error;
             point[value.index] = value.within(list, point[value.index] + by);
         }
-        let Some(shift) = look(cut, list, &point, &study.active)?.wanted(free) else { return Ok(None) };
+        let Some(shift) = linearise(cut, list, &point, &study.active)?.wanted(free) else { return Ok(None) };
         all.push(values.iter().map(|value| point[value.index] + shift[value.place]).collect());
     }
     Ok(Some(all))

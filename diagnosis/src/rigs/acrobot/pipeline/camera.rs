@@ -18,7 +18,7 @@ pub(super) fn camera_part(
     notices: &mut Vec<Notice>,
     watch: &mut Watch<'_>,
 ) -> Result<(), Error> {
-    let pictured = |index: &usize| matches!(list[*index].side, Side::Camera | Side::Stamps);
+    let pictured = |index: &usize| matches!(list[*index].side, Side::Camera | Side::Timestamps);
     let led = motions.is_none();
     if !led && watch.known().is_some_and(|known| !known.active.iter().any(pictured)) {
         return Ok(());

@@ -66,7 +66,7 @@ fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
-    if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+    if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
         // the images' clock is free, so that of an exposure its blur alone is known
         let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
         let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
@@ -135,7 +135,7 @@ impl Clocks {
             late = point[clock];
             gone.push(clock);
         }
-        if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Stamps) {
+        if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
             gone.push(stamps);
         }
         if let Some((shown, by)) = early(list, point) {
@@ -216,14 +216,14 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
     let best = open.map(|hit| hit.gain).fold(0.0, f64::max);
     // what was found may have stood for the clocks
     let total = &study.nominal.total;
-    let gains = (study.nominal.probes.iter().enumerate())
-        .filter(|(_, probe)| !of_log(probe.candidate))
+    let gains = (study.nominal.perturbations.iter().enumerate())
+        .filter(|(_, perturbation)| !of_log(perturbation.candidate))
         .map(|(column, _)| total.score[column].powi(2) / total.gram[(column, column)].max(f64::MIN_POSITIVE));
-    let looks =
+    let evaluations =
         [(&study.last, study.active.as_slice(), best), (&study.nominal, &[], gains.fold(0.0, f64::max))];
-    looks.into_iter().find_map(|(evaluation, active, best)| {
+    evaluations.into_iter().find_map(|(evaluation, active, best)| {
         let clocks = steadiness(evaluation, clock, active)?;
-        let clear = clocks.apart > POLICY.runs_apart && clocks.fall > best + POLICY.clock_behind;
+        let clear = clocks.apart > POLICY.runs_apart && clocks.decrease > best + POLICY.clock_behind;
         clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
     })
 }

@@ -1,7 +1,7 @@
 //! What all parts say together.
 
 use super::correct::correct;
-use super::counted::{counted, scattered};
+use super::counted::{counted, noisy_sensor};
 use super::detectable::detectable;
 use super::effects::{Swap, part_effects};
 use super::*;
@@ -175,9 +175,9 @@ impl Conclusion {
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
-            scattered(parts, list, &mut self.effects, &mut self.smallest);
+            noisy_sensor(parts, list, &mut self.effects, &mut self.smallest);
         } else {
-            let noises = (0..list.len()).filter(|index| list[*index].side == Side::Scatter);
+            let noises = (0..list.len()).filter(|index| list[*index].side == Side::SensorNoise);
             noises.for_each(|index| point[index] = list[index].off);
         }
         counted(data, model, list, &mut self.effects, &mut self.smallest);

@@ -8,13 +8,13 @@ use crate::statistics::levels::WITHIN;
 use std::collections::BTreeMap;
 
 /// The sensor's noise, where the image scatters as no nominal sensor does.
-pub(super) fn scattered(
+pub(super) fn noisy_sensor(
     parts: &[Part],
     list: &[Candidate],
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
 ) {
-    let Some(candidate) = list.iter().find(|candidate| candidate.side == Side::Scatter) else { return };
+    let Some(candidate) = list.iter().find(|candidate| candidate.side == Side::SensorNoise) else { return };
     for noise in parts.iter().filter_map(|part| part.noise) {
         smallest.insert(candidate.name.to_owned(), noise.detectable);
         if noise.clear {

@@ -27,18 +27,19 @@ pub(super) fn detectable(
         let size = if let Some(place) = free.iter().position(|other| other == index) {
             covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
         } else {
-            let columns = last.probes.iter().zip(&part.study.screen.errors).zip(&differs);
-            let own = columns.filter(|((probe, error), _)| probe.candidate == *index && error.is_finite());
+            let columns = last.perturbations.iter().zip(&part.study.screen.errors).zip(&differs);
+            let own = columns
+                .filter(|((perturbation, error), _)| perturbation.candidate == *index && error.is_finite());
             // what an image shows must be more than right renderers differ by
-            let own = own.map(|((probe, error), differs)| match candidate.side {
-                Side::Camera => (probe, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
-                _ => (probe, *error),
+            let own = own.map(|((perturbation, error), differs)| match candidate.side {
+                Side::Camera => (perturbation, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
+                _ => (perturbation, *error),
             });
             match candidate.motion {
                 // a tangent says nothing of a saturation: it has none above the largest torque
                 Motion::Saturation { .. } => own
-                    .filter(|(probe, error)| probe.by.abs() >= threshold * error)
-                    .map(|(probe, _)| probe.by.abs())
+                    .filter(|(perturbation, error)| perturbation.by.abs() >= threshold * error)
+                    .map(|(perturbation, _)| perturbation.by.abs())
                     .min_by(f64::total_cmp)
                     .map(|by| 1.0 / by),
                 _ => own.map(|(_, error)| threshold * error).min_by(f64::total_cmp),

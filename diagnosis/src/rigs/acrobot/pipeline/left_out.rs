@@ -59,7 +59,7 @@ impl First<'_> {
 /// What is left out, and what is left.
 struct Fold {
     names: Vec<String>,
-    rest: DataSet,
+    kept: DataSet,
     held: DataSet,
 }
 
@@ -91,7 +91,7 @@ pub(super) fn left_out(
             return Ok(None);
         }
         watch.begin_from(Some(Known { point: point.clone(), active: active.clone() }));
-        let compared = compare(&fold.rest, model, &shorter, options, watch);
+        let compared = compare(&fold.kept, model, &shorter, options, watch);
         watch.begin_from(None);
         let Compared { parts, point, .. } = compared?;
         let named =
@@ -99,7 +99,7 @@ pub(super) fn left_out(
         found.push((fold.names.join(", "), named.collect()));
         let corrected = first.correction.and_then(|_| {
             let part = parts.iter().find(|part| part.torque)?;
-            correct(&fold.rest, model, &shorter, part, units, &mut Vec::new())
+            correct(&fold.kept, model, &shorter, part, units, &mut Vec::new())
         });
         let judge = Judge { data: &fold.held, model, list: &shorter, frames: options.frames, units };
         let mut kept = Vec::new();
@@ -132,7 +132,8 @@ fn again(list: &[Candidate], first: &First<'_>) -> Vec<usize> {
         steps.flat_map(|step| step.best.iter().take(PIPELINE.screened)).any(|hit| hit.candidate == index)
     };
     let taken = |index: usize| studies().any(|study| study.active.contains(&index));
-    let beside = |index: usize| first.point[index] != list[index].off || list[index].side == Side::Scatter;
+    let beside =
+        |index: usize| first.point[index] != list[index].off || list[index].side == Side::SensorNoise;
     (0..list.len()).filter(|index| taken(*index) || screened(*index) || beside(*index)).collect()
 }
 
@@ -144,12 +145,12 @@ fn folds(data: &DataSet) -> Vec<Fold> {
         return (0..PIPELINE.parts)
             .map(|part| {
                 let (begin, end) = (at(part), at(part + 1));
-                let rest = [Span(f64::NEG_INFINITY, begin), Span(end, f64::INFINITY)];
+                let kept = [Span(f64::NEG_INFINITY, begin), Span(end, f64::INFINITY)];
                 let held =
                     if part + 1 == PIPELINE.parts { Span(begin, f64::INFINITY) } else { Span(begin, end) };
                 Fold {
                     names: vec![format!("{} from {begin:.1} to {end:.1} s", data.runs[0].name)],
-                    rest: data.within(&rest),
+                    kept: data.within(&kept),
                     held: data.within(&[held]),
                 }
             })
@@ -160,7 +161,7 @@ fn folds(data: &DataSet) -> Vec<Fold> {
         let out = |run: usize| run % parts == part;
         Fold {
             names: (0..count).filter(|run| out(*run)).map(|run| data.runs[run].name.clone()).collect(),
-            rest: data.only(&|run| !out(run)),
+            kept: data.only(&|run| !out(run)),
             held: data.only(&out),
         }
     };

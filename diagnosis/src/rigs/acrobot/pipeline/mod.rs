@@ -105,7 +105,7 @@ pub fn diagnose(
             data.manifest.scenario.clone()
         ))?;
     }
-    let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
+    let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
     let mut list = candidates(&model, &options.without, &|cuts| saturations(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
     if seen {
@@ -118,7 +118,7 @@ pub fn diagnose(
     }
     if data.pictures_apart {
         let delay = list.iter_mut().filter(|candidate| candidate.is(Attribute::ImageDelay));
-        delay.for_each(|delay| delay.side = Side::Stamps);
+        delay.for_each(|delay| delay.side = Side::Timestamps);
     }
     let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
     data.late_by_hand = PIPELINE.late_by_hand * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);

@@ -55,7 +55,7 @@ pub(super) fn plant_part(
         None => part(&mut rows, list, point, &start, true, watch)?,
     };
     let found = (part.study.last.point.clone(), part.study.active.clone());
-    if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.still_scatters(&found.0)? {
+    if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.jitter_remains(&found.0)? {
         part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
     point.clone_from(&part.study.last.point);

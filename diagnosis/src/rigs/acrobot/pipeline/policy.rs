@@ -23,7 +23,7 @@ pub struct Pipeline {
     /// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
     pub sensor_few: usize,
     /// Linearisations that are averaged, and the standard errors by which they lie off the fit.
-    pub looks: usize,
+    pub linearisations: usize,
     pub off: f64,
     /// Standard errors of the clock that a delay or an exposure must be larger than.
     pub doubted: f64,
@@ -38,9 +38,9 @@ pub struct Pipeline {
     pub first: f64,
     /// A saturation whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
     pub never_reached: f64,
-    /// Share of its certainty that a name keeps where names only imitate something else (none of 23 names beside `unknown` that imitated was
-    /// right, one of 23 in all), as measured on blind sets whose answers were opened afterwards.
-    pub imitated: f64,
+    /// Share of its certainty that a name keeps where names only stand for something else: of 23 such names beside `unknown` none was right on blind
+    /// sets whose answers were opened afterwards, and Jeffreys' estimate for that is 0.02.
+    pub confounded: f64,
     /// Share of its certainty that any name keeps beside something that has none: that may have a part of which nobody can say that it isn't
     /// this effect (rows exposed one after the other are late in the mean, backlash swings like a rotor). Seen on 21 blind sets: of the names that explained
     /// nearly all that was to be explained 4 of 7 were right, of the others 2 of 10.
@@ -59,7 +59,7 @@ pub struct Pipeline {
     pub ran_away: f64,
     /// Most parts that runs are left out in: each costs a search, and with three a diagnosis took 1.6 to 1.9 times as long as without.
     pub parts: usize,
-    /// Of each look, so many of the screen's best are candidates again.
+    /// Of each linearisation, so many of the screen's best are candidates again.
     pub screened: usize,
 }
 
@@ -72,7 +72,7 @@ pub const PIPELINE: Pipeline = Pipeline {
     coarse_motion: POLICY.guess,
     sensor_alone: 2,
     sensor_few: 2,
-    looks: 6,
+    linearisations: 6,
     off: HALF,
     doubted: WITHIN,
     blurred: 2.0,
@@ -81,8 +81,8 @@ pub const PIPELINE: Pipeline = Pipeline {
     rounds: FEW,
     first: PART,
     never_reached: FAR * FAR,
-    imitated: 0.05,
-    beside: 0.6,
+    confounded: SLIGHT,
+    beside: HALF,
     interval_alone: 1.0 - SLIGHT,
     readings: 2.0,
     far_less: 1.0 - PART,

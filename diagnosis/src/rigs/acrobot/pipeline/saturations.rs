@@ -1,9 +1,9 @@
-//! Where saturations of the torque are looked for.
+//! Levels at which saturations of the torque are tried.
 
 use crate::rigs::acrobot::candidates::Cuts;
 use crate::rigs::acrobot::dataset::DataSet;
 
-/// Levels at which a saturation would cut what was commanded while the arm was seen to move, before it lay in its stop, `contact` (rad).
+/// Levels at which a saturation would cut what was commanded while the arm was seen to move, before it reached its mechanical limit, `contact` (rad).
 pub(super) fn saturations(data: &DataSet, cuts: Cuts, contact: f64) -> Vec<f64> {
     let mut sizes: Vec<f64> = Vec::new();
     for run in &data.runs {

@@ -9,7 +9,7 @@ use crate::rigs::acrobot::residual::image::ImageCut;
 use crate::rigs::acrobot::selection::{lacking, study_until};
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
-/// and all is looked at anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
+/// and all is linearised anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
 pub(super) fn with_noise<C: Cut + Clone + 'static>(
     cut: &mut Tracked<C>,
     image: fn(&mut C) -> &mut ImageCut,
@@ -17,7 +17,7 @@ pub(super) fn with_noise<C: Cut + Clone + 'static>(
     point: &[f64],
     watch: &mut Watch<'_>,
 ) -> Result<Part, Error> {
-    match list.iter().position(|candidate| candidate.side == Side::Scatter) {
+    match list.iter().position(|candidate| candidate.side == Side::SensorNoise) {
         // a repeated search begins with the noise that the first one found
         Some(sensor) if watch.known().is_none() => Sensor { cut, image, list, point, sensor }.part(watch),
         _ => part(cut, list, point, &[], false, watch),

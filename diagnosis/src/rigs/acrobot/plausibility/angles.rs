@@ -100,8 +100,8 @@ fn left(pairs: &[Pair], way: fn(f64, f64) -> (f64, f64)) -> Option<f64> {
         [q1, q2][link]
     };
     let motion: f64 = (0..2).map(|link| spread(&|pair| pair.0[link])).sum();
-    let rest: f64 = (0..2).map(|link| spread(&|pair| pair.0[link] - counted(pair, link))).sum();
-    ((motion / pairs.len() as f64).sqrt() > POLICY.least_motion).then(|| (rest / motion).sqrt())
+    let residual: f64 = (0..2).map(|link| spread(&|pair| pair.0[link] - counted(pair, link))).sum();
+    ((motion / pairs.len() as f64).sqrt() > POLICY.least_motion).then(|| (residual / motion).sqrt())
 }
 
 /// A log of angles as images show them, for what only the motion can tell.

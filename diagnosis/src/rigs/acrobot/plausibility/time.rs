@@ -40,10 +40,11 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = gap(&run.plant)?;
     // counted from 1970, a time tells its unit
     let epoch = units.into_iter().find(|(_, by)| EPOCH.contains(&(log.time[0] * by)));
-    let (unit, _) = epoch.or_else(|| units.into_iter().find(|(_, by)| gap * by * fastest < POLICY.fallen))?;
-    (gap * fastest > POLICY.fallen).then(|| {
-        let sentence =
-            format!("rows are {gap} s apart, and the arm falls in between: time looks like {unit}");
+    let (unit, _) = epoch.or_else(|| units.into_iter().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
+    (gap * fastest > POLICY.coarse).then(|| {
+        let sentence = format!(
+            "rows are {gap} s apart, and the arm loses its balance in between: time looks like {unit}"
+        );
         found("plant.csv", sentence, unit)
     })
 }
@@ -189,7 +190,7 @@ mod tests {
             };
             unit(&facts).is_some()
         };
-        // an arm that grows by e^7 in a second falls in 1.5 / 7 s
+        // an arm that grows by e^7 in a second loses its balance in 1.5 / 7 s
         assert_eq!([0.21, 0.22].map(|gap| told(Some(gap), None)), [false, true]);
         assert_eq!([3.9, 4.1].map(|gap| told(None, Some(gap))), [false, true]);
     }

@@ -1,7 +1,7 @@
 //! What the actuator makes of the commanded torque, run by run: its lag, delay and rate limit need time to act, and
 //! show in no state by itself.
 
-use super::Probe;
+use super::Perturbation;
 use super::settings::settings;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
@@ -76,7 +76,7 @@ impl Actuator {
         bench: &Bench,
         candidates: &[Candidate],
         point: &[f64],
-        moved: Option<Probe>,
+        moved: Option<Perturbation>,
     ) -> Result<Option<Arc<Applied>>, Error> {
         let all = settings(bench, candidates, Side::Plant, point, moved)?;
         let timed = references(bench, Attribute::OverTime);

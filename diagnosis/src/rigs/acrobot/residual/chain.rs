@@ -7,7 +7,7 @@
 
 use super::image::{ImageCut, Pose, READ_ANGLE, pose_shift};
 use super::plant::{PlantCut, Poses};
-use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
 use crate::rigs::acrobot::channels::ANGLES_APART;
@@ -72,8 +72,8 @@ impl Chain {
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let first = Nuisances { frames: Some(image.state()), ..plant.initial() };
         let mut chain = Self { image, plant, candidates, signals, first };
-        let probes = [Probe { candidate: 0, by: candidates_step(&chain.candidates) }];
-        chain.first = chain.linearise(&off, &probes, &chain.first.clone())?.nuisances;
+        let perturbations = [Perturbation { candidate: 0, by: candidates_step(&chain.candidates) }];
+        chain.first = chain.linearise(&off, &perturbations, &chain.first.clone())?.nuisances;
         chain.image.forget();
         Ok(Some(chain))
     }
@@ -112,15 +112,15 @@ impl Chain {
         cell.signal.iter().zip(&cell.time).map(place).collect()
     }
 
-    /// Poses of all frames from the image, and how each probe would move them.
-    fn poses(&mut self, blocks: &[Block], probes: &[Probe]) -> Poses {
+    /// Poses of all frames from the image, and how each perturbation would move them.
+    fn poses(&mut self, blocks: &[Block], perturbations: &[Perturbation]) -> Poses {
         let runs = 1 + self.image.frames.iter().map(|frame| frame.run).max().unwrap_or(0);
         let mut poses = Poses::new(runs);
         let mut cells =
             blocks.iter().flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell))).peekable();
         for frame in &self.image.frames {
             let mut angles = [f64::NAN; 2];
-            let mut moves = DMatrix::zeros(2, probes.len());
+            let mut moves = DMatrix::zeros(2, perturbations.len());
             let here =
                 cells.next_if(|(run, cell)| *run == frame.run && cell.time.first() == Some(&frame.time));
             if let Some((shift, map)) = here.and_then(|(_, cell)| pose_shift(cell)) {
@@ -142,8 +142,13 @@ impl Chain {
     }
 
     /// Gives the plant the poses that the images tell, and answers them.
-    fn hand_on(&mut self, blocks: &mut Vec<Block>, point: &[f64], probes: &[Probe]) -> Vec<Vec<[f64; 2]>> {
-        let poses = self.poses(blocks, probes);
+    fn hand_on(
+        &mut self,
+        blocks: &mut Vec<Block>,
+        point: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Vec<Vec<[f64; 2]>> {
+        let poses = self.poses(blocks, perturbations);
         // a frame of two angles is its pose, and says nothing beyond
         for block in blocks.iter_mut() {
             block.cells.retain(|cell| cell.residual.len() > cell.hard.ncols());
@@ -200,24 +205,34 @@ impl Cut for Chain {
         self.first.clone()
     }
 
-    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn linearise(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let mut blocks = self.image.settle(at, probes)?;
-        let read = self.hand_on(&mut blocks, at, probes);
-        let (more, in_vain) = self.plant.settle_all(at, probes, from.in_vain)?;
+        let mut blocks = self.image.settle(at, perturbations)?;
+        let read = self.hand_on(&mut blocks, at, perturbations);
+        let (more, in_vain) = self.plant.settle_all(at, perturbations, from.in_vain)?;
         // only where a new linearisation begins: frames that move change the lattice, and comparisons with it
-        if !probes.is_empty() {
+        if !perturbations.is_empty() {
             self.smooth(at, &read)?;
         }
         self.image.mark();
         Ok(self.both(blocks, more, in_vain))
     }
 
-    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn chord(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let mut blocks = self.image.step(at, probes)?;
-        self.hand_on(&mut blocks, at, probes);
-        let more = self.plant.step_all(at, probes)?;
+        let mut blocks = self.image.step(at, perturbations)?;
+        self.hand_on(&mut blocks, at, perturbations);
+        let more = self.plant.step_all(at, perturbations)?;
         Ok(self.both(blocks, more, from.in_vain))
     }
 }

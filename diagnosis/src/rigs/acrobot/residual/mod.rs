@@ -32,12 +32,12 @@ use crate::statistics::linear::Cell;
 pub use nuisances::Nuisances;
 pub use tracked::Tracked;
 
-/// A column that is wanted: candidate and displacement of its coordinate, over which the secant is taken.
+/// A sensitivity (column of the Jacobian) that is wanted: candidate and displacement of its coordinate, over which the difference is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probe {
+pub struct Perturbation {
     /// Index of the candidate.
     pub candidate: usize,
-    /// Displacement of x; the column is per unit of x.
+    /// Displacement of x; the sensitivity is per unit of x.
     pub by: f64,
 }
 
@@ -86,7 +86,7 @@ pub struct Policy {
     pub steady: bool,
     /// What the model lacks outweighs noise, so that gains must be judged by how well blocks agree.
     pub discrepancy_dominated: bool,
-    /// By how much the log may be late before an effect that looks like it stands before its clock, s.
+    /// By how much the log may be late before an effect with the same sensitivity is preferred to its clock, s.
     pub clock_doubt: f64,
     /// Size of the discrepancy that scattering timestamps of the torque explain, in its own unit.
     pub explained: f64,
@@ -129,15 +129,25 @@ pub trait Cut: Send + Sync {
     fn policy(&self) -> Policy;
     /// The nuisances as the data alone have them.
     fn initial(&self) -> Nuisances;
-    /// Residuals at a point, with nuisances settled there, and the sensitivities to the probes.
+    /// Residuals at a point, with nuisances settled there, and the sensitivities to the perturbations.
     ///
     /// # Errors
     /// A unit failed.
-    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error>;
+    fn linearise(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error>;
     /// The same by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
     /// projection takes care of the rest.
     ///
     /// # Errors
     /// A unit failed.
-    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error>;
+    fn chord(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error>;
 }

@@ -24,9 +24,8 @@ pub struct Residual {
     pub outlying: f64,
     /// Stretches that overlap belong to one block, s.
     pub block: f64,
-    /// Logs shorter than this in all, s, are cut into so many blocks, down to a stretch each: a statistic over n blocks is at
-    /// most √n, and none below 4.5 counts.
-    pub short: f64,
+    /// Logs of fewer blocks are cut into so many shorter ones, down to a stretch each: a statistic over n blocks is at most √n, and none
+    /// below 4.5 counts.
     pub blocks: f64,
     /// Longest step between readings, s.
     pub step: f64,
@@ -48,7 +47,6 @@ pub const RESIDUAL: Residual = Residual {
     first_guess: POLICY.guess,
     outlying: SEVERAL,
     block: 1.0,
-    short: 30.0,
     blocks: SAMPLE as f64,
     step: HALF * POLICY.motion_step,
     fewest: POLICY.curved,

@@ -1,6 +1,6 @@
 //! What a point sets in one unit: the parameters of the candidates that are on.
 
-use super::Probe;
+use super::Perturbation;
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -14,14 +14,16 @@ pub fn settings(
     candidates: &[Candidate],
     side: Side,
     point: &[f64],
-    moved: Option<Probe>,
+    moved: Option<Perturbation>,
 ) -> Result<Vec<Setting>, Error> {
     let mut all = Vec::new();
     for (index, candidate) in candidates.iter().enumerate() {
         if candidate.side != side {
             continue;
         }
-        let by = moved.filter(|probe| probe.candidate == index).map_or(0.0, |probe| probe.by);
+        let by = moved
+            .filter(|perturbation| perturbation.candidate == index)
+            .map_or(0.0, |perturbation| perturbation.by);
         let x = (point[index] + by).clamp(candidate.range.0, candidate.range.1);
         if x != candidate.off {
             let variable = candidate.name.split_once('.').map_or(candidate.name, |(_, variable)| variable);

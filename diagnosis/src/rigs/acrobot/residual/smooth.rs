@@ -68,11 +68,11 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
     for (index, run) in data.runs.iter().enumerate() {
         let (Some(plant), Some(controller)) = (&run.plant, &run.controller) else { continue };
         let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { continue };
-        let fallen = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
+        let limit = q2.iter().position(|angle| angle.abs() >= contact - 0.02).unwrap_or(plant.len());
         let (begin, end) = run.driven();
         let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
         let measured = |row: &usize| q1[*row].is_finite() && q2[*row].is_finite();
-        let rows: Vec<usize> = (0..fallen).filter(measured).filter(driven).collect();
+        let rows: Vec<usize> = (0..limit).filter(measured).filter(driven).collect();
         let log = Log {
             time: rows.iter().map(|row| plant.time[*row]).collect(),
             angles: [q1, q2].map(|q| rows.iter().map(|row| q[*row]).collect()),
@@ -229,8 +229,15 @@ fn stretch(
     Stretch { run: grid.run, from, to, nodes, weights, measured, noise, inertia: Matrix2::zeros() }
 }
 
-/// ∫ (1 - s²)⁴ ds from -1 to 1.
-const AREA: f64 = 256.0 / 315.0;
+/// ∫ φ ds from -1 to 1 (Wallis).
+const AREA: f64 = {
+    let (mut area, mut power) = (2.0, 1);
+    while power <= POWER {
+        area *= 1.0 - 1.0 / (2 * power + 1) as f64;
+        power += 1;
+    }
+    area
+};
 
 fn bump(s: f64) -> f64 {
     (1.0 - s * s).max(0.0).powi(POWER)

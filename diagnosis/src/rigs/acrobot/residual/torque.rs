@@ -1,4 +1,4 @@
-//! What the rest of the plant's cut is in newton metres: the torques that, pushed at link 1 and at the joint over
+//! What the residual of the plant's cut is in newton metres: the torques that, pushed at link 1 and at the joint over
 //! each part of a window, would make the plant follow the log. The plant unit itself does the weighting, so this is
 //! a weak form: nothing is differentiated.
 

@@ -1,6 +1,6 @@
 //! A cut together with where its nuisances are: what a search or a fit walks with.
 
-use super::{Block, Cut, Nuisances, Probe};
+use super::{Block, Cut, Nuisances, Perturbation};
 use crate::error::Error;
 use std::ops::{Deref, DerefMut};
 
@@ -26,8 +26,8 @@ impl<C: Cut + ?Sized> Tracked<C> {
     ///
     /// # Errors
     /// A unit failed; nuisances stay where they were.
-    pub fn linearise(&mut self, at: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
-        let found = self.cut.linearise(at, probes, &self.nuisances)?;
+    pub fn linearise(&mut self, at: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
+        let found = self.cut.linearise(at, perturbations, &self.nuisances)?;
         (self.nuisances, self.unseen) = (found.nuisances, found.unseen);
         Ok(found.blocks)
     }
@@ -36,8 +36,8 @@ impl<C: Cut + ?Sized> Tracked<C> {
     ///
     /// # Errors
     /// A unit failed; nuisances stay where they were.
-    pub fn chord(&mut self, at: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
-        let found = self.cut.chord(at, probes, &self.nuisances)?;
+    pub fn chord(&mut self, at: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
+        let found = self.cut.chord(at, perturbations, &self.nuisances)?;
         (self.nuisances, self.unseen) = (found.nuisances, found.unseen);
         Ok(found.blocks)
     }

@@ -11,12 +11,12 @@
 mod forced;
 
 use super::actuator::{Actuator, key, references};
-use super::plant::jitter::torque_scatter;
+use super::plant::jitter::torque_jitter;
 use super::plant::zeros;
 use super::settings::settings;
 use super::smooth::{Node, Stretch, stretches};
 use super::trajectory::State;
-use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
@@ -24,7 +24,7 @@ use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{self, HALF, MIDDLE};
+use crate::statistics::levels::{self, FEW, HALF, MIDDLE};
 use crate::statistics::linear::Cell;
 use crate::statistics::linear::RANK_TOLERANCE;
 use nalgebra::{DMatrix, Matrix2, Vector2};
@@ -35,8 +35,6 @@ use std::sync::Arc;
 
 /// Nodes that one instance is asked at after it was set up.
 const CHUNK: usize = levels::TASK;
-/// How many of the latest answers are kept: a linearisation with all candidates and the fits around it.
-const KNOWN: usize = 256;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
 
@@ -85,7 +83,7 @@ impl Weak {
         ];
         let outputs = [reference("ddq1")?, reference("ddq2")?];
         let limit = reference("q2_max")?;
-        let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
+        let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
         let (found, nodes) = stretches(data, contact);
         if found.is_empty() {
             return Ok(None);
@@ -101,7 +99,7 @@ impl Weak {
         let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
         let length = found[0].to - found[0].from;
-        let explained = torque_scatter(&data.runs, 0.5 * length);
+        let explained = torque_jitter(&data.runs, 0.5 * length);
         let mut weak = Self {
             bench,
             candidates,
@@ -162,7 +160,7 @@ impl Weak {
     }
 
     /// For each stretch ∫φ q̈ dt, by the unit at a point.
-    fn given(&mut self, point: &[f64], moved: Option<Probe>) -> Result<Given, Error> {
+    fn given(&mut self, point: &[f64], moved: Option<Perturbation>) -> Result<Given, Error> {
         let all = settings(&self.bench, &self.candidates, Side::Plant, point, moved)?;
         let zeros = zeros(&self.candidates, point, moved);
         let mut key = key(&all);
@@ -171,7 +169,8 @@ impl Weak {
             return Ok(known.clone());
         }
         let given = Arc::new(self.ask(all, zeros, point, moved)?);
-        if self.known.len() == KNOWN {
+        // a linearisation with all candidates and the fits around it
+        if self.known.len() > FEW * self.candidates.len() {
             self.known.pop_front();
         }
         self.known.push_back((key, given.clone()));
@@ -183,7 +182,7 @@ impl Weak {
         all: Vec<Setting>,
         zeros: [f64; 2],
         point: &[f64],
-        moved: Option<Probe>,
+        moved: Option<Perturbation>,
     ) -> Result<Vec<Vector2<f64>>, Error> {
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
         let chain = references(&self.bench, Attribute::InActuator);
@@ -238,26 +237,27 @@ impl Cut for Weak {
         Nuisances::default()
     }
 
-    fn linearise(&mut self, point: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn linearise(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         let base = self.given(point, None)?;
-        let mut columns: Vec<Option<Given>> = Vec::with_capacity(probes.len());
-        for probe in probes {
-            let seen = self.sees(&self.candidates[probe.candidate]);
-            columns.push(if seen { Some(self.given(point, Some(*probe))?) } else { None });
+        let mut columns: Vec<Option<Given>> = Vec::with_capacity(perturbations.len());
+        for perturbation in perturbations {
+            let seen = self.sees(&self.candidates[perturbation.candidate]);
+            columns.push(if seen { Some(self.given(point, Some(*perturbation))?) } else { None });
         }
         let mut blocks: Vec<Block> = Vec::new();
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
-        let length = if covered < RESIDUAL.short {
-            (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block)
-        } else {
-            RESIDUAL.block
-        };
+        let length = (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block);
         for (place, stretch) in self.stretches.iter().enumerate() {
             let torque = stretch.inertia * (stretch.measured - base[place]);
-            let mut matrix = DMatrix::zeros(2, probes.len());
-            for (column, (probe, moved)) in probes.iter().zip(&columns).enumerate() {
+            let mut matrix = DMatrix::zeros(2, perturbations.len());
+            for (column, (perturbation, moved)) in perturbations.iter().zip(&columns).enumerate() {
                 let Some(moved) = moved else { continue };
-                let change = stretch.inertia * (moved[place] - base[place]) / probe.by;
+                let change = stretch.inertia * (moved[place] - base[place]) / perturbation.by;
                 (0..2).for_each(|row| matrix[(row, column)] = change[row]);
             }
             let cell = Cell {
@@ -292,8 +292,13 @@ impl Cut for Weak {
         Ok(Linearised { blocks, nuisances: from.clone(), unseen: 0 })
     }
 
-    fn chord(&mut self, point: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
-        self.linearise(point, probes, from)
+    fn chord(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
+        self.linearise(point, perturbations, from)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The model without an effect: what others would explain in its place, along their columns there, before any of them is fitted.
 
 use super::classes::HOPELESS;
-use super::evaluation::{Evaluation, all_probes};
+use super::evaluation::{Evaluation, all_perturbations};
 use super::screen::{Screen, screen};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
@@ -14,7 +14,7 @@ pub(super) struct Bare {
 }
 
 impl Bare {
-    /// Takes the effect away and looks at all others, quickly.
+    /// Takes the effect away and linearises all others there, by a chord step.
     ///
     /// # Errors
     /// A unit failed.
@@ -29,8 +29,8 @@ impl Bare {
         point[effect] = candidates[effect].off;
         let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
         cut.restore_linearised();
-        let probes = all_probes(candidates, &point, &|candidate| cut.sees(candidate), &others);
-        let at = Evaluation::chord(cut, &point, &probes)?;
+        let perturbations = all_perturbations(candidates, &point, &|candidate| cut.sees(candidate), &others);
+        let at = Evaluation::chord(cut, &point, &perturbations)?;
         Ok(Self { found: screen(&at, candidates, &others) })
     }
 

@@ -10,7 +10,7 @@ use super::refit::{own_fit, refit, refit_towards, settled};
 use super::starts::starts;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::{Nuisances, Probe, Tracked};
+use crate::rigs::acrobot::residual::{Nuisances, Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{solve, submatrix};
 use crate::watch::Watch;
@@ -117,7 +117,7 @@ struct Seat<'a> {
 }
 
 impl Seat<'_> {
-    /// What the effect explains, unless another is too far from it for a closer look.
+    /// What the effect explains, unless another is too far from it to be fitted.
     fn near(&self, index: usize, linear: Option<&Replaced>) -> Option<f64> {
         let (predicted, strength) =
             predicted_loss(self.last, &self.others, self.effect, index, self.candidates)?;
@@ -208,8 +208,8 @@ fn by_columns(cut: &Tracked, candidates: &[Candidate], effect: usize, index: usi
 /// Whether a candidate's column predicted a good part of what a discrete effect then gave.
 fn resembled(steps: &[Step], effect: usize, index: usize) -> bool {
     let Some(step) = steps.iter().find(|step| step.accepted == Some(effect)) else { return true };
-    let fall = step.deviance.0 - step.deviance.1;
-    step.best.iter().any(|hit| hit.candidate == index && hit.gain > 0.5 * fall - 2.0 * HOPELESS)
+    let decrease = step.deviance.0 - step.deviance.1;
+    step.best.iter().any(|hit| hit.candidate == index && hit.gain > 0.5 * decrease - 2.0 * HOPELESS)
 }
 
 /// How much the likelihood overstates: variance of the score over blocks against what independent rows would give.
@@ -245,10 +245,10 @@ fn predicted_loss(
     let length = gram[(own, own)] - weights.dot(&across(own));
     let size = last.point[effect] - candidates[effect].off;
     let nonlinear = matches!(candidates[effect].motion, Motion::Saturation { .. });
-    last.probes
+    last.perturbations
         .iter()
         .enumerate()
-        .filter(|(_, probe)| probe.candidate == index)
+        .filter(|(_, perturbation)| perturbation.candidate == index)
         .map(|(column, _)| {
             let there = across(column);
             let product = gram[(own, column)] - weights.dot(&there);
@@ -288,17 +288,20 @@ fn seen_from(
     let mut set = from.others.to_vec();
     set.push(from.effect);
     let fit = refit(cut, candidates, &point, &set)?;
-    let mut probes: Vec<Probe> = set
+    let mut perturbations: Vec<Perturbation> = set
         .iter()
         .filter(|index| !candidates[**index].is_discrete())
-        .map(|index| Probe { candidate: *index, by: candidates[*index].derivative_step(fit.point[*index]) })
+        .map(|index| Perturbation {
+            candidate: *index,
+            by: candidates[*index].derivative_step(fit.point[*index]),
+        })
         .collect();
-    probes.push(Probe { candidate: other, by: last.point[other] - candidates[other].off });
+    perturbations.push(Perturbation { candidate: other, by: last.point[other] - candidates[other].off });
     if candidates[from.effect].nonlinear {
         let by = candidates[from.effect].off - fit.point[from.effect];
-        probes.push(Probe { candidate: from.effect, by });
+        perturbations.push(Perturbation { candidate: from.effect, by });
     }
-    let there = Evaluation::chord(cut, &fit.point, &probes)?;
+    let there = Evaluation::chord(cut, &fit.point, &perturbations)?;
     Ok(linear_loss(&there, from.others, from.effect, other, candidates).map(|replaced| -replaced.loss))
 }
 
@@ -335,8 +338,8 @@ fn linear_loss(
 ) -> Option<Replaced> {
     let size = last.point[effect] - candidates[effect].off;
     // all of the effect at once, where that column is there; else its derivative
-    let whole = |probe: &Probe| probe.candidate == effect && probe.by == -size;
-    let own = last.probes.iter().position(whole).or(last.places(&[effect]).first().copied())?;
+    let whole = |perturbation: &Perturbation| perturbation.candidate == effect && perturbation.by == -size;
+    let own = last.perturbations.iter().position(whole).or(last.places(&[effect]).first().copied())?;
     let rest = last.places(others);
     let cleaned = |a: usize, b: usize| {
         let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
@@ -347,7 +350,8 @@ fn linear_loss(
         };
         weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
     };
-    let columns = last.probes.iter().enumerate().filter(|(_, probe)| probe.candidate == index);
+    let columns =
+        last.perturbations.iter().enumerate().filter(|(_, perturbation)| perturbation.candidate == index);
     columns
         .filter_map(|(other, _)| {
             let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);

@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::{Block, Probe, Signal, Tracked};
+use crate::rigs::acrobot::residual::{Block, Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::{FEW, FINE};
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
@@ -59,7 +59,7 @@ pub struct Evaluation {
     /// Coordinates of all candidates.
     pub point: Vec<f64>,
     /// What the columns are.
-    pub probes: Vec<Probe>,
+    pub perturbations: Vec<Perturbation>,
     /// Residuals and columns.
     pub blocks: Vec<Block>,
     /// Blocks with nuisances projected out.
@@ -79,23 +79,28 @@ impl Evaluation {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn at(cut: &mut Tracked, point: &[f64], probes: &[Probe]) -> Result<Self, Error> {
+    pub fn at(cut: &mut Tracked, point: &[f64], perturbations: &[Perturbation]) -> Result<Self, Error> {
         cut.restore_linearised();
-        let blocks = cut.linearise(point, probes)?;
-        Ok(Self::of(blocks, point, probes, cut.signals()))
+        let blocks = cut.linearise(point, perturbations)?;
+        Ok(Self::of(blocks, point, perturbations, cut.signals()))
     }
 
     /// Judges a point by a chord step.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn chord(cut: &mut Tracked, point: &[f64], probes: &[Probe]) -> Result<Self, Error> {
-        let blocks = cut.chord(point, probes)?;
-        Ok(Self::of(blocks, point, probes, cut.signals()))
+    pub fn chord(cut: &mut Tracked, point: &[f64], perturbations: &[Perturbation]) -> Result<Self, Error> {
+        let blocks = cut.chord(point, perturbations)?;
+        Ok(Self::of(blocks, point, perturbations, cut.signals()))
     }
 
     /// Judges residuals that are there already.
-    pub fn of(mut blocks: Vec<Block>, point: &[f64], probes: &[Probe], signals: &[Signal]) -> Self {
+    pub fn of(
+        mut blocks: Vec<Block>,
+        point: &[f64],
+        perturbations: &[Perturbation],
+        signals: &[Signal],
+    ) -> Self {
         let mut sigmas: Vec<f64> = signals.iter().map(|signal| signal.sigma).collect();
         let mut seen = sigmas.clone();
         // two signals share nuisances, so that the estimate of one depends on the other's: settles in a few rounds
@@ -120,10 +125,10 @@ impl Evaluation {
         let discrepancy_sd = likely_size(&blocks);
         let mut evaluation = Self {
             point: point.to_vec(),
-            probes: probes.to_vec(),
+            perturbations: perturbations.to_vec(),
             blocks,
             reduced: Vec::new(),
-            total: Reduced::zero(probes.len()),
+            total: Reduced::zero(perturbations.len()),
             discrepancy_sd,
             sigmas,
             seen,
@@ -151,7 +156,7 @@ impl Evaluation {
 
     fn reduce(&mut self) {
         let discrepancy_sd = self.discrepancy_sd;
-        let p = self.probes.len();
+        let p = self.perturbations.len();
         self.reduced = self
             .blocks
             .par_iter()
@@ -179,7 +184,10 @@ impl Evaluation {
 
     /// Places of the columns that belong to some candidates (the first column of each).
     pub fn places(&self, candidates: &[usize]) -> Vec<usize> {
-        candidates.iter().filter_map(|c| self.probes.iter().position(|probe| probe.candidate == *c)).collect()
+        candidates
+            .iter()
+            .filter_map(|c| self.perturbations.iter().position(|perturbation| perturbation.candidate == *c))
+            .collect()
     }
 
     /// Whether a small step of an active value changes anything.
@@ -187,7 +195,7 @@ impl Evaluation {
         self.places(&[candidate]).iter().all(|place| self.total.gram[(*place, *place)] > 0.0)
     }
 
-    /// The fall of the deviance that a straight step of some active values predicts.
+    /// The decrease of the deviance that a straight step of some active values predicts.
     pub fn predicted_decrease(&self, free: &[usize]) -> Option<f64> {
         let places = self.places(free);
         let score = subvector(&self.total.score, &places);
@@ -230,7 +238,7 @@ impl Evaluation {
     }
 
     fn fold(&self, folds: &Folds, fold: usize) -> Reduced {
-        let mut sum = Reduced::zero(self.probes.len());
+        let mut sum = Reduced::zero(self.perturbations.len());
         for (reduced, of) in self.reduced.iter().zip(&folds.of) {
             if *of == fold {
                 sum.add(reduced);
@@ -281,7 +289,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
             for cell in &block.cells {
                 let left = bare(cell, &cell.residual, cell.free());
                 for (row, signal) in cell.signal.iter().enumerate() {
-                    sums[*signal].0 += left.rest[row] * left.rest[row];
+                    sums[*signal].0 += left.residual[row] * left.residual[row];
                     sums[*signal].1 += left.expected[row];
                 }
             }
@@ -319,19 +327,23 @@ fn inertia_scale(blocks: &[Block]) -> f64 {
     cells.find(|cell| cell.soft.ncols() > cell.discrepancy).map_or(1.0, |cell| cell.inertia_scale)
 }
 
+/// Sizes of the discrepancy among which the most likely is taken, each twice the one before, for cells of this inertia scale.
+pub fn discrepancies(inertia_scale: f64) -> impl Iterator<Item = f64> {
+    (0..SELECTION.sizes).map(move |power| SELECTION.smallest * inertia_scale * f64::from(1_u32 << power))
+}
+
 /// The most likely size of the discrepancy (restricted maximum likelihood over a grid).
 fn likely_size(blocks: &[Block]) -> f64 {
     let cells: Vec<&Cell> = blocks.iter().flat_map(|block| &block.cells).collect();
     if cells.iter().all(|cell| cell.soft.ncols() <= cell.discrepancy) {
         return 0.0;
     }
-    let smallest = SELECTION.smallest * inertia_scale(blocks);
+    let sizes: Vec<f64> = discrepancies(inertia_scale(blocks)).collect();
     let sized: Vec<Sized> = cells.par_iter().map(|cell| Sized::of(cell)).collect();
     let deviance = |size: f64| -> f64 { sized.iter().map(|cell| cell.deviance(size)).sum() };
     let mut best = (deviance(0.0), 0.0);
-    // every fourth power of two first, then the neighbours of the best
-    for power in (0..SELECTION.sizes).step_by(2) {
-        let size = smallest * f64::from(1_u32 << power);
+    // every other one first, then the neighbours of the best
+    for size in sizes.into_iter().step_by(2) {
         let here = deviance(size);
         if here < best.0 {
             best = (here, size);
@@ -349,31 +361,32 @@ fn likely_size(blocks: &[Block]) -> f64 {
 }
 
 /// Columns for a linearisation with everything: each candidate's steps, and a derivative for the active ones first.
-pub fn all_probes(
+pub fn all_perturbations(
     candidates: &[Candidate],
     point: &[f64],
     sees: &dyn Fn(&Candidate) -> bool,
     active: &[usize],
-) -> Vec<Probe> {
-    let mut probes = Vec::new();
+) -> Vec<Perturbation> {
+    let mut perturbations = Vec::new();
     for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| sees(candidate)) {
         if active.contains(&index) {
             if !candidate.is_discrete() {
-                probes.push(Probe { candidate: index, by: candidate.derivative_step(point[index]) });
+                perturbations
+                    .push(Perturbation { candidate: index, by: candidate.derivative_step(point[index]) });
             }
             // all of it taken away again: what it does as a whole
             if candidate.nonlinear && !candidate.is_discrete() && point[index] != candidate.off {
-                probes.push(Probe { candidate: index, by: candidate.off - point[index] });
+                perturbations.push(Perturbation { candidate: index, by: candidate.off - point[index] });
             }
             continue;
         }
         for step in &candidate.steps {
             let at = point[index] + step;
             let by = if at > candidate.range.1 || at < candidate.range.0 { -step } else { *step };
-            probes.push(Probe { candidate: index, by });
+            perturbations.push(Perturbation { candidate: index, by });
         }
     }
-    probes
+    perturbations
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::statistics::linear::Sized;
 /// A lacking torque up to this many times what the timestamps' scatter gives is theirs: lateness has a long tail.
 pub const STAMPS: f64 = SEVERAL;
 
-/// Fall of the deviance that a torque of its own in each part of each window brings.
+/// Decrease of the deviance that a torque of its own in each part of each window brings.
 pub fn discrepancy(evaluation: &Evaluation) -> f64 {
     let size = evaluation.discrepancy_sd;
     if size <= 0.0 {
@@ -37,20 +37,20 @@ mod tests {
     use super::*;
     use crate::rigs::acrobot::selection::examples::{block, evaluation};
 
-    /// One row of unit noise that a torque of ten explains: the deviance falls by r² 100/101 - ln 101.
-    fn lacks(fall: f64, explained: f64, pictured: bool) -> bool {
-        let residual = ((fall + libm::log(101.0)) * 1.01).sqrt();
+    /// One row of unit noise that a torque of ten explains: the deviance decreases by r² 100/101 - ln 101.
+    fn lacks(decrease: f64, explained: f64, pictured: bool) -> bool {
+        let residual = ((decrease + libm::log(101.0)) * 1.01).sqrt();
         let mut last = evaluation(&[], &[], &[]);
         (last.blocks, last.discrepancy_sd) = (vec![block(residual, 1.0)], 10.0);
-        assert!((discrepancy(&last) - fall).abs() < 1e-9, "{}", discrepancy(&last));
+        assert!((discrepancy(&last) - decrease).abs() < 1e-9, "{}", discrepancy(&last));
         lacking(&last, &Folds { of: vec![0], count: 1, runs: Vec::new() }, explained, pictured)
     }
 
     #[test]
     fn value_a_torque_lacks_that_more_than_chance_and_stamps_say() {
         // 4.5² of deviance; ten times as many where poses are read off images
-        assert_eq!([19.0, 22.0].map(|fall| lacks(fall, 0.0, false)), [false, true]);
-        assert_eq!([190.0, 220.0].map(|fall| lacks(fall, 0.0, true)), [false, true]);
+        assert_eq!([19.0, 22.0].map(|decrease| lacks(decrease, 0.0, false)), [false, true]);
+        assert_eq!([190.0, 220.0].map(|decrease| lacks(decrease, 0.0, true)), [false, true]);
         // three times what the scatter of the stamps gives
         assert_eq!([3.6, 3.1].map(|explained| lacks(1e3, explained, false)), [false, true]);
     }

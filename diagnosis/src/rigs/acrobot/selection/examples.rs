@@ -4,12 +4,14 @@ use super::evaluation::Evaluation;
 use super::screen::{Hit, Screen};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
+use crate::rigs::acrobot::residual::{
+    Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked,
+};
 use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{Cell, Reduced};
 use nalgebra::{DMatrix, DVector};
 
-/// One that may go from -1000 to 1000, and is looked for at 0.01.
+/// One that may go from -1000 to 1000, and is tried at 0.01.
 pub(crate) fn candidate(side: Side, nonlinear: bool) -> Candidate {
     Candidate {
         name: "any",
@@ -34,7 +36,7 @@ pub(super) fn evaluation(point: &[f64], score: &[f64], gram: &[f64]) -> Evaluati
     };
     Evaluation {
         point: point.to_vec(),
-        probes: (0..columns).map(|candidate| Probe { candidate, by: 0.1 }).collect(),
+        perturbations: (0..columns).map(|candidate| Perturbation { candidate, by: 0.1 }).collect(),
         blocks: Vec::new(),
         reduced: vec![total.clone()],
         total,
@@ -113,15 +115,20 @@ impl Cut for Toy {
         Nuisances::default()
     }
 
-    fn linearise(&mut self, at: &[f64], probes: &[Probe], _: &Nuisances) -> Result<Linearised, Error> {
+    fn linearise(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        _: &Nuisances,
+    ) -> Result<Linearised, Error> {
         let residual = (self.rows)(at);
         let count = residual.len();
-        let mut columns = DMatrix::zeros(count, probes.len());
-        for (place, probe) in probes.iter().enumerate() {
+        let mut columns = DMatrix::zeros(count, perturbations.len());
+        for (place, perturbation) in perturbations.iter().enumerate() {
             let mut there = at.to_vec();
-            there[probe.candidate] += probe.by;
+            there[perturbation.candidate] += perturbation.by;
             for (row, (here, there)) in residual.iter().zip((self.rows)(&there)).enumerate() {
-                columns[(row, place)] = (here - there) / probe.by;
+                columns[(row, place)] = (here - there) / perturbation.by;
             }
         }
         let mut block = block(0.0, 1.0);
@@ -133,7 +140,12 @@ impl Cut for Toy {
         Ok(Linearised { blocks: vec![block], nuisances: Nuisances::default(), unseen: 0 })
     }
 
-    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
-        self.linearise(at, probes, from)
+    fn chord(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
+        self.linearise(at, perturbations, from)
     }
 }

@@ -1,5 +1,5 @@
 //! Forward selection on one cut: screen linearly, refit the best few through the units, accept what survives the
-//! bootstrap and the runs left out, drop what became superfluous, look again.
+//! bootstrap and the runs left out, drop what became superfluous, linearise again.
 
 mod bare;
 mod classes;
@@ -21,17 +21,17 @@ mod tolerance;
 mod trials;
 
 pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
-pub use evaluation::{Evaluation, Folds, all_probes};
+pub use evaluation::{Evaluation, Folds, all_perturbations, discrepancies};
 pub use evidence::{STAMPS, discrepancy, lacking};
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
-pub use search::{look, study, study_until};
+pub use search::{linearise, study, study_until};
 pub use steady::{Steadiness, steadiness};
 
-/// Family-wise error of one look; a cut is looked at once where nothing is missing.
+/// Family-wise error of one screen; a cut is screened once where nothing is missing.
 pub const ALPHA: f64 = 0.005;
 
-/// One look in the story.
+/// One step of the search, as the story tells it.
 #[derive(Debug, Clone)]
 pub struct Step {
     /// Best candidates of the screen with their gains.
@@ -47,7 +47,7 @@ pub struct Step {
     /// Deviance before and after.
     pub deviance: (f64, f64),
     /// Mean square of the whitened residual before and after.
-    pub rest: (f64, f64),
+    pub mean_square: (f64, f64),
     /// Held-out squares before and after.
     pub held_out: (f64, f64),
 }

@@ -18,7 +18,7 @@ pub struct Selection {
     pub bent_worth: f64,
     /// Where a column says little, a fit also begins this many times further out.
     pub further: f64,
-    /// By what share of the best fall a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
+    /// By what share of the best decrease a clock may explain less, where it is known to be off: a shift of tens of milliseconds moves
     /// windows by more than their columns say.
     pub doubted: f64,
     pub trials_alike: f64,
@@ -26,16 +26,16 @@ pub struct Selection {
     /// fits are compared. Below it, images are compared by their columns at one and the same pose: the deviances of fits
     /// differ by what the pixel lattice does when the image moves under it.
     pub large: f64,
-    /// Fall of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
+    /// Decrease of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
     pub sparse: f64,
     pub sparse_trials: usize,
-    /// A step that brings so many times what its columns predict (twice, where the deviance falls along a straight line) is followed by
+    /// A step that brings so many times what its columns predict (twice, where the deviance decreases along a straight line) is followed by
     /// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
     pub refit_straight: f64,
     pub stretch: f64,
     /// Most linearisations of a fit.
     pub rounds: usize,
-    /// A step that predicts less fall of the sum of squares than this ends the fit.
+    /// A step that predicts less decrease of the sum of squares than this ends the fit.
     pub settled: f64,
     /// One that predicted less than this, a standard error at most, and then didn't keep it ends the fit, too, and so does a shortened
     /// one that predicts no more: chords of windows leave some 5 of deviance more or less from one linearisation to the next, and shorter steps found
@@ -51,15 +51,14 @@ pub struct Selection {
     pub doubt: f64,
     /// Noise of angles, rad, below which a wrong start within stiction is seen: at twice as much friction was found as well without.
     pub fine: f64,
-    /// So many times what the next step predicts, a fit that is nonlinear in its size may still fall: twice is the most that was seen.
+    /// So many times what the next step predicts, a fit that is nonlinear in its size may still decrease: twice is the most that was seen.
     pub reach: f64,
     /// To what share of itself it must bring the torque that windows lack: 0 to 0.001 where a switch is the truth.
     pub follows: f64,
-    /// Levels of a saturation are this far apart, or as many as these: with one a quarter off a machine runs away as it does without.
-    pub apart: f64,
-    pub levels: f64,
-    /// How far beside the best level it is looked once more.
+    /// How far beside the best level of a saturation it is tried once more. Levels are as far apart as that reaches on both sides, or as
+    /// many as these: with one a quarter off a machine runs away as it does without.
     pub beside: f64,
+    pub levels: f64,
     /// After so many levels at which windows need slack torques so many times more than at the best, looser ones are no better.
     pub beyond: usize,
     pub switched_far: f64,
@@ -84,8 +83,6 @@ pub struct Selection {
     /// Share of the squares by which two fits differ that are equally good, since the pixel lattice lies otherwise under each image. Seen: 0.011
     /// and 0.014 between a lens of seven terms and one with two that aren't there.
     pub lattice: f64,
-    /// Most effects of which all subsets are weighed: 2^16 solutions of a small system take less than a frame.
-    pub together_most: usize,
     /// The share of what an effect predicts that another may miss to be fitted.
     pub forlorn: f64,
     /// Columns of which less than this share is apart are alike enough for a fit to decide.
@@ -136,9 +133,8 @@ pub const SELECTION: Selection = Selection {
     fine: POLICY.read,
     reach: SEVERAL,
     follows: PART,
-    apart: 1.25,
-    levels: SEVERAL * FAR,
     beside: 1.0 + SMALL,
+    levels: SEVERAL * FAR,
     beyond: 2,
     switched_far: FAR,
     search_most: 6,
@@ -151,7 +147,6 @@ pub const SELECTION: Selection = Selection {
     idle: FINE,
     better: 2.0,
     lattice: SLIGHT,
-    together_most: 16,
     forlorn: PART,
     classes_alike: SLIGHT,
     alike_bent: SMALL,

@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::residual::{Probe, Tracked};
+use crate::rigs::acrobot::residual::{Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
@@ -34,7 +34,7 @@ pub fn refit_closely(
     fitted(cut, candidates, start, active, f64::INFINITY, some_doubted)
 }
 
-/// The same, ended as soon as the deviance is not going to fall to `enough`.
+/// The same, ended as soon as the deviance is not going to decrease to `enough`.
 ///
 /// # Errors
 /// A unit failed even at the point to begin with.
@@ -161,13 +161,15 @@ fn linearised(
     Evaluation::at(cut, point, &derivatives(candidates, point, free))
 }
 
-fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<Probe> {
-    let derivative =
-        |index: &usize| Probe { candidate: *index, by: candidates[*index].derivative_step(point[*index]) };
+fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<Perturbation> {
+    let derivative = |index: &usize| Perturbation {
+        candidate: *index,
+        by: candidates[*index].derivative_step(point[*index]),
+    };
     free.iter().map(derivative).collect()
 }
 
-/// A step within the bounds and the fall it predicts; an active value that a bound stops is left there and the
+/// A step within the bounds and the decrease it predicts; an active value that a bound stops is left there and the
 /// others are solved for again.
 fn propose(
     best: &Evaluation,
@@ -238,7 +240,7 @@ fn followed(best: &Evaluation, candidates: &[Candidate], free: &[usize]) -> Redu
     if !some_ran_away(best) || !free.iter().any(|index| candidates[*index].sticks()) {
         return best.total.clone();
     }
-    let mut sum = Reduced::zero(best.probes.len());
+    let mut sum = Reduced::zero(best.perturbations.len());
     best.reduced.iter().filter(|block| !ran_away(block)).for_each(|block| sum.add(block));
     sum
 }
@@ -279,9 +281,9 @@ mod tests {
 
     #[test]
     fn value_a_fit_ends_that_foretells_next_to_nothing() {
-        let at = |fall: f64| {
+        let at = |decrease: f64| {
             let candidates = [candidate(Side::Plant, false)];
-            let fit = refit(&mut toy(move |x| vec![fall.sqrt() - x[0]]), &candidates, &[0.0], &[0]);
+            let fit = refit(&mut toy(move |x| vec![decrease.sqrt() - x[0]]), &candidates, &[0.0], &[0]);
             fit.expect("runs").point[0]
         };
         // 0.02 of deviance
@@ -303,9 +305,9 @@ mod tests {
 
     #[test]
     fn value_a_fit_of_its_own_is_foretold_where_that_is_less_than_a_standard_error() {
-        let at = |fall: f64| {
+        let at = |decrease: f64| {
             let candidates = [candidate(Side::Plant, false)];
-            let mut cut = toy(move |x| vec![fall.sqrt() - x[0]]);
+            let mut cut = toy(move |x| vec![decrease.sqrt() - x[0]]);
             let last = linearised(&mut cut, &candidates, &[0.0], &[0]).expect("runs");
             let (x, deviance) = own_fit(&mut cut, &candidates, &last, &[0], 0).expect("runs");
             assert!(deviance.abs() < 1e-9, "{deviance}");

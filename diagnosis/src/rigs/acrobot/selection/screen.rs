@@ -1,4 +1,4 @@
-//! Looking for the next candidate: linear, all at once, with active ones and nuisances projected out.
+//! Score test for the next candidate: linear, all at once, with active ones and nuisances projected out.
 
 use super::evaluation::Evaluation;
 use crate::rigs::acrobot::candidates::Candidate;
@@ -14,7 +14,7 @@ pub struct Hit {
     pub candidate: usize,
     /// Place of the column.
     pub column: usize,
-    /// Fall of the sum of squares.
+    /// Decrease of the sum of squares.
     pub gain: f64,
     /// Standardised score.
     pub statistic: f64,
@@ -22,23 +22,23 @@ pub struct Hit {
     pub displacement: f64,
 }
 
-/// All candidates, looked at.
+/// All candidates, screened.
 #[derive(Debug, Clone)]
 pub struct Screen {
     /// Best column of each candidate, largest gain first.
     pub hits: Vec<Hit>,
     /// Null distribution of the largest statistic.
     pub null: Null,
-    /// Standard error of each probe's displacement, once the active ones are fitted too.
+    /// Standard error of each perturbation's displacement, once the active ones are fitted too.
     pub errors: Vec<f64>,
     /// Probability that the best is chance.
     pub p_value: f64,
 }
 
-/// Looks at every column that is not active.
+/// Screens every column that is not active.
 pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize]) -> Screen {
     let total = &evaluation.total;
-    let columns = evaluation.probes.len();
+    let columns = evaluation.perturbations.len();
     let places = evaluation.places(active);
     let gram_aa = submatrix(&total.gram, &places);
     let score_a = subvector(&total.score, &places);
@@ -55,8 +55,8 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
     let integrated =
         evaluation.blocks.iter().flat_map(|block| &block.cells).all(|cell| cell.floor.is_empty());
     let excited = if integrated { SELECTION.excited } else { SELECTION.excited_torque };
-    for (column, probe) in evaluation.probes.iter().enumerate() {
-        if active.contains(&probe.candidate) {
+    for (column, perturbation) in evaluation.perturbations.iter().enumerate() {
+        if active.contains(&perturbation.candidate) {
             continue;
         }
         let across = DVector::from_fn(places.len(), |i, _| total.gram[(places[i], column)]);
@@ -65,7 +65,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         let length = total.gram[(column, column)] - weights.dot(&across);
         // a column that active ones explain to rounding has nothing of its own, and one that a whole step of the
         // candidate hardly moves is the integrator's rounding: nothing excites it
-        let moved = probe.by * probe.by * length;
+        let moved = perturbation.by * perturbation.by * length;
         if length.is_nan() || length <= 1e-7 * total.gram[(column, column)] || moved < excited * excited {
             continue;
         }
@@ -82,26 +82,29 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         scores.total[column] = score;
         scores.deviation[column] = squares.max(length).sqrt();
         errors[column] = scores.deviation[column] / length;
-        scores.sided[column] =
-            sided(&candidates[probe.candidate], evaluation.point[probe.candidate], probe.by);
+        scores.sided[column] = sided(
+            &candidates[perturbation.candidate],
+            evaluation.point[perturbation.candidate],
+            perturbation.by,
+        );
         gains[column] = score * score / length;
         displacements[column] = shift;
     }
     let null = Null::of(&scores);
     let mut hits: Vec<Hit> = Vec::new();
-    for (column, probe) in evaluation.probes.iter().enumerate() {
+    for (column, perturbation) in evaluation.perturbations.iter().enumerate() {
         let statistic = scores.statistic(column);
         if statistic == 0.0 {
             continue;
         }
         let hit = Hit {
-            candidate: probe.candidate,
+            candidate: perturbation.candidate,
             column,
             gain: gains[column],
             statistic,
             displacement: displacements[column],
         };
-        match hits.iter_mut().find(|known| known.candidate == probe.candidate) {
+        match hits.iter_mut().find(|known| known.candidate == perturbation.candidate) {
             Some(known) if known.gain < hit.gain => *known = hit,
             Some(_) => {}
             None => hits.push(hit),

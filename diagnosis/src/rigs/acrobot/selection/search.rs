@@ -1,7 +1,7 @@
-//! The search on one cut: look, accept one more effect, settle, drop what became superfluous, ask for a second opinion, and
-//! look again, until nothing is worth a name.
+//! The search on one cut: linearise, accept one more effect, settle, drop what became superfluous, ask for a second opinion, and
+//! linearise again, until nothing is worth a name.
 
-use super::evaluation::{Evaluation, Folds, all_probes};
+use super::evaluation::{Evaluation, Folds, all_perturbations};
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
@@ -32,7 +32,7 @@ pub fn study(
     study_until(cut, candidates, start, known, watch, &mut |_, _| Ok(false))
 }
 
-/// Says of the effects that are on whether to look no further.
+/// Says of the effects that are on whether to search no further.
 pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool, Error>;
 
 /// The same, ended when it is `enough`.
@@ -86,14 +86,14 @@ impl<'a> Search<'a> {
     ) -> Result<Self, Error> {
         let mut bare = start.to_vec();
         known.iter().for_each(|index| bare[*index] = candidates[*index].off);
-        let nominal = look(cut, candidates, &bare, &[])?;
+        let nominal = linearise(cut, candidates, &bare, &[])?;
         let mut active = known.to_vec();
         let mut last = nominal.clone();
         if !known.is_empty() {
             let mut point = start.to_vec();
             cut.reset();
             settle(cut, candidates, &mut active, &mut point)?;
-            last = look(cut, candidates, &point, &active)?;
+            last = linearise(cut, candidates, &point, &active)?;
         }
         Ok(Self {
             folds: Folds::new(&nominal.blocks),
@@ -141,7 +141,7 @@ impl<'a> Search<'a> {
             watch.stage(&format!("{}: effects that show only together", self.cut.name()));
             let kept = self.cut.nuisances.clone();
             let dropped = settle(self.cut, self.candidates, &mut active, &mut point)?;
-            let there = look(self.cut, self.candidates, &point, &active)?;
+            let there = linearise(self.cut, self.candidates, &point, &active)?;
             let more = active.len() as f64 - self.active.len() as f64;
             let gained = self.last.under(&there).total.square - there.total.square;
             if !pays(gained, more, there.total.square) {
@@ -155,7 +155,7 @@ impl<'a> Search<'a> {
                 together: active.clone(),
                 dropped,
                 deviance: (self.last.deviance(), there.deviance()),
-                rest: (rest(&self.last), rest(&there)),
+                mean_square: (mean_square(&self.last), mean_square(&there)),
                 held_out: (f64::NAN, f64::NAN),
             });
             (self.active, self.last, self.class, found) = (active, there, None, true);
@@ -164,7 +164,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// One look: whether it found anything.
+    /// One step: whether it found anything.
     fn round(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
         let mut step = Step {
             best: self.found.hits.iter().take(8).cloned().collect(),
@@ -173,7 +173,7 @@ impl<'a> Search<'a> {
             together: Vec::new(),
             dropped: Vec::new(),
             deviance: (self.last.deviance(), self.last.deviance()),
-            rest: (rest(&self.last), rest(&self.last)),
+            mean_square: (mean_square(&self.last), mean_square(&self.last)),
             held_out: (f64::NAN, f64::NAN),
         };
         watch.stage(self.cut.name());
@@ -223,9 +223,9 @@ impl<'a> Search<'a> {
         // windows that needed slack torques may follow the log by themselves now
         self.cut.reset();
         step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
-        self.last = look(self.cut, self.candidates, &point, &self.active)?;
+        self.last = linearise(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.again()?);
-        step.rest.1 = rest(&self.last);
+        step.mean_square.1 = mean_square(&self.last);
         self.refused.extend(&step.dropped);
         Ok(())
     }
@@ -245,7 +245,7 @@ impl<'a> Search<'a> {
         };
         let swapped = self.active.last().copied();
         self.swaps.extend(swapped.map(|into| (candidate, into)));
-        self.last = look(self.cut, self.candidates, &other, &self.active)?;
+        self.last = linearise(self.cut, self.candidates, &other, &self.active)?;
         let dropped = self.again()?;
         self.found = screen(&self.last, self.candidates, &self.active);
         self.refused.extend(&dropped);
@@ -254,12 +254,12 @@ impl<'a> Search<'a> {
         if let Some(step) = self.steps.last_mut() {
             step.accepted = swapped;
             step.dropped.extend(dropped);
-            step.rest.1 = rest(&self.last);
+            step.mean_square.1 = mean_square(&self.last);
         }
         Ok(())
     }
 
-    /// Fits again and looks again where a linearisation has put frames elsewhere, so that values aren't at their best any more. Answers who
+    /// Fits again and linearises again where a linearisation has put frames elsewhere, so that values aren't at their best any more. Answers who
     /// was dropped.
     fn again(&mut self) -> Result<Vec<usize>, Error> {
         let mut dropped = Vec::new();
@@ -273,7 +273,7 @@ impl<'a> Search<'a> {
             }
             let mut point = self.last.point.clone();
             dropped.extend(settle(self.cut, self.candidates, &mut self.active, &mut point)?);
-            self.last = look(self.cut, self.candidates, &point, &self.active)?;
+            self.last = linearise(self.cut, self.candidates, &point, &self.active)?;
         }
         Ok(dropped)
     }
@@ -305,19 +305,19 @@ fn seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
 ///
 /// # Errors
 /// A unit failed.
-pub fn look(
+pub fn linearise(
     cut: &mut Tracked,
     candidates: &[Candidate],
     point: &[f64],
     active: &[usize],
 ) -> Result<Evaluation, Error> {
-    let probes = all_probes(candidates, point, &|candidate| cut.sees(candidate), active);
-    let first = Evaluation::at(cut, point, &probes)?;
+    let perturbations = all_perturbations(candidates, point, &|candidate| cut.sees(candidate), active);
+    let first = Evaluation::at(cut, point, &perturbations)?;
     // the linearisation itself has put frames elsewhere
-    if cut.policy().free_pose { Evaluation::at(cut, point, &probes) } else { Ok(first) }
+    if cut.policy().free_pose { Evaluation::at(cut, point, &perturbations) } else { Ok(first) }
 }
 
 /// Mean square of the whitened residual.
-fn rest(evaluation: &Evaluation) -> f64 {
+fn mean_square(evaluation: &Evaluation) -> f64 {
     evaluation.total.square / evaluation.total.freedom.max(1.0)
 }

@@ -18,18 +18,18 @@ pub(super) fn starts(
     if matches!(candidate.motion, Motion::Saturation { .. }) {
         // the two levels whose columns resemble the effect most
         let own = last.places(&[effect]).first().copied();
-        let mut levels: Vec<(f64, f64)> = (last.probes.iter().enumerate())
-            .filter(|(_, probe)| probe.candidate == index)
-            .map(|(column, probe)| {
+        let mut levels: Vec<(f64, f64)> = (last.perturbations.iter().enumerate())
+            .filter(|(_, perturbation)| perturbation.candidate == index)
+            .map(|(column, perturbation)| {
                 let gram = &last.total.gram;
                 let cosine = own.map_or(0.0, |own| gram[(own, column)].powi(2) / gram[(column, column)]);
-                (if cosine.is_finite() { cosine } else { 0.0 }, candidate.off + probe.by)
+                (if cosine.is_finite() { cosine } else { 0.0 }, candidate.off + perturbation.by)
             })
             .collect();
         levels.sort_by(|a, b| b.0.total_cmp(&a.0));
         return levels.into_iter().take(2).map(|(_, x)| x).collect();
     }
-    let column = last.probes.iter().position(|probe| probe.candidate == index);
+    let column = last.perturbations.iter().position(|perturbation| perturbation.candidate == index);
     let own = last.places(&[effect]).first().copied();
     let x = match (column, own) {
         (Some(column), Some(own)) => {

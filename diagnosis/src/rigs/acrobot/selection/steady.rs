@@ -19,15 +19,15 @@ pub struct Steadiness {
     pub runs: BTreeMap<usize, (f64, f64)>,
     /// The displacement that all runs want together.
     pub mean: f64,
-    /// Fall of the deviance that a displacement of its own for each run brings, and how much of it runs apart bring.
-    pub fall: f64,
-    /// See `fall`.
+    /// Decrease of the deviance that a displacement of its own for each run brings, and how much of it runs apart bring.
+    pub decrease: f64,
+    /// See `decrease`.
     pub apart: f64,
     /// Drift of x within the runs, a second, and how many standard errors that is.
     pub drift: (f64, f64),
 }
 
-/// Looks at one candidate where the active ones are fitted. `None` where its column says nothing.
+/// Judges one candidate where the active ones are fitted. `None` where its column says nothing.
 pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Steadiness> {
     let wishes = wishes(evaluation, candidate, active)?;
     let mut sums: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
@@ -57,10 +57,10 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
         spread += wish.length * since * since;
     }
     let drift = if spread > 0.0 { (drift / spread, drift / (spread * over).sqrt()) } else { (0.0, 0.0) };
-    let fall = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
+    let decrease = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
-    let apart = fall - score * score / length / over;
-    Some(Steadiness { runs, mean: score / length, fall, apart, drift })
+    let apart = decrease - score * score / length / over;
+    Some(Steadiness { runs, mean: score / length, decrease, apart, drift })
 }
 
 fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {

@@ -52,9 +52,9 @@ pub(super) fn switched(
         };
         // half a law of motion less and every window follows, or it isn't that
         let follows = trial.discrepancy_sd <= SELECTION.follows * last.discrepancy_sd;
-        let fall = last.deviance() - trial.deviance();
-        if follows && fall > best.as_ref().map_or(0.0, |best| best.1) {
-            best = Some((index, fall, trial));
+        let decrease = last.deviance() - trial.deviance();
+        if follows && decrease > best.as_ref().map_or(0.0, |best| best.1) {
+            best = Some((index, decrease, trial));
         }
     }
     Ok(best)
@@ -62,7 +62,7 @@ pub(super) fn switched(
 
 /// Of all values of a candidate the one with which windows, begun anew, need the least slack torques.
 fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usize) -> Option<Evaluation> {
-    let mut look = |x: f64| {
+    let mut evaluated = |x: f64| {
         let mut point = last.point.clone();
         point[index] = x;
         cut.reset();
@@ -71,14 +71,14 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
     };
     let steps = candidate.steps.iter().map(|step| candidate.off + step);
     if !matches!(candidate.motion, Motion::Saturation { .. }) {
-        return steps.filter_map(look).min_by(by_slack);
+        return steps.filter_map(evaluated).min_by(by_slack);
     }
     let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    let apart = SELECTION.apart.max((high / low).powf(SELECTION.levels.recip()));
+    let apart = (SELECTION.beside * SELECTION.beside).max((high / low).powf(SELECTION.levels.recip()));
     let count = libm::ceil(libm::log(high / low) / libm::log(apart)) as i32;
     let (mut best, mut beyond): (Option<Evaluation>, _) = (None, 0);
     // the tightest first: under one that is too loose machines run away, which takes long
-    for trial in (0..=count).filter_map(|k| look(high / apart.powi(k))) {
+    for trial in (0..=count).filter_map(|k| evaluated(high / apart.powi(k))) {
         let far = best
             .as_ref()
             .is_some_and(|best| trial.discrepancy_sd > SELECTION.switched_far * best.discrepancy_sd);
@@ -90,7 +90,7 @@ fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usi
     }
     let x = best.as_ref()?.point[index];
     best.into_iter()
-        .chain([SELECTION.beside * x, x / SELECTION.beside].into_iter().filter_map(look))
+        .chain([SELECTION.beside * x, x / SELECTION.beside].into_iter().filter_map(evaluated))
         .min_by(by_slack)
 }
 
@@ -124,13 +124,13 @@ mod tests {
     }
 
     #[test]
-    fn value_levels_are_a_quarter_apart_or_thirty_and_the_best_is_looked_at_from_both_sides() {
-        // ln 8/ln 1.25 = 9.3
+    fn value_levels_are_a_fifth_apart_or_thirty_and_the_best_is_tried_on_both_sides() {
+        // ln 8/ln 1.21 = 10.9
         let near = levels(8.0, 1.0);
-        assert!((near[0] - 8.0).abs() < 1e-9 && (near[1] - 6.4).abs() < 1e-9, "{near:?}");
+        assert!((near[0] - 8.0).abs() < 1e-9 && (near[1] - 8.0 / 1.21).abs() < 1e-9, "{near:?}");
         // the first is as good as any: a tenth beside it
-        assert_eq!(near.len(), 11 + 2);
-        assert!((near[11] - 8.8).abs() < 1e-9 && (near[12] - 8.0 / 1.1).abs() < 1e-9, "{near:?}");
+        assert_eq!(near.len(), 12 + 2);
+        assert!((near[12] - 8.8).abs() < 1e-9 && (near[13] - 8.0 / 1.1).abs() < 1e-9, "{near:?}");
         // over six decades a fifth of one each; rounding may add one
         let far = levels(1e6, 1.0);
         assert!((far[0] / far[1] - libm::pow(10.0, 0.2)).abs() < 1e-9, "{far:?}");

@@ -8,20 +8,21 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
 impl Evaluation {
-    /// How each column answers to each such error (probes by errors).
+    /// How each column answers to each such error (perturbations by errors).
     pub fn offsets(&self, signals: &[Signal]) -> DMatrix<f64> {
         let mut errors: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
         for cell in self.blocks.iter().flat_map(|block| &block.cells).filter(|cell| !cell.lattice.is_empty())
         {
             let columns = projected(cell, self.discrepancy_sd).columns;
             for (row, (signal, place)) in cell.signal.iter().zip(&cell.lattice).enumerate() {
-                let sum =
-                    errors.entry((*signal, *place)).or_insert_with(|| DVector::zeros(self.probes.len()));
+                let sum = errors
+                    .entry((*signal, *place))
+                    .or_insert_with(|| DVector::zeros(self.perturbations.len()));
                 sum.axpy(signals[*signal].tolerance / cell.sigma[row], &columns.row(row).transpose(), 1.0);
             }
         }
         let all: Vec<DVector<f64>> = errors.into_values().collect();
-        if all.is_empty() { DMatrix::zeros(self.probes.len(), 0) } else { DMatrix::from_columns(&all) }
+        if all.is_empty() { DMatrix::zeros(self.perturbations.len(), 0) } else { DMatrix::from_columns(&all) }
     }
 
     /// Variance that systematic differences between simulations add to each of the active values.
@@ -48,6 +49,6 @@ impl Evaluation {
             let off = offsets.row(column) - weights.transpose() * offsets.select_rows(&rest);
             if length > 0.0 { off.norm() / length } else { 0.0 }
         };
-        (0..self.probes.len()).map(own).collect()
+        (0..self.perturbations.len()).map(own).collect()
     }
 }

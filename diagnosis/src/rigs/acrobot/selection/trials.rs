@@ -13,7 +13,7 @@ use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::submatrix;
 use crate::watch::Watch;
 
-/// A trial: candidate, fall of the deviance, and where it was fitted.
+/// A trial: candidate, decrease of the deviance, and where it was fitted.
 pub(super) type Trial = (usize, f64, Evaluation);
 
 /// The one that was accepted.
@@ -45,10 +45,10 @@ impl Trials<'_> {
         // half a law of motion is a matter of fits, whatever columns say
         let small = switched.is_none();
         let mut trials: Vec<Trial> = Vec::new();
-        if let Some((candidate, fall, trial)) = switched {
+        if let Some((candidate, decrease, trial)) = switched {
             let left = trial.deviance();
             let trial = self.followed(cut, candidate, trial);
-            trials.push((candidate, fall + left - trial.deviance(), trial));
+            trials.push((candidate, decrease + left - trial.deviance(), trial));
         }
         for (place, hit) in shortlist.iter().enumerate() {
             if watch.is_over(SEARCH) {
@@ -97,7 +97,7 @@ impl Trials<'_> {
         for hit in open.filter(plants).take(SELECTION.sparse_trials) {
             self.fit(cut, hit, &mut trials);
         }
-        trials.retain(|(_, fall, _)| *fall > SELECTION.sparse);
+        trials.retain(|(_, decrease, _)| *decrease > SELECTION.sparse);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
             cut.reset();
@@ -144,7 +144,7 @@ impl Trials<'_> {
             let trial = self.found_back(cut, hit.candidate, &point, trial);
             let trial =
                 if trial.deviance() < best { self.followed(cut, hit.candidate, trial) } else { trial };
-            // the largest whole number that was looked for needn't be the largest that fits
+            // the largest whole number that was tried needn't be the largest that fits
             if trial.deviance() < best && place == beginnings.len() {
                 beginnings.extend(self.candidates[hit.candidate].after(x));
             }
@@ -158,22 +158,22 @@ impl Trials<'_> {
         }
     }
 
-    /// Puts a fault of the log behind an effect that it looks like, or before it where a clock may be off by as much.
+    /// Puts a fault of the log behind an effect that it resembles, or before it where a clock may be off by as much.
     fn handicap(&self, trials: &mut [Trial], doubt: f64, most: f64) {
         let of_log = |index: usize| self.candidates[index].side.is_of_log();
         let effects: Vec<usize> =
             trials.iter().map(|trial| trial.0).filter(|index| !of_log(*index)).collect();
-        for (fault, fall, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
+        for (fault, decrease, trial) in trials.iter_mut().filter(|trial| of_log(trial.0)) {
             let late = stamped_late(&self.candidates[*fault], trial.point[*fault], doubt);
             // clocks that have nothing to do with each other were set by the motion, and what that leaves is theirs
-            let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Stamps;
+            let known_to_be_off = doubt.is_infinite() || self.candidates[*fault].side == Side::Timestamps;
             let by = match known_to_be_off {
                 true => -POLICY.clock_behind.max(SELECTION.doubted * most),
                 false if late => -POLICY.clock_behind,
                 false => POLICY.clock_behind,
             };
             if effects.iter().any(|effect| self.cosine(*fault, *effect) > SELECTION.trials_alike) {
-                *fall -= by;
+                *decrease -= by;
             }
         }
     }
@@ -252,11 +252,11 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
         let near = |at: &f64| (at - wanted).abs() <= 1.0;
         let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
         let some: Vec<f64> = all.iter().copied().filter(near).collect();
-        // who is wanted beyond the largest that is looked for begins there
+        // who is wanted beyond the largest that is tried begins there
         let nearest = all.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
         return if some.is_empty() { nearest.into_iter().collect() } else { some };
     }
-    let by = last.probes[hit.column].by;
+    let by = last.perturbations[hit.column].by;
     let wanted = match candidate.motion {
         Motion::Saturation { .. } => x + by,
         _ => x + hit.displacement,

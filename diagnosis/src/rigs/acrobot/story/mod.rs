@@ -39,7 +39,7 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
                 step.p_value,
                 list[index].name,
                 list[index].phrase,
-                fall(step.rest)
+                decrease(step.mean_square)
             )),
             None => lines.push(format!(
                 "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
@@ -72,8 +72,8 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
     lines
 }
 
-/// How the residual falls, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
-fn fall((before, after): (f64, f64)) -> String {
+/// How the residual decreases, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+fn decrease((before, after): (f64, f64)) -> String {
     let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
     if before == after {
         return String::new();

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 /// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
 /// frame that both are differences from, and whatever blurs or dims would seem to be there (regression dilution,
 /// upside down: Fuller, *Measurement Error Models*, Wiley 1987, section 1.1).
-const DITHER: [f64; 2] = [0.02, 0.01];
+const DITHER: [f64; 2] = [2.0 * IMAGES.turn, IMAGES.turn];
 const DITHER_SEED: u64 = 0x0ac0_d17e;
 /// How far the image is moved for each of them, px: circle 1 stays in its row of the lattice whatever the pose, and the error
 /// that a secant has there would not average out.
@@ -84,22 +84,26 @@ impl ImageCut {
     }
 
     /// Change of the image per unit of a candidate.
-    pub(super) fn column(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
-        let key = (probe.candidate, probe.by.to_bits());
+    pub(super) fn column(
+        &mut self,
+        point: &[f64],
+        perturbation: Perturbation,
+    ) -> Result<Vec<Option<Seen>>, Error> {
+        let key = (perturbation.candidate, perturbation.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
             return Ok(kept.clone());
         }
-        let blurs = Some(probe.candidate) == self.exposure;
-        let longest = point[probe.candidate].max(point[probe.candidate] + probe.by);
+        let blurs = Some(perturbation.candidate) == self.exposure;
+        let longest = point[perturbation.candidate].max(point[perturbation.candidate] + perturbation.by);
         let short = blurs && longest * self.way() < IMAGES.blurring;
         if short {
-            let column = self.short_blur(point, probe)?;
+            let column = self.short_blur(point, perturbation)?;
             self.kept.insert(key, column.clone());
             return Ok(column);
         }
         let late =
             |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; COLUMNS.len()]) };
-        let (moved, still) = (self.settings(point, Some(probe))?, self.settings(point, None)?);
+        let (moved, still) = (self.settings(point, Some(perturbation))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
         let rounds = if blurs { IMAGES.more_rounds } else { IMAGES.rounds };
@@ -107,7 +111,7 @@ impl ImageCut {
             let shots = self.beside(round, side);
             let here = self.here(&still, phase, &shots)?;
             let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
-            let column = slopes(&there, &here, probe.by);
+            let column = slopes(&there, &here, perturbation.by);
             for (place, (shot, seen)) in self.sampled().zip(shots.iter().zip(&column)) {
                 if let (Some(seen), Some(late)) = (seen, late(self, place)) {
                     samples.push((shot.end, std::array::from_fn(|s| seen[s] - late[s])));
@@ -133,11 +137,11 @@ impl ImageCut {
     /// Change of the image per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
     /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
-    fn short_blur(&mut self, point: &[f64], probe: Probe) -> Result<Vec<Option<Seen>>, Error> {
-        let from = point[probe.candidate];
+    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Vec<Option<Seen>>, Error> {
+        let from = point[perturbation.candidate];
         // a small step shows nothing, and beyond a large one the polynomial knows nothing
-        let far = if probe.by.abs() > IMAGES.blur_step { probe.by } else { IMAGES.blur_step };
-        let moved = self.settings(point, Some(Probe { by: far, ..probe }))?;
+        let far = if perturbation.by.abs() > IMAGES.blur_step { perturbation.by } else { IMAGES.blur_step };
+        let moved = self.settings(point, Some(Perturbation { by: far, ..perturbation }))?;
         let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
             let (one, two) = (square * one * one, square * two * two);
             Vector3::new(two - one, two * two - one * one, two.powi(3) - one.powi(3))
@@ -165,7 +169,8 @@ impl ImageCut {
         let column = |place: usize| {
             let (mut column, ways) = (self.late(place)?, self.ways(place)?);
             for (circle, way) in ways.into_iter().enumerate() {
-                column[AREAS.start + circle] += weights.dot(&powers(way, from, from + probe.by)) / probe.by;
+                column[AREAS.start + circle] +=
+                    weights.dot(&powers(way, from, from + perturbation.by)) / perturbation.by;
             }
             Some(column)
         };

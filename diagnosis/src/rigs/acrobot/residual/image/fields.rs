@@ -7,9 +7,6 @@
 
 use super::*;
 
-/// Signals along v.
-const ROWS: [usize; 3] = [1, 3, 5];
-
 impl ImageCut {
     /// Finds out, run by run: of both orders the one that leaves less from field to field.
     pub(super) fn order(&mut self, point: &[f64]) -> Result<(), Error> {
@@ -47,8 +44,9 @@ impl ImageCut {
                 continue;
             }
             let jump = |s: usize| (frame.seen[s] - two[s]) - (before.seen[s] - one[s]);
+            let along_v = CENTROIDS.skip(1).step_by(2);
             *sums.entry(frame.run).or_insert(0.0) +=
-                ROWS.map(jump).iter().filter(|jump| jump.is_finite()).map(|jump| jump * jump).sum::<f64>();
+                along_v.map(jump).filter(|jump| jump.is_finite()).map(|jump| jump * jump).sum::<f64>();
         }
         sums
     }

@@ -44,9 +44,9 @@ pub(super) fn tells_pose(seen: &Seen) -> bool {
 }
 
 /// What a measured frame differs by from a made one; angles may count turns.
-pub(super) fn rest(signal: usize, seen: &Seen, made: &Seen) -> f64 {
-    let rest = seen[signal] - made[signal];
-    if ANGLES.contains(&signal) { (rest + PI).rem_euclid(TAU) - PI } else { rest }
+pub(super) fn residual(signal: usize, seen: &Seen, made: &Seen) -> f64 {
+    let residual = seen[signal] - made[signal];
+    if ANGLES.contains(&signal) { (residual + PI).rem_euclid(TAU) - PI } else { residual }
 }
 
 /// Which cell of a pixel the circle of a signal sits in, where it was found or, not measured, where it is made. Of an angle, its

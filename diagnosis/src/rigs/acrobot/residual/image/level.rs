@@ -10,19 +10,19 @@ pub(super) fn level(blocks: &mut [Block]) {
     let areas = |cell: &Cell| -> Vec<usize> {
         (0..cell.signal.len()).filter(|row| AREAS.contains(&cell.signal[*row])).collect()
     };
-    let Some(probes) = cells.first().map(|cell| cell.columns.ncols()) else { return };
-    let (mut count, mut rest, mut columns) = (0.0, 0.0, RowDVector::zeros(probes));
+    let Some(perturbations) = cells.first().map(|cell| cell.columns.ncols()) else { return };
+    let (mut count, mut sum, mut columns) = (0.0, 0.0, RowDVector::zeros(perturbations));
     for cell in &cells {
         for row in areas(cell) {
             count += 1.0;
-            rest += cell.residual[row];
+            sum += cell.residual[row];
             columns += cell.columns.row(row);
         }
     }
     if count == 0.0 {
         return;
     }
-    let mean = rest / count;
+    let mean = sum / count;
     let within = mean.abs() < IMAGES.level;
     for cell in &mut cells {
         for row in areas(cell) {

@@ -9,7 +9,7 @@
 use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
 use super::settings::settings;
 use super::trajectory::Motion;
-use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
@@ -205,9 +205,9 @@ impl ImageCut {
     ///
     /// # Errors
     /// The unit lacks a candidate's variable.
-    pub fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+    pub fn settings(&self, point: &[f64], moved: Option<Perturbation>) -> Result<Vec<Setting>, Error> {
         let mut all = settings(self.studio.bench(), &self.candidates, Side::Camera, point, moved)?;
-        all.extend(settings(self.studio.bench(), &self.candidates, Side::Scatter, point, None)?);
+        all.extend(settings(self.studio.bench(), &self.candidates, Side::SensorNoise, point, None)?);
         let delay = self.studio.bench().reference(variable(name(Attribute::ImageDelay)))?;
         all.retain(|(reference, _)| *reference != delay);
         Ok(all)
@@ -249,33 +249,41 @@ impl ImageCut {
 
 impl ImageCut {
     /// A linearisation from where the frames are.
-    pub(super) fn settle(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+    pub(super) fn settle(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Result<Vec<Block>, Error> {
         self.place(point);
         if self.studio.interlaced() {
             self.order(point)?;
         }
         self.follow(point)?;
         self.mark();
-        self.compare(point, probes)
+        self.compare(point, perturbations)
     }
 
     /// A chord step from where the frames are.
-    pub(super) fn step(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+    pub(super) fn step(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Result<Vec<Block>, Error> {
         self.place(point);
         self.follow(point)?;
-        self.compare(point, probes)
+        self.compare(point, perturbations)
     }
 
     /// Residuals and sensitivities at the poses as they are.
-    fn compare(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+    fn compare(&mut self, point: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
         let base = self.base(point)?;
-        let mut columns = Vec::with_capacity(probes.len());
-        for probe in probes {
-            let seen = self.sees(&self.candidates[probe.candidate]);
-            columns.push(if !seen || Some(probe.candidate) == self.delay {
+        let mut columns = Vec::with_capacity(perturbations.len());
+        for perturbation in perturbations {
+            let seen = self.sees(&self.candidates[perturbation.candidate]);
+            columns.push(if !seen || Some(perturbation.candidate) == self.delay {
                 None
             } else {
-                Some(self.column(point, *probe)?)
+                Some(self.column(point, *perturbation)?)
             });
         }
         let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
@@ -294,12 +302,12 @@ impl ImageCut {
             let pose =
                 DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
             let none = DMatrix::zeros(rows.len(), 0);
-            let mut matrix = DMatrix::zeros(rows.len(), probes.len());
+            let mut matrix = DMatrix::zeros(rows.len(), perturbations.len());
             for (place, column) in columns.iter().enumerate() {
                 for (r, s) in rows.iter().enumerate() {
                     matrix[(r, place)] = match column {
                         Some(column) => column[index].map_or(0.0, |slope| slope[*s]),
-                        None if Some(probes[place].candidate) == delay && !free => {
+                        None if Some(perturbations[place].candidate) == delay && !free => {
                             -(one[*s] * frame.shot.end[2] + two[*s] * frame.shot.end[3])
                         }
                         None => 0.0,
@@ -307,7 +315,7 @@ impl ImageCut {
                 }
             }
             let cell = Cell {
-                residual: rows.iter().map(|s| frames::rest(*s, &frame.seen, here)).collect(),
+                residual: rows.iter().map(|s| frames::residual(*s, &frame.seen, here)).collect(),
                 sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
                 time: vec![frame.time; rows.len()],
                 hard: if free { pose.clone() } else { none.clone() },
@@ -358,7 +366,7 @@ impl Cut for ImageCut {
 
     fn sees(&self, candidate: &Candidate) -> bool {
         let free = !matches!(self.pose, Pose::Logged(..));
-        let seen = matches!(candidate.side, Side::Camera | Side::Stamps);
+        let seen = matches!(candidate.side, Side::Camera | Side::Timestamps);
         seen && !(free && candidate.is(Attribute::ImageDelay))
     }
 
@@ -370,15 +378,25 @@ impl Cut for ImageCut {
         Nuisances { frames: Some(self.first.clone()), ..Nuisances::default() }
     }
 
-    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn linearise(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let blocks = self.settle(at, probes)?;
+        let blocks = self.settle(at, perturbations)?;
         Ok(self.found(blocks, from))
     }
 
-    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn chord(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let blocks = self.step(at, probes)?;
+        let blocks = self.step(at, perturbations)?;
         Ok(self.found(blocks, from))
     }
 }

@@ -14,9 +14,11 @@ use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
-use crate::statistics::levels::HALF;
+use crate::statistics::levels::{FINE, HALF, SMALL};
 use crate::statistics::random::Random;
 
+/// How far to either side of a noise the slope is taken that says how well it is known, times.
+const BESIDE: f64 = 1.0 + SMALL;
 /// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
 const CHANNELS: [(usize, f64); 3] = [
     (CENTROIDS.start, HALF * CENTROIDS_APART),
@@ -50,17 +52,18 @@ impl ImageCut {
     /// The camera unit failed.
     pub fn noise(&mut self, point: &[f64], at: &Nuisances) -> Result<Option<Noise>, Error> {
         self.begin_from(at);
-        let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::Scatter) else {
+        let Some(index) = self.candidates.iter().position(|candidate| candidate.side == Side::SensorNoise)
+        else {
             return Ok(None);
         };
         let candidate = &self.candidates[index];
         let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
         let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
-        let rest = |place: usize| {
+        let residual = |place: usize| {
             let (here, seen) = (clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
-        let measured: Vec<Option<Seen>> = (0..shots.len()).map(rest).collect();
+        let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
         let Some(seen) = self.scatter(&[measured]) else { return Ok(None) };
         let predicted = |sigma: f64| -> Result<Option<Scatter>, Error> {
             let mut there = point.to_vec();
@@ -69,11 +72,11 @@ impl ImageCut {
             let mut sets = Vec::new();
             for seed in 0..IMAGES.made {
                 let made = self.studio.noisy(&settings, &self.unsure(seed), seed)?;
-                let rest = |place: usize| {
+                let residual = |place: usize| {
                     let (here, made) = (clean[place]?, made[place]?);
                     self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
                 };
-                sets.push((0..shots.len()).map(rest).collect());
+                sets.push((0..shots.len()).map(residual).collect());
             }
             Ok(self.scatter(&sets))
         };
@@ -101,16 +104,16 @@ impl ImageCut {
             }));
         }
         // as far as the unit goes, and what is compared above it
-        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / 1.2).max(from);
+        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / BESIDE).max(from);
         let (mut low, mut high) = if apart.mean > 0.0 { (from, most) } else { (from / IMAGES.most, from) };
-        for _ in 0..IMAGES.steps {
+        while high > (1.0 + FINE) * low {
             let middle = (low * high).sqrt();
             let Some(there) = predicted(middle)? else { return Ok(None) };
             if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
         }
         let value = (low * high).sqrt();
         let (Some(mut there), Some(below), Some(above)) =
-            (predicted(value)?, predicted(value / 1.2)?, predicted(value * 1.2)?)
+            (predicted(value)?, predicted(value / BESIDE)?, predicted(value * BESIDE)?)
         else {
             return Ok(None);
         };
@@ -118,7 +121,7 @@ impl ImageCut {
         found[index] = value;
         self.unsure_lattice(&found, &clean, &mut there)?;
         let there = compare(&seen, &there);
-        let slope = compare(&above, &below).mean / (2.0 * libm::log(1.2));
+        let slope = compare(&above, &below).mean / (2.0 * libm::log(BESIDE));
         let error = value * there.error / slope.max(0.1);
         Ok(Some(Noise { nominal, value, error, detectable, clear: true }))
     }
@@ -131,11 +134,11 @@ impl ImageCut {
             let settings = self
                 .shifted(&self.settings(point, None)?, (u * IMAGES.noise_beside, v * IMAGES.noise_beside))?;
             let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
-            let rest = |place: usize| {
+            let residual = |place: usize| {
                 let (here, made) = (clean[place]?, made[place]?);
                 self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
             };
-            let set: Vec<Option<Seen>> = (0..clean.len()).map(rest).collect();
+            let set: Vec<Option<Seen>> = (0..clean.len()).map(residual).collect();
             if let Some(scatter) = self.scatter(&[set]) {
                 logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
             }

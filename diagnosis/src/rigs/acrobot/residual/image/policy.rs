@@ -62,8 +62,6 @@ pub struct Images {
     pub least: f64,
     /// Largest ratio to the nominal one, or to the least, that is tried.
     pub most: f64,
-    /// Steps of the bisection: a hundred in 2^12.
-    pub steps: usize,
 }
 
 /// Those in force.
@@ -93,5 +91,4 @@ pub const IMAGES: Images = Images {
     known: SMALL,
     least: HALF,
     most: FAR * FAR,
-    steps: 12,
 };

@@ -147,7 +147,7 @@ pub fn pose_shift(cell: &Cell) -> Option<(Vector2<f64>, DMatrix<f64>)> {
     let map = DMatrix::from_fn(2, cell.residual.len(), |i, row| {
         inverse[(i, 0)] * weighted[(0, row)] + inverse[(i, 1)] * weighted[(1, row)]
     });
-    let rest = DVector::from_column_slice(&cell.residual);
-    let shift: DVector<f64> = &map * rest;
+    let residual = DVector::from_column_slice(&cell.residual);
+    let shift: DVector<f64> = &map * residual;
     Some((Vector2::new(shift[0], shift[1]), map))
 }

@@ -138,13 +138,13 @@ impl PlantCut {
         &self,
         window: &Window,
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
     ) -> Result<WindowFit, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
         let begin = self.fit(window, &layout, &settings, window.start, window.slack.clone())?;
         let (fit, free) = self.settled(window, &layout, &settings, begin)?;
-        self.compared(window, &layout, point, probes, fit, free)
+        self.compared(window, &layout, point, perturbations, fit, free)
     }
 
     /// A chord step of a window, by the sensitivities of its last linearisation; without any, it is linearised.
@@ -152,7 +152,7 @@ impl PlantCut {
         &self,
         window: &Window,
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
     ) -> Result<WindowFit, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
@@ -165,7 +165,7 @@ impl PlantCut {
             }
             None => self.settled(window, &layout, &settings, begin)?,
         };
-        self.compared(window, &layout, point, probes, fit, free)
+        self.compared(window, &layout, point, perturbations, fit, free)
     }
 
     /// A window's nuisances settled from `begin`, and, if there was one, the fit without slack torques.
@@ -192,38 +192,38 @@ impl PlantCut {
         Ok((fit, free))
     }
 
-    /// What a fit leaves, with the sensitivities to the probes.
+    /// What a fit leaves, with the sensitivities to the perturbations.
     fn compared(
         &self,
         window: &Window,
         layout: &Layout,
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
         fit: Fit,
         free: Option<Fit>,
     ) -> Result<WindowFit, Error> {
         let Fit { start, slack, base, mut cell, .. } = fit;
         // the model itself has no slack torques: what they did is part of the residual
         let missing = &cell.soft * DVector::from_column_slice(&slack);
-        cell.residual.iter_mut().zip(missing.iter()).for_each(|(rest, torque)| *rest += torque);
+        cell.residual.iter_mut().zip(missing.iter()).for_each(|(residual, torque)| *residual += torque);
         let pushes = window.pushes(&slack);
         let (from, to) = (window.drive.start(), window.drive.end());
-        let mut columns = DMatrix::zeros(layout.len(), probes.len());
-        for (place, probe) in probes.iter().enumerate() {
-            let candidate = &self.candidates[probe.candidate];
+        let mut columns = DMatrix::zeros(layout.len(), perturbations.len());
+        for (place, perturbation) in perturbations.iter().enumerate() {
+            let candidate = &self.candidates[perturbation.candidate];
             if candidate.side != Side::Plant && self.sees(candidate) {
-                let column = self.seen_column(window, layout, &base, place, probe.candidate);
+                let column = self.seen_column(window, layout, &base, place, perturbation.candidate);
                 (0..layout.len()).for_each(|row| columns[(row, place)] = column[row]);
             } else if self.sees(candidate) {
-                let moved = self.settings(point, Some(*probe))?;
+                let moved = self.settings(point, Some(*perturbation))?;
                 // a value that the plant can't follow has no column
                 if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
-                    layout.column(&base, &rows, probe.by, &mut columns, place);
+                    layout.column(&base, &rows, perturbation.by, &mut columns, place);
                 }
             }
         }
         cell.columns = columns;
-        self.stamps(layout, &base, &mut cell);
+        self.timestamps(layout, &base, &mut cell);
         let mut state = [0.0; 4];
         for row in &base {
             for (sum, value) in state.iter_mut().zip(row) {
@@ -242,11 +242,11 @@ impl PlantCut {
 }
 
 pub(super) fn square(cell: &Cell) -> f64 {
-    cell.residual.iter().zip(&cell.sigma).map(|(rest, sigma)| (rest / sigma).powi(2)).sum()
+    cell.residual.iter().zip(&cell.sigma).map(|(residual, sigma)| (residual / sigma).powi(2)).sum()
 }
 
 /// Start state and slack torques after a Gauss-Newton step; `None` when it moves the rows by less than a tenth of a standard
-/// deviation. Leads are free while they are looked for.
+/// deviation. They are free while they are fitted.
 pub(super) fn next(fit: &Fit, slackened: bool) -> Option<(State, Vec<f64>)> {
     let cell = &fit.cell;
     // nothing is a discrepancy yet but the slack torques

@@ -33,7 +33,7 @@ impl PlantCut {
         Ok(self.astray(&layout, &fit))
     }
 
-    /// Where another scatter of the timestamps changes whether the plant needs slack torques, looks again from the beginning;
+    /// Where another scatter of the timestamps changes whether the plant needs slack torques, fits again from the beginning;
     /// elsewhere that would find the same once more.
     pub(super) fn slacken_again(&mut self, point: &[f64], in_vain: bool) -> Result<bool, Error> {
         let changed = |place: &usize| {

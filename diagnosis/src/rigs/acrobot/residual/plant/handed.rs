@@ -8,38 +8,38 @@ use super::fitting::{Fit, WindowFit, square};
 use super::*;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
-fn squares(look: &WindowFit) -> f64 {
-    look.block.cells.iter().map(square).sum()
+fn squares(fit: &WindowFit) -> f64 {
+    fit.block.cells.iter().map(square).sum()
 }
 
-fn rows(look: &WindowFit) -> f64 {
-    look.block.cells.iter().map(|cell| cell.residual.len() as f64).sum()
+fn rows(fit: &WindowFit) -> f64 {
+    fit.block.cells.iter().map(|cell| cell.residual.len() as f64).sum()
 }
 
-fn lost(look: &WindowFit) -> bool {
-    squares(look) > WINDOWS.far * rows(look)
+fn lost(fit: &WindowFit) -> bool {
+    squares(fit) > WINDOWS.far * rows(fit)
 }
 
 /// Mean square of the usual window.
 fn usual(found: &[Result<WindowFit, Error>]) -> f64 {
-    let means = found.iter().flatten().map(|look| squares(look) / rows(look));
+    let means = found.iter().flatten().map(|fit| squares(fit) / rows(fit));
     let mut each: Vec<f64> = means.filter(|mean| mean.is_finite()).collect();
     each.sort_by(f64::total_cmp);
     each.get(each.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
-fn doubted(look: &WindowFit, usual: f64) -> bool {
-    squares(look) > usual * (rows(look) + WINDOWS.doubt * (2.0 * rows(look)).sqrt())
+fn doubted(fit: &WindowFit, usual: f64) -> bool {
+    squares(fit) > usual * (rows(fit) + WINDOWS.doubt * (2.0 * rows(fit)).sqrt())
 }
 
 impl PlantCut {
-    /// Looks again at windows that are lost or doubted, those of a run in their order. `found` is what was found at `places`.
+    /// Fits windows again that are lost or doubted, those of a run in their order. `found` is what was found at `places`.
     /// Answers whether doubts are worth having: not where nobody who was doubted got a better start, now or `in_vain` before.
     pub(super) fn handed(
         &self,
         places: &[usize],
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
         found: &mut [Result<WindowFit, Error>],
         in_vain: bool,
     ) -> Result<bool, Error> {
@@ -50,25 +50,25 @@ impl PlantCut {
         let usual = if asked { usual(found) } else { f64::INFINITY };
         for index in 0..found.len() {
             let here = &self.windows[places[index]];
-            let Ok(look) = &found[index] else { continue };
+            let Ok(fit) = &found[index] else { continue };
             let before = index
                 .checked_sub(1)
                 .and_then(|before| Some((&self.windows[places[before]], found[before].as_ref().ok()?)));
             let handed = || before.and_then(|(window, known)| self.state_of(window, known, here, &settings));
-            let begun = if doubted(look, usual) {
-                let deepest = self.deepest(here, look, handed(), &settings);
+            let begun = if doubted(fit, usual) {
+                let deepest = self.deepest(here, fit, handed(), &settings);
                 doubts += 1;
                 helped += usize::from(deepest.is_some());
                 deepest
             } else {
                 let better =
-                    |(_, known): (&Window, &WindowFit)| squares(known) <= WINDOWS.better * squares(look);
-                if lost(look) && before.is_some_and(better) { handed() } else { None }
+                    |(_, known): (&Window, &WindowFit)| squares(known) <= WINDOWS.better * squares(fit);
+                if lost(fit) && before.is_some_and(better) { handed() } else { None }
             };
             let Some(begun) = begun else { continue };
             // what begins anew and fails leaves what there was
-            let Ok(again) = self.linearised(&here.begun_at(begun), point, probes) else { continue };
-            if squares(&again) < squares(look) {
+            let Ok(again) = self.linearised(&here.begun_at(begun), point, perturbations) else { continue };
+            if squares(&again) < squares(fit) {
                 found[index] = Ok(again);
             }
         }
@@ -79,11 +79,11 @@ impl PlantCut {
     fn deepest(
         &self,
         here: &Window,
-        look: &WindowFit,
+        fit: &WindowFit,
         handed: Option<State>,
         settings: &[Setting],
     ) -> Option<State> {
-        let [q1, q2, dq1, dq2] = look.start;
+        let [q1, q2, dq1, dq2] = fit.start;
         let both = 0.5 * (dq1 + dq2);
         let stuck = [[q1, q2, both, both], [q1, q2, 0.0, dq2], [q1, q2, 0.0, 0.0]];
         let starts: Vec<State> = handed.into_iter().chain(stuck).collect();
@@ -95,7 +95,7 @@ impl PlantCut {
         };
         let fits: Vec<Fit> = starts.par_iter().filter_map(settled).collect();
         let best = fits.into_iter().min_by(|a, b| square(&a.cell).total_cmp(&square(&b.cell)))?;
-        (square(&best.cell) < WINDOWS.deeper * squares(look)).then_some(best.start)
+        (square(&best.cell) < WINDOWS.deeper * squares(fit)).then_some(best.start)
     }
 
     /// The state of one window where the next begins, if it goes so far.

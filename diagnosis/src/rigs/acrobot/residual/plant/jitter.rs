@@ -46,8 +46,9 @@ impl PlantCut {
             }
             best.1
         };
-        for power in 0..WINDOWS.sizes {
-            self.jitter = more_likely(WINDOWS.smallest * f64::from(1 << power));
+        let twice = std::iter::successors(Some(WINDOWS.smallest), |size| Some(2.0 * size));
+        for size in twice.take_while(|size| *size < POLICY.motion_step) {
+            self.jitter = more_likely(size);
         }
         // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
         let mut finer = 2.0_f64;
@@ -80,7 +81,7 @@ impl PlantCut {
     }
 
     /// Puts the timestamps' columns before the slack torques.
-    pub(super) fn stamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
+    pub(super) fn timestamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
         if self.jitter == 0.0 {
             return;
         }
@@ -109,9 +110,9 @@ impl PlantCut {
     pub(super) fn loose(&self, layout: &Layout, fit: &Fit) -> f64 {
         let rows = fit.cell.residual.iter().zip(&fit.cell.sigma).zip(&layout.bins);
         let squares =
-            rows.filter(|(_, (signal, _))| *signal < MOTION).map(|((rest, sigma), (signal, rows))| {
+            rows.filter(|(_, (signal, _))| *signal < MOTION).map(|((residual, sigma), (signal, rows))| {
                 let late = if *signal < 2 { self.jitter * rate(&fit.base, *signal, rows) } else { 0.0 };
-                (rest * rest / (sigma * sigma + late * late), 1.0)
+                (residual * residual / (sigma * sigma + late * late), 1.0)
             });
         let (sum, count) =
             squares.fold((0.0, 0.0), |(sum, count), (square, one)| (sum + square, count + one));
@@ -136,7 +137,7 @@ impl Tracked<PlantCut> {
     ///
     /// # Errors
     /// The unit failed.
-    pub fn still_scatters(&mut self, point: &[f64]) -> Result<bool, Error> {
+    pub fn jitter_remains(&mut self, point: &[f64]) -> Result<bool, Error> {
         let before = self.jitter;
         if before == 0.0 {
             return Ok(true);
@@ -167,7 +168,7 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
 ///
 /// The timestamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
 /// rightly, this allows for too much.
-pub fn torque_scatter(runs: &[Run], part: f64) -> f64 {
+pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for log in runs.iter().filter(|run| run.plant.is_some()).filter_map(|run| run.controller.as_ref()) {
         let Some(tau) = log.column("tau") else { continue };

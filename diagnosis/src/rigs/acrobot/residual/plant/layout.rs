@@ -58,9 +58,9 @@ impl Layout {
         for (signal, rows) in &self.bins {
             let values = log.column(COLUMNS[*signal]).unwrap_or(&[]);
             let n = rows.len() as f64;
-            let rest: f64 = rows.iter().map(|row| values[window.rows[*row]] - base[*row][*signal]).sum();
+            let residual: f64 = rows.iter().map(|row| values[window.rows[*row]] - base[*row][*signal]).sum();
             let time: f64 = rows.iter().map(|row| log.time[window.rows[*row]]).sum();
-            cell.residual.push(rest / n);
+            cell.residual.push(residual / n);
             cell.sigma.push(cut.signals[*signal].sigma / n.sqrt());
             cell.signal.push(*signal);
             cell.time.push(time / n);

@@ -60,11 +60,13 @@ impl PlantCut {
 }
 
 /// How far the zeros of q1 and q2 are off at a point, one candidate moved on, rad.
-pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Probe>) -> [f64; 2] {
+pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Perturbation>) -> [f64; 2] {
     let mut off = [0.0; 2];
     for (index, candidate) in candidates.iter().enumerate() {
         if let Some(angle) = angle(candidate) {
-            let by = moved.filter(|probe| probe.candidate == index).map_or(0.0, |probe| probe.by);
+            let by = moved
+                .filter(|perturbation| perturbation.candidate == index)
+                .map_or(0.0, |perturbation| perturbation.by);
             off[angle] = (point[index] + by).clamp(candidate.range.0, candidate.range.1);
         }
     }

@@ -5,7 +5,7 @@ pub use super::trajectory::MOTION;
 use super::trajectory::{
     CHANNELS, COLUMNS, DENSE, Drive, Motion, PREROLL, Ports, Push, Row, State, simulate, state_of,
 };
-use super::{Block, Cut, Linearised, Nuisances, Policy, Probe, Signal, Tracked};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -13,7 +13,9 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
+use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::{FAR, HALF};
 use crate::statistics::linear::{Cell, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -40,7 +42,10 @@ pub use window::WindowState;
 use window::{Kept, Window, cut_run, lost, most, thin};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
-const NUDGE: State = [1e-4, 1e-4, 1e-3, 1e-3];
+const NUDGE: State = {
+    let (angle, rate) = (HALF * POLICY.read, HALF * POLICY.read * FAR);
+    [angle, angle, rate, rate]
+};
 pub(crate) const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
 
 /// Torque in, motion out.
@@ -81,7 +86,7 @@ impl PlantCut {
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
         let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
-        let contact = data.contact(model.number(parameters::STOP).unwrap_or(f64::INFINITY));
+        let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
         let mut windows = Vec::new();
@@ -114,7 +119,7 @@ impl PlantCut {
             .position(|candidate| candidate.side == Side::Clock)
             .filter(|_| runs.iter().any(steered));
         let part = windows.first().map_or(WINDOWS.window, |window| window.edges[1] - window.edges[0]);
-        let explained = jitter::torque_scatter(&runs, part);
+        let explained = jitter::torque_jitter(&runs, part);
         let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
@@ -141,7 +146,7 @@ impl PlantCut {
         (self.windows.len(), self.cut)
     }
 
-    fn settings(&self, point: &[f64], moved: Option<Probe>) -> Result<Vec<Setting>, Error> {
+    fn settings(&self, point: &[f64], moved: Option<Perturbation>) -> Result<Vec<Setting>, Error> {
         settings(&self.bench, &self.candidates, Side::Plant, point, moved)
     }
 
@@ -174,12 +179,12 @@ impl PlantCut {
     pub(super) fn settle_all(
         &mut self,
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
         in_vain: bool,
     ) -> Result<(Vec<Block>, bool), Error> {
         self.correct_log(point);
         let all: Vec<usize> = (0..self.windows.len()).collect();
-        self.settle_some(&all, point, probes, in_vain)
+        self.settle_some(&all, point, perturbations, in_vain)
     }
 
     /// Linearises some windows.
@@ -187,12 +192,12 @@ impl PlantCut {
         &mut self,
         places: &[usize],
         point: &[f64],
-        probes: &[Probe],
+        perturbations: &[Perturbation],
         in_vain: bool,
     ) -> Result<(Vec<Block>, bool), Error> {
-        let look = |place: &usize| self.linearised(&self.windows[*place], point, probes);
-        let mut done: Vec<_> = places.par_iter().map(look).collect();
-        let in_vain = !self.handed(places, point, probes, &mut done, in_vain)? || in_vain;
+        let fit = |place: &usize| self.linearised(&self.windows[*place], point, perturbations);
+        let mut done: Vec<_> = places.par_iter().map(fit).collect();
+        let in_vain = !self.handed(places, point, perturbations, &mut done, in_vain)? || in_vain;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
             let WindowFit { start, slack, block, free } = result?;
@@ -210,10 +215,14 @@ impl PlantCut {
     }
 
     /// A chord step of all windows from where they are.
-    pub(super) fn step_all(&mut self, point: &[f64], probes: &[Probe]) -> Result<Vec<Block>, Error> {
+    pub(super) fn step_all(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Result<Vec<Block>, Error> {
         self.correct_log(point);
-        let look = |window: &Window| self.stepped(window, point, probes);
-        let done: Vec<_> = self.windows.par_iter().map(look).collect();
+        let fit = |window: &Window| self.stepped(window, point, perturbations);
+        let done: Vec<_> = self.windows.par_iter().map(fit).collect();
         let mut blocks = Vec::with_capacity(done.len());
         for (window, result) in self.windows.iter_mut().zip(done) {
             let WindowFit { start, slack, block, .. } = result?;
@@ -363,15 +372,25 @@ impl Cut for PlantCut {
         Nuisances { windows: Some(self.first.clone()), ..Nuisances::default() }
     }
 
-    fn linearise(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn linearise(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let (blocks, in_vain) = self.settle_all(at, probes, from.in_vain)?;
+        let (blocks, in_vain) = self.settle_all(at, perturbations, from.in_vain)?;
         Ok(Linearised { blocks, nuisances: self.nuisances(in_vain), unseen: 0 })
     }
 
-    fn chord(&mut self, at: &[f64], probes: &[Probe], from: &Nuisances) -> Result<Linearised, Error> {
+    fn chord(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+        from: &Nuisances,
+    ) -> Result<Linearised, Error> {
         self.begin_from(from);
-        let blocks = self.step_all(at, probes)?;
+        let blocks = self.step_all(at, perturbations)?;
         Ok(Linearised { blocks, nuisances: self.nuisances(from.in_vain), unseen: 0 })
     }
 }

@@ -16,18 +16,16 @@ pub struct Windows {
     pub bins: usize,
     /// Parts of a window that each get a torque the model may lack.
     pub parts: usize,
-    /// So many rows tell a curvature from noise; the fewest that are looked at.
+    /// So many rows tell a curvature from noise; the fewest that are used.
     pub curved: usize,
     pub fewest: usize,
-    /// Where an arm tumbles, so many rows on either side, and no less than this, s: at 50 rad/s a parabola through 0.06 s is off by
-    /// 10 rad/s, and a fit that begins there ends anywhere.
+    /// Where an arm tumbles, so many rows on either side, and no less than a step of a motion: at 50 rad/s a parabola through 0.06 s is
+    /// off by 10 rad/s, and a fit that begins there ends anywhere.
     pub near_rows: f64,
-    pub near: f64,
     /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
     pub most: usize,
-    /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s; of the paper's arm), has run away.
+    /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s), has run away.
     pub lost: f64,
-    pub growth: f64,
     /// Where the residual is this many standard deviations, the plant is first held to the log by slack torques, so that
     /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
     pub slack: f64,
@@ -39,9 +37,8 @@ pub struct Windows {
     pub doubt: f64,
     /// A valley is left for one that is deeper by this share.
     pub deeper: f64,
-    /// Sizes that are tried: from 20 µs in factors of two to 5 ms.
+    /// Smallest scatter of timestamps that is tried, s; then twice as much, up to a step of a motion.
     pub smallest: f64,
-    pub sizes: i32,
     /// Share of the windows in which something else than timestamps may have happened: a saturation of the torque that cut two windows of sixty
     /// passed for timestamps that scatter, which then hid it.
     pub events: f64,
@@ -65,17 +62,14 @@ pub const WINDOWS: Windows = Windows {
     curved: POLICY.curved,
     fewest: FEW,
     near_rows: SEVERAL,
-    near: 0.01,
     most: POLICY.most,
     lost: 2.0 * FAR,
-    growth: 7.0,
     slack: CERTAIN,
     far: SEVERAL,
     better: PART,
     doubt: DOUBTED,
     deeper: 1.0 - SMALL,
     smallest: 2e-5,
-    sizes: 9,
     events: SMALL,
     evenly: PART,
     still: HALF,

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 pub struct Poses {
     /// Per run and row: q1, q2; `NaN` where the image says nothing.
     pub angles: Vec<Vec<[f64; 2]>>,
-    /// Per run and row: how each probe would move them, per unit.
+    /// Per run and row: how each perturbation would move them, per unit.
     pub moves: Vec<Vec<DMatrix<f64>>>,
 }
 

@@ -28,7 +28,7 @@ pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
 
 /// From this rate on (rad/s) nothing is simulated any more.
 pub(super) fn lost(data: &DataSet, model: &Model) -> f64 {
-    WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(WINDOWS.growth), f64::max)
+    WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(0.0), f64::max)
 }
 
 /// Evenly chosen windows, at most so many.
@@ -144,8 +144,8 @@ impl Window {
 pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &mut Vec<Window>) {
     let (Some(plant), Some(_)) = (&run.plant, &run.controller) else { return };
     let (Some(q1), Some(q2)) = (plant.column("q1"), plant.column("q2")) else { return };
-    let fallen = run.touches(contact).unwrap_or(plant.len());
-    let usable: Vec<usize> = (0..fallen).filter(|row| q1[*row].is_finite() || q2[*row].is_finite()).collect();
+    let limit = run.touches(contact).unwrap_or(plant.len());
+    let usable: Vec<usize> = (0..limit).filter(|row| q1[*row].is_finite() || q2[*row].is_finite()).collect();
     if usable.len() < POLICY.rows {
         return;
     }
@@ -247,7 +247,7 @@ impl Curve {
     pub(super) const USUAL: Self = Self { around: POLICY.around, power: 2 };
 
     fn near(typical: f64) -> Self {
-        Self { around: (WINDOWS.near_rows * typical).clamp(WINDOWS.near, POLICY.around), power: 3 }
+        Self { around: (WINDOWS.near_rows * typical).clamp(POLICY.motion_step, POLICY.around), power: 3 }
     }
 }
 
@@ -283,8 +283,8 @@ pub(super) fn guess(time: &[f64], q1: &[f64], q2: &[f64], at: f64, curve: Curve)
         let design = DMatrix::from_fn(rows.len(), powers, |row, power| {
             ((time[rows[row]] - at) / around).powi(power as i32)
         });
-        let rest = DVector::from_fn(rows.len(), |row, _| values[rows[row]] - values[*first]);
-        match solve(&design.tr_mul(&design), &design.tr_mul(&rest)) {
+        let change = DVector::from_fn(rows.len(), |row, _| values[rows[row]] - values[*first]);
+        match solve(&design.tr_mul(&design), &design.tr_mul(&change)) {
             Some(found) => (values[*first] + found[0], found[1] / around),
             None => (values[*first], 0.0),
         }

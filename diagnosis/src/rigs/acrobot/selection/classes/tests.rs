@@ -18,7 +18,7 @@ fn seat<'a>(candidates: &'a [Candidate], last: &'a Evaluation) -> Seat<'a> {
     }
 }
 
-/// Whether the second is looked at in the place of the first, which explains `strength` and shares `shared` of its square with it.
+/// Whether the second is fitted in the place of the first, which explains `strength` and shares `shared` of its square with it.
 fn is_near(strength: f64, shared: f64, nonlinear: bool, linear: Option<f64>) -> bool {
     let candidates = [candidate(Side::Camera, false), candidate(Side::Camera, nonlinear)];
     let across = (strength * shared).sqrt();
@@ -64,7 +64,7 @@ fn value_another_resembles_a_whole_number_that_foretold_half_of_it() {
             together: Vec::new(),
             dropped: Vec::new(),
             deviance: (1000.0, 0.0),
-            rest: (1.0, 1.0),
+            mean_square: (1.0, 1.0),
             held_out: (1.0, 1.0),
         };
         resembled(&[step], 0, 1)

@@ -60,6 +60,20 @@ fn law_start_values_go_along_the_dependencies() {
 }
 
 #[test]
+fn law_a_loop_of_states_is_none_at_the_start() {
+    // An integrator begins with x0 whatever drives it, so there is nothing to be solved, and nothing to tell.
+    let parts = [
+        unit("x", "stateful.fmu", "x0 = 2"),
+        unit("v", "stateful.fmu", "k = -1"),
+        connection("v.y1", "x.u1"),
+        connection("x.y1", "v.u1"),
+    ];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    assert_eq!(simulation.value("v.u1").expect("known"), 2.0);
+    assert_eq!(simulation.notices(), Vec::<String>::new());
+}
+
+#[test]
 fn law_an_output_of_two_inputs_starts_after_both_in_whatever_order_they_are_written() {
     // `both` needs a gain and the state that the gain needs, too; nothing says which of its inputs comes first.
     let fixtures = Units::new();
@@ -375,6 +389,60 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         "s_in = \"x\"",
     ] {
         assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
+    }
+}
+
+#[test]
+fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
+    let (units, folder) = (Units::new(), tempfile::TempDir::new().expect("a temporary folder"));
+    let other = folder.path().join("stateful.fmu");
+    std::fs::copy(units.path().join("feedthrough.fmu"), &other).expect("copied");
+    std::fs::create_dir(folder.path().join("more")).expect("a folder");
+    let tables = ["z.csv", "more/z.csv"];
+    for name in tables {
+        std::fs::write(folder.path().join(name), "time,z\n0,0\n1,1\n").expect("writable");
+    }
+    let source = |to: &str, file: &str| {
+        format!("[[sources]]\nto = \"{to}\"\nkind = \"csv\"\nfile = \"{file}\"\ncolumn = \"z\"\n")
+    };
+    let text = [
+        "format = 1\nexperiment = { stop = 1 }\n".into(),
+        unit("a", "stateful.fmu", "k = 3"),
+        unit("b", &other.display().to_string(), "mode = 1"),
+        unit("c", &units.path().join("stateful.fmu").display().to_string(), "x0 = 1"),
+        source("a.u1", tables[0]),
+        source("b.u1", tables[1]),
+        source("c.u1", tables[0]),
+    ]
+    .concat();
+    let scenario = Scenario::parse(&text, folder.path().join("test.toml")).expect("a scenario");
+    let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+    simulation.set("c.x0", 2.0).expect("before a run");
+    let bundle = simulation.bundle();
+    let named: Vec<&str> = bundle.scenario.units.iter().map(|unit| unit.fmu.value.as_str()).collect();
+    let files: Vec<&str> = bundle.files.iter().map(|(name, _)| name.as_str()).collect();
+    // What lies beside the scenario comes before what the unit path has.
+    assert_eq!(named, ["stateful.fmu", "stateful.fmu", "stateful-2.fmu"]);
+    assert_eq!(files, ["stateful.fmu", "stateful-2.fmu", "z.csv", "z-2.csv"]);
+    // Unpacked side by side it is the same run.
+    let unpacked = tempfile::TempDir::new().expect("a temporary folder");
+    for (name, path) in &bundle.files {
+        std::fs::copy(path, unpacked.path().join(name)).expect("copied");
+    }
+    let again =
+        Scenario::parse(&simulation.bundled(&bundle), unpacked.path().join("test.toml")).expect("loads");
+    let path = orchestrator::UnitPath::new().with(unpacked.path());
+    let mut again = Simulation::new(&again, &path).expect("builds");
+    let bytes = |simulation: &mut Simulation| {
+        let mut csv = CsvRecorder::new(Vec::new());
+        simulation.run(&mut csv, &mut Quiet).expect("runs");
+        csv.into_inner()
+    };
+    assert_eq!(bytes(&mut again), bytes(&mut simulation));
+    assert_eq!(simulation.given()[2], [("x0", &Value::Real(2.0))]);
+    let used = simulation.used();
+    for (name, value) in [("k", 3.0), ("x0", 0.0)] {
+        assert!(used[0].contains(&(name.into(), Value::Real(value))), "{name}");
     }
 }
 

@@ -63,23 +63,91 @@ fn every_step_begins_where_the_last_one_ended() {
     }
 }
 
+/// Setting anything of a reference is refused.
+fn refuses(what: &str) -> (&'static str, String) {
+    let honest = "        for (size_t i = 0; i < n; i++) ((Unit *)c)->FIELD[refs[i]] = values[i];";
+    (
+        honest,
+        format!(
+            "        for (size_t i = 0; i < n; i++) {{ if ({what}) return 3; ((Unit *)c)->FIELD[refs[i]] = values[i]; }}"
+        ),
+    )
+}
+
 #[test]
 fn every_trial_of_a_reset_keeps_to_time_and_to_the_bounds_of_inputs() {
-    let units = Units::new();
     let start = "name=\"u1\" valueReference=\"0\" causality=\"input\"><Real start=\"0\"";
-    let checks = |refused: &str| {
-        format!(
-            "    (void)no_return;\n    if (u->r[U1] {refused} 0 || fabs(from - u->reached) > 1e-12) return 3;\n"
-        )
-    };
-    for (bound, refused) in [("min=\"0\"", "<"), ("max=\"0\"", ">")] {
-        let unit = instance(
-            &units,
-            &[(start, &format!("{start} {bound}"))],
-            &[STRICT[0], (STRICT[1].0, &checks(refused))],
+    let restores = |described: &[(&str, &str)], refused: &str| {
+        let outputs = refuses("refs[i] > U2");
+        let check = format!(
+            "    (void)no_return;\n    if ({refused} || fabs(from - u->reached) > 1e-12 || !(size > 0 && size < 1)) return 3;\n"
         );
-        assert!(unit.fmu().restores(), "{bound}");
+        let library = [STRICT[0], (STRICT[1].0, check.as_str()), (outputs.0, outputs.1.as_str())];
+        instance(&Units::new(), described, &library).fmu().restores()
+    };
+    for (bounds, refused) in [
+        ("min=\"0\"", "u->r[U1] < 0"),
+        ("max=\"0\"", "u->r[U1] > 0"),
+        // It is moved all the same: from the second step on, since a first one begins at the start value.
+        ("min=\"0\"", "u->r[U1] == 0"),
+        ("max=\"0\"", "u->r[U1] == 0"),
+        ("min=\"0\" max=\"0.01\"", "u->r[U1] != 0.01"),
+    ] {
+        assert!(restores(&[(start, &format!("{start} {bounds}"))], refused), "{bounds}, refused {refused}");
     }
+    assert!(!restores(&[], "size > 0.005"), "what it refuses is seen");
+    for odd in ["0", "-0.01", "INF", "NaN"] {
+        assert!(restores(&[("stepSize=\"0.01\"", &format!("stepSize=\"{odd}\""))], "0"), "{odd}");
+    }
+}
+
+#[test]
+fn law_a_parameter_that_a_reset_leaves_shows() {
+    let leaves = (
+        "API int fmi2Reset(void *c) { start(c); return 0; }",
+        "API int fmi2Reset(void *c) { start(c); ((Unit *)c)->r[FAULT_TIME] = 1e200; return 0; }",
+    );
+    assert!(!instance(&Units::new(), &[], &[leaves]).fmu().restores());
+}
+
+#[test]
+fn law_an_instance_that_is_dropped_is_ended_and_freed() {
+    // It gives no other one before; and it is to be terminated if it came out of initialization mode, else not.
+    let counts = [
+        ("API void *fmi2Instantiate(", "static int alive, owed;\nAPI void *fmi2Instantiate("),
+        ("    if (type != 1 ||", "    if (owed || alive++) return NULL;\n    if (type != 1 ||"),
+        ("API void fmi2FreeInstance(void *c) { ", "API void fmi2FreeInstance(void *c) { alive--; "),
+        (
+            "    u->x = u->r[X0];\n    outputs(u, 0, 0);\n    u->init",
+            "    owed++;\n    u->x = u->r[X0];\n    outputs(u, 0, 0);\n    u->init",
+        ),
+        ("API int fmi2Terminate(void *c) { ", "API int fmi2Terminate(void *c) { owed--; "),
+    ];
+    let units = Units::new();
+    let mut one = instance(&units, &[], &counts);
+    let fmu = one.fmu().clone();
+    for stepped in [false, true, false] {
+        one.setup_experiment(0.0, None).expect("set up");
+        one.enter_initialization().expect("enters");
+        if stepped {
+            one.exit_initialization().expect("exits");
+        }
+        drop(one);
+        one = fmu.instantiate("another").unwrap_or_else(|error| panic!("stepped {stepped}: {error}"));
+    }
+}
+
+#[test]
+fn law_resources_are_told_as_an_address() {
+    let tells = (
+        "    u->callbacks = callbacks;\n    start(u);\n",
+        "    u->callbacks = callbacks;\n    start(u);\n    callbacks->logger(callbacks->environment, name, 1, \"events\", \"%s\", resources);\n",
+    );
+    let unit = instance(&Units::new(), &[], &[tells]);
+    let log = unit.log();
+    let path = log[0].text.strip_prefix("file://").expect("a file's address");
+    assert!(path.starts_with('/') && !path.starts_with("//"), "{path}");
+    assert!(path.ends_with("/resources") && std::path::Path::new(path).is_dir(), "{path}");
 }
 
 #[test]
@@ -94,7 +162,8 @@ fn law_a_guess_is_set_before_initialization_mode_only() {
         "    ((Unit *)c)->initialising = 1;\n    ((Unit *)c)->r[K] *= 2;\n",
     );
     let units = Units::new();
-    for (described, expected) in [(&[guess][..], 6.0), (&[], 3.0)] {
+    let exact = (guess.0, &*guess.1.replace("approx", "exact"));
+    for (described, expected) in [(&[guess][..], 6.0), (&[exact], 3.0), (&[], 3.0)] {
         for begin in [
             Begin { settings: &[(4, Value::Real(3.0))], ..Begin::default() },
             Begin { reals: &[4], values: &[3.0], ..Begin::default() },
@@ -121,6 +190,29 @@ fn law_a_unit_is_asked_for_errors_and_warnings_only() {
     assert_eq!(log(&[]), ["[warning, events] 1: 1 logStatusError"]);
     // One that does not tell them apart is not asked.
     assert!(log(&[("<Category name=\"logStatusError\"/>", "")]).is_empty());
+}
+
+#[test]
+fn law_the_newest_lines_of_a_log_are_kept() {
+    let tells = (
+        "    (void)no_return;\n",
+        "    (void)no_return;\n    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"%g\", from);\n",
+    );
+    let mut unit = instance(&Units::new(), &[], &[tells]);
+    unit.setup_experiment(0.0, None).expect("set up");
+    unit.enter_initialization().expect("enters");
+    unit.exit_initialization().expect("exits");
+    let mut step = |count: u32| {
+        for number in 0..count {
+            assert_eq!(unit.do_step(f64::from(number), 1.0, true), Status::Ok);
+        }
+        unit.take_log().into_iter().map(|line| line.text).collect::<Vec<_>>()
+    };
+    assert_eq!(step(3), ["0", "1", "2"]);
+    assert!(step(0).is_empty(), "taken");
+    let many = step(1000);
+    assert_eq!(many.len(), 256);
+    assert_eq!((many[0].as_str(), many[255].as_str()), ("744", "999"));
 }
 
 #[test]

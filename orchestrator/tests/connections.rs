@@ -378,3 +378,16 @@ fn cross_the_budget_of_a_loop_is_how_its_oscillation_grows() {
         });
     }
 }
+
+#[test]
+fn value_truths_arrive_as_truths() {
+    let scenario =
+        pair("0.5", "0.125", "0.125", "").replace("a.y1", "a.b_out").replace("b.u1\"\n", "b.b_in\"\n");
+    let scenario =
+        scenario.replace(r#"variables = ["b.u1", "b.u1:age"]"#, r#"variables = ["b.b_in", "b.b_out"]"#);
+    every_algorithm(&scenario, |algorithm, results| {
+        // The sender's input is false, so it sends true, which the listener turns into false.
+        assert_eq!(series(results, "b.b_in"), [1.0; 5], "{algorithm}");
+        assert_eq!(series(results, "b.b_out"), [0.0; 5], "{algorithm}");
+    });
+}

@@ -292,6 +292,19 @@ fn every_status_is_handled() {
 }
 
 #[test]
+fn law_a_full_disk_of_a_unit_is_the_users_to_mend() {
+    let units = Units::new();
+    let error = |fault: i32| {
+        let set = format!("interval = 0.125\nset = {{ fault = {fault}, fault_time = 0.25 }}");
+        let mut simulation = build(&units, &BASE.replacen("interval = 0.125", &set, 1)).expect("builds");
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect_err("stops")
+    };
+    let (full, other) = (error(32), error(3));
+    assert!(full.to_string().contains("my file: "), "{full}");
+    assert!(full.is_input() && !other.is_input());
+}
+
+#[test]
 fn every_broken_unit_is_named() {
     let units = Units::new();
     let error = |path: &std::path::Path| {

@@ -106,6 +106,26 @@ fn every_status_says_the_same_elsewhere() {
 }
 
 #[test]
+fn every_warning_of_one_exchange_counts_elsewhere() {
+    let units = Units::new();
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let warns = common::library_with(&[(set, &format!("{set} return 1;"))]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &warns);
+    let text = SYSTEM.replace("x0 = 0.25", "fault = 1, fault_time = 0.25");
+    let mut scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let told = |scenario: &Scenario| {
+        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+        simulation.notices()
+    };
+    let here = told(&scenario);
+    // The setting of a real in each of 550 steps, and the steps from 0.25 s on.
+    assert!(here.iter().any(|notice| notice.starts_with("unit a answered ")), "{here:#?}");
+    isolate(&mut scenario, Isolation::default());
+    assert_eq!(told(&scenario), here);
+}
+
+#[test]
 fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
     let units = Units::new();
     let short = Isolation { step_limit: Duration::from_millis(500), ..Isolation::default() };
@@ -138,6 +158,10 @@ fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
             assert_eq!(calls.last().map(String::as_str), Some("fmi2DoStep from 0.249 s by 0.001 s"));
             assert!(inputs.iter().any(|input| input.starts_with("u1 = 0.")), "{inputs:?}");
             assert_eq!(results.times().last(), Some(&0.249));
+            assert!(
+                text.contains("\n  last inputs: u1 = 0.") && text.contains("\n  last calls: fmi2"),
+                "{text}"
+            );
         }
     }
 }

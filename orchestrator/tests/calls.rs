@@ -277,3 +277,52 @@ fn law_a_unit_that_rounds_another_way_changes_nobody_elses_numbers() {
     // Upwards this would be the next number above one.
     assert_eq!(std::hint::black_box(1.0) + std::hint::black_box(1e-17), 1.0);
 }
+
+#[test]
+fn every_probe_tells_what_the_unit_answers() {
+    let refuses = [
+        ("    free(*state);\n", "    if (!*state) return 3;\n    free(*state);\n"),
+        ("    u->set_up = 1;\n", "    u->set_up = 1;\n    if (u->r[K] > 1) return 3;\n"),
+    ];
+    let mut honest = instance(&Units::new(), &[], &[]);
+    honest.free_no_state().expect("passed over");
+    honest.access_nothing().expect("nothing to be read or set");
+    let mut other = instance(&Units::new(), &[], &refuses);
+    assert!(other.free_no_state().is_err());
+}
+
+#[test]
+fn law_types_may_be_defined_after_their_variables() {
+    let units = Units::new();
+    let text = description(STATEFUL);
+    let types = "<TypeDefinitions><SimpleType name=\"Positive\"><Real min=\"0\" unit=\"m\"/></SimpleType></TypeDefinitions>";
+    let late =
+        text.replace(types, "").replace("</fmiModelDescription>", &format!("{types}</fmiModelDescription>"));
+    assert_ne!(late, text);
+    let read =
+        |text: &str| Fmu::open(units.pack("types.fmu", text, &[])).expect("opens").description().clone();
+    assert_eq!(read(&late).variables, read(&text).variables);
+    let place = read(&late).place("fault_time").expect("there");
+    assert_eq!(read(&late).variables[place].min, Some(0.0));
+}
+
+#[test]
+fn every_name_of_a_library_is_one_of_c() {
+    let units = Units::new();
+    let opens = |identifier: &str| {
+        let text = description(STATEFUL)
+            .replace("modelIdentifier=\"unit\"", &format!("modelIdentifier=\"{identifier}\""));
+        Fmu::open(units.pack("named.fmu", &text, &[])).is_ok()
+    };
+    for (identifier, is_one) in [
+        ("unit", true),
+        ("_unit_1", true),
+        ("1unit", false),
+        ("", false),
+        ("../unit", false),
+        ("u-nit", false),
+        ("-unit", false),
+    ] {
+        assert_eq!(opens(identifier), is_one, "{identifier}");
+    }
+}

@@ -216,6 +216,50 @@ fn every_algorithm_makes_a_discarded_step_in_shorter_ones() {
 }
 
 #[test]
+fn law_a_retried_step_grows_again_where_it_has_a_place() {
+    // A step that begins before 0.3 s must not be longer than 1/8 s: four of these, of which the third is tried as 1/4 s from
+    // 1/4 s on; then from 1/2 s on the rest in one. Each begins where the last one ended.
+    let rule = (
+        "    (void)no_return;\n",
+        "    (void)no_return;\n    if (fabs(from - u->reached) > 1e-12) return 3;\n    if (size > 0.125 && from < 0.3) return 2;\n",
+    );
+    let units = Units::new();
+    units.pack("picky.fmu", &common::description(common::STATEFUL), &common::library_with(&[rule]));
+    let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"picky.fmu\"\ninterval = 1\nretry = true\n\
+                set = { u1 = 2.0 }\n";
+    let mut results = MemoryRecorder::new();
+    let mut simulation = build(&units, text).expect("builds");
+    for _ in 0..2 {
+        simulation.run(&mut results, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+        let last = |name: &str| results.series(name).expect("recorded")[1];
+        assert_eq!([last("a.y1"), last("a.y2")], [2.0, 0.5]);
+    }
+}
+
+#[test]
+fn law_kept_states_are_given_back_before_a_unit_is_reset() {
+    let counts = [
+        ("API int fmi2GetFMUstate(", "static int kept;\nAPI int fmi2GetFMUstate("),
+        ("    if (!*state) *state = malloc", "    if (!*state) kept++;\n    if (!*state) *state = malloc"),
+        ("    free(*state);\n", "    kept--;\n    free(*state);\n"),
+        (
+            "API int fmi2Reset(void *c) { ",
+            "static int kept;\nAPI int fmi2Reset(void *c) { if (kept) return 3; ",
+        ),
+    ];
+    let units = Units::new();
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&counts));
+    for algorithm in ["iterated", "step-halving"] {
+        let text = oscillator(&format!("stop = 1, algorithm = \"{algorithm}\""), "0.5");
+        let mut simulation = build(&units, &text).expect("builds");
+        for _ in 0..3 {
+            let ended = simulation.run(&mut MemoryRecorder::new(), &mut Quiet);
+            ended.unwrap_or_else(|error| panic!("{algorithm}: {error}"));
+        }
+    }
+}
+
+#[test]
 fn every_loop_that_does_not_settle_is_told() {
     let units = Units::new();
     // Over a step b adds 40 · 0.25 s · y1, of which a makes -2: no iteration settles.
@@ -249,6 +293,7 @@ fn every_loop_that_does_not_settle_is_told() {
     run(&units, &text.replace("k = 40", "k = 0.4")).expect("a contraction");
     let coarse = "stop = 1, algorithm = \"step-halving\", options = { tolerance = 1e-9, halvings = 2 }";
     let told = run(&units, &oscillator(coarse, "0.5")).expect_err("too coarse").to_string();
+    assert!(told.starts_with("x.y1 at t = 0 s"), "{told}");
     assert!(told.contains("after 2 halvings of the step, more than the tolerance of 0.000000001"), "{told}");
 }
 

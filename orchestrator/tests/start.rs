@@ -60,6 +60,52 @@ fn law_start_values_go_along_the_dependencies() {
 }
 
 #[test]
+fn value_a_loop_that_settles_is_solved_by_going_round() {
+    // y = 0.5 u + 1, u = y.
+    let parts = [unit("a", "feedthrough.fmu", "mode = 1, k = 0.5, x0 = 1"), connection("a.y1", "a.u1")];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    // It ends within 1e-10 of itself, so within twice that of the solution.
+    assert!((simulation.value("a.y1").expect("known") - 2.0).abs() < 1e-9);
+    let told = simulation.notices().pop().expect("told");
+    assert!(told.contains("at initialisation: solved in ") && told.ends_with(" iterations"), "{told}");
+}
+
+#[test]
+fn value_sources_hold_at_the_start_where_they_lead() {
+    let source =
+        |to: &str, value: &str| format!("[[sources]]\nto = \"{to}\"\nkind = \"constant\"\nvalue = {value}\n");
+    let parts = [
+        unit("a", "feedthrough.fmu", "mode = 1"),
+        source("a.u2", "5"),
+        source("a.i_in", "7"),
+        source("a.b_in", "true"),
+    ];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    let found = ["a.y1", "a.y2", "a.i_out", "a.b_out"].map(|name| simulation.value(name).expect("known"));
+    assert_eq!(found, [0.0, 5.0, 8.0, 0.0]);
+}
+
+#[test]
+fn law_a_limit_is_passed_and_not_reached() {
+    let parts = [unit("a", "stateful.fmu", "u1 = -1"), "[record]\nvariables = [\"a.y1\"]\n".into()];
+    let units = Units::new();
+    let ended = |comparison: Comparison, limit: f64| {
+        let mut simulation = build(&units, &parts).expect("builds");
+        simulation.stop_when("a.y1", comparison, limit).expect("recorded");
+        match simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs") {
+            Ended::When { time, .. } => Some(time),
+            _ => None,
+        }
+    };
+    // y = -t, in eighths: exact.
+    assert_eq!(ended(Comparison::AbsoluteAbove, 0.5), Some(0.625));
+    assert_eq!(ended(Comparison::AbsoluteAbove, 1.0), None);
+    assert_eq!(ended(Comparison::Below, -0.5), Some(0.625));
+    assert_eq!(ended(Comparison::Above, -0.5), Some(0.0));
+    assert_eq!(ended(Comparison::Above, 0.0), None);
+}
+
+#[test]
 fn law_a_loop_of_states_is_none_at_the_start() {
     // An integrator begins with x0 whatever drives it, so there is nothing to be solved, and nothing to tell.
     let parts = [
@@ -441,7 +487,8 @@ fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     assert_eq!(bytes(&mut again), bytes(&mut simulation));
     assert_eq!(simulation.given()[2], [("x0", &Value::Real(2.0))]);
     let used = simulation.used();
-    for (name, value) in [("k", 3.0), ("x0", 0.0)] {
+    assert!(!used[0].iter().any(|(name, _)| name == "u1" || name == "y1"), "driven or computed: {used:?}");
+    for (name, value) in [("k", 3.0), ("x0", 0.0), ("u2", 0.0)] {
         assert!(used[0].contains(&(name.into(), Value::Real(value))), "{name}");
     }
 }

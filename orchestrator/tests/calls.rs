@@ -274,6 +274,8 @@ fn law_a_unit_that_rounds_another_way_changes_nobody_elses_numbers() {
     let scenario = Scenario::parse(text, "test.toml").expect("a scenario");
     let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
     simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+    let told = simulation.notices();
+    assert!(told.iter().any(|notice| notice.contains("unit a") && notice.contains("round")), "{told:?}");
     // Upwards this would be the next number above one.
     assert_eq!(std::hint::black_box(1.0) + std::hint::black_box(1e-17), 1.0);
 }

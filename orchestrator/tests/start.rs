@@ -86,6 +86,100 @@ fn value_sources_hold_at_the_start_where_they_lead() {
 }
 
 #[test]
+fn every_source_of_whole_values_is_looked_at() {
+    let source = |to: &str, what: &str| format!("[[sources]]\nto = \"a.{to}\"\n{what}\n");
+    let hold = |points: &str| format!("kind = \"hold\"\npoints = {points}");
+    let units = Units::new();
+    let out = |name: &str, sources: &str| -> Result<f64, String> {
+        let mut simulation = build(&units, &[unit("a", "stateful.fmu", ""), sources.to_owned()])
+            .map_err(|error| error.to_string())?;
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).map_err(|error| error.to_string())?;
+        simulation.value(name).map_err(|error| error.to_string())
+    };
+    assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 0], [0.5, 1]]"))), Ok(0.0));
+    assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 1], [0.5, 0]]"))), Ok(1.0));
+    assert_eq!(out("a.i_out", &source("i_in", &hold("[[0, -3], [0.5, 4]]"))), Ok(5.0));
+    // A table may jump: at the ends of steps of 1/8 s three times 1 and five times 3.
+    assert_eq!(
+        out("a.y1", &source("u1", "kind = \"linear\"\npoints = [[0, 1], [0.5, 1], [0.5, 3], [1, 3]]")),
+        Ok(2.25)
+    );
+    for (sources, expected) in [
+        (source("b_in", &hold("[[0, 0], [0.5, 2]]")), "the value 2 at 0.5 s: the input is of type Boolean"),
+        (
+            source("i_in", &hold("[[0, 0], [0.5, 1.5]]")),
+            "the value 1.5 at 0.5 s: the input is of type Integer",
+        ),
+        (source("i_in", &hold("[[0, 3e9]]")), "the value 3000000000 at 0 s: the input is of type Integer"),
+        (source("u1", &hold("[]")), "points: one or more [time, value], all finite"),
+        (source("u1", &hold("[[0, 1], [1, nan]]")), "points: one or more [time, value], all finite"),
+        (source("s_in", &hold("[[0, 1]]")), "a table for a String input: only a constant can be a text"),
+    ] {
+        let error = out("a.y1", &sources).expect_err("refused");
+        assert!(error.contains(expected), "{expected}\n{error}");
+    }
+    let parts = [
+        unit("a", "stateful.fmu", "s_in = \"other\""),
+        source("s_in", "kind = \"constant\"\nvalue = \"text\""),
+    ];
+    let mut simulation = build(&units, &parts).expect("builds");
+    assert_eq!(simulation.get("a.s_out").expect("known"), Value::String("text".into()));
+}
+
+#[test]
+fn value_types_that_lose_nothing_go_over() {
+    use orchestrator::Kind;
+    let (real, integer, boolean) = (Value::Real, Value::Integer, Value::Boolean);
+    for (value, kind, expected) in [
+        (integer(-3), Kind::Real, Some(real(-3.0))),
+        (boolean(true), Kind::Real, Some(real(1.0))),
+        (boolean(true), Kind::Integer, Some(integer(1))),
+        (integer(1), Kind::Boolean, Some(boolean(true))),
+        (integer(0), Kind::Boolean, Some(boolean(false))),
+        (integer(2), Kind::Boolean, None),
+        (real(1.0), Kind::Integer, None),
+        (real(1.0), Kind::Real, Some(real(1.0))),
+    ] {
+        assert_eq!(value.cast(kind), expected, "{value:?} to {kind}");
+    }
+}
+
+#[test]
+fn value_a_last_step_is_told_in_seconds() {
+    // The tick is 2 s: 4 s and then one of them.
+    let text = "format = 1\nexperiment = { stop = 6 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 4\nset = { mode = 2 }\n";
+    let units = Units::new();
+    let mut simulation =
+        Simulation::new(&Scenario::parse(text, "test.toml").expect("a scenario"), &units.unit_path())
+            .expect("builds");
+    assert!(simulation.notices()[0].ends_with("its last step has 2 s"), "{:?}", simulation.notices());
+    for stop in [6.0, 10.0] {
+        assert!(simulation.end_at(stop));
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+        let found = ["a.y1", "a.y2"].map(|name| simulation.value(name).expect("known"));
+        assert_eq!(found, [stop, 2.0]);
+    }
+}
+
+#[test]
+fn law_a_long_loop_is_told_in_short() {
+    let told = |count: usize| {
+        let mut parts: Vec<String> = (0..count)
+            .map(|n| unit(&format!("a{n}"), "feedthrough.fmu", "mode = 1, k = 2, x0 = 1"))
+            .collect();
+        parts
+            .extend((0..count).map(|n| connection(&format!("a{n}.y1"), &format!("a{}.u1", (n + 1) % count))));
+        build(&Units::new(), &parts).expect("builds").notices().remove(0)
+    };
+    let short = told(9);
+    assert_eq!(short.matches(" -> ").count(), 18, "each input, each output and the first again: {short}");
+    let long = told(30);
+    // Twenty of 61 names.
+    assert_eq!(long.matches(" -> ").count(), 20, "{long}");
+    assert!(long.contains(" -> (41 more) -> a0.") || long.contains(" -> (41 more) -> a"), "{long}");
+}
+
+#[test]
 fn law_a_limit_is_passed_and_not_reached() {
     let parts = [unit("a", "stateful.fmu", "u1 = -1"), "[record]\nvariables = [\"a.y1\"]\n".into()];
     let units = Units::new();

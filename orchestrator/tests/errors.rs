@@ -160,6 +160,10 @@ fn every_mistake_in_a_scenario_is_named() {
             "test.toml:11: hold = \"linear\" from a.i_out to b.i_in: only a Real lies on a line",
         ),
         (
+            with(&format!("{}hold = \"linear\"", connection("a.i_out", "b.u1"))),
+            "test.toml:11: hold = \"linear\" from a.i_out to b.u1: only a Real lies on a line",
+        ),
+        (
             BASE.replacen("0.125", "0.125\noffset = 0.125", 1),
             "test.toml:7: offset = 1/8: less than the interval of 1/8 s",
         ),

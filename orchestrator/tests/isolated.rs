@@ -126,6 +126,41 @@ fn every_warning_of_one_exchange_counts_elsewhere() {
 }
 
 #[test]
+fn every_refused_value_of_one_exchange_is_named_elsewhere() {
+    let units = Units::new();
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let refuses = common::library_with(&[(set, &format!("{{ if (((Unit *)c)->x > 0.3) return 3; {set} }}"))]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &refuses);
+    let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
+    let told = |scenario: &Scenario| {
+        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+        let mut results = MemoryRecorder::new();
+        let error = simulation.run(&mut results, &mut Quiet).expect_err("refused");
+        (error.to_string(), results.times().len())
+    };
+    let here = told(&scenario);
+    assert!(here.0.starts_with("unit a: fmi2SetReal at t = "), "{}", here.0);
+    isolate(&mut scenario, Isolation::default());
+    assert_eq!(told(&scenario), here);
+}
+
+#[test]
+fn law_a_unit_elsewhere_is_asked_for_errors_and_warnings_only() {
+    unit_host();
+    let tells = (
+        "    (void)c; (void)on; (void)n; (void)names;\n",
+        "    Unit *u = c;\n    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"%d: %d %s\", on, (int)n, names[0]);\n",
+    );
+    let units = Units::new();
+    let path =
+        units.pack("tells.fmu", &common::description(common::STATEFUL), &common::library_with(&[tells]));
+    let fmu = orchestrator::Fmu::open(path).expect("opens").isolated(Isolation::default());
+    let log = fmu.instantiate("a").expect("instantiates").take_log();
+    let log: Vec<String> = log.iter().map(ToString::to_string).collect();
+    assert_eq!(log, ["[warning, events] 1: 1 logStatusError"]);
+}
+
+#[test]
 fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
     let units = Units::new();
     let short = Isolation { step_limit: Duration::from_millis(500), ..Isolation::default() };
@@ -158,6 +193,7 @@ fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
             assert_eq!(calls.last().map(String::as_str), Some("fmi2DoStep from 0.249 s by 0.001 s"));
             assert!(inputs.iter().any(|input| input.starts_with("u1 = 0.")), "{inputs:?}");
             assert_eq!(results.times().last(), Some(&0.249));
+            assert_eq!(calls.len(), 12, "{calls:?}");
             assert!(
                 text.contains("\n  last inputs: u1 = 0.") && text.contains("\n  last calls: fmi2"),
                 "{text}"

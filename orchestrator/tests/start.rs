@@ -405,6 +405,16 @@ fn value_units_and_types_are_converted() {
         value("rad", "rad", "2"),
         "without a unit values pass unchanged"
     );
+    // A difference of temperatures has no zero; between one and a temperature it is a temperature that is meant.
+    let relative = |name: &str, u1_unit: &'static str, y1_unit: &'static str| {
+        let fixture = Fixture { u1_unit, y1_unit, ..FEEDTHROUGH };
+        let text = common::description(fixture).replace(" unit=\"", " relativeQuantity=\"true\" unit=\"");
+        units.pack(name, &text, &common::library());
+    };
+    relative("dcelsius.fmu", "degC", "degC");
+    relative("dkelvin.fmu", "K", "K");
+    assert_eq!(value("dcelsius", "dkelvin", "20"), 20.0);
+    assert_eq!((value("dcelsius", "kelvin", "20"), value("celsius", "dkelvin", "20")), (293.15, 293.15));
     let (passed, notices) = through("rad", "apples", "0.5").expect("passes");
     assert_eq!(passed, 0.5);
     assert!(notices[0].contains("a.y1 (rad) -> b.u1 (apples)"), "{notices:?}");

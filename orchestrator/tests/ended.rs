@@ -34,7 +34,10 @@ fn runs() {
 
 /// Status, standard error and the time of the last row of a run with a fault from 0.25 s on.
 fn ended(fault: i32, algorithm: &str, unseen: bool) -> (Option<i32>, String, Option<f64>) {
-    let units = Units::new();
+    ended_of(&Units::new(), fault, algorithm, unseen)
+}
+
+fn ended_of(units: &Units, fault: i32, algorithm: &str, unseen: bool) -> (Option<i32>, String, Option<f64>) {
     let text = format!(
         "format = 1\nexperiment = {{ stop = 1, algorithm = \"{algorithm}\" }}\n\
          [[units]]\nname = \"b\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n\
@@ -107,4 +110,21 @@ fn law_a_crash_outside_of_any_call_is_told_as_such() {
         "{text}"
     );
     assert_eq!((status, last), (None, Some(0.125)), "{text}");
+}
+
+#[test]
+fn law_rows_are_kept_though_a_unit_has_closed_their_file() {
+    const CLOSES_ALL: i32 = 30;
+    const TAKES_ALL: i32 = 31;
+    // So nothing is heard of it either.
+    for fault in [CLOSES_ALL, TAKES_ALL] {
+        assert_eq!(ended(fault, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)), "fault {fault}");
+    }
+    for (fault, done) in [(CLOSES_ALL, "close(i); break;"), (TAKES_ALL, "dup2(mine, i); break; }")] {
+        let units = Units::new();
+        let gives_up = common::library_with(&[(done, &done.replace("break;", "abort();"))]);
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &gives_up);
+        let (status, _, last) = ended_of(&units, fault, "gauss-seidel", false);
+        assert_eq!((status, last), (Some(1), Some(0.125)), "fault {fault}");
+    }
 }

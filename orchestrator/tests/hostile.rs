@@ -33,6 +33,13 @@ fn law_a_foreign_environment_is_not_looked_into() {
     assert_eq!(instance.do_step(0.0, 0.25, true), orchestrator::fmu::Status::Ok);
     let log: Vec<String> = instance.log().iter().map(ToString::to_string).collect();
     assert_eq!(log, ["[warning, mine] unknown instance: for nobody at 0.25"]);
+    // It is the library that tells whose it may be: an instance of another one is not told.
+    let other = Fmu::open(units.path().join("feedthrough.fmu"))
+        .expect("opens")
+        .instantiate("c")
+        .expect("instantiates");
+    assert_eq!(instance.do_step(0.25, 0.25, true), orchestrator::fmu::Status::Ok);
+    assert_eq!((instance.log().len(), other.log().len()), (2, 0));
 }
 
 #[test]

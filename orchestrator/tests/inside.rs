@@ -66,12 +66,15 @@ fn law_a_unit_steps_as_far_as_such_a_stop() {
     assert_eq!(steps(&mut simulation), [(first, 0.0625), (first + 0.25, 0.25)]);
     assert!(simulation.end_at(first), "at its first");
     assert_eq!(steps(&mut simulation), [(first, 0.0625)]);
+    // One whose steps can't differ stays at its last point before it; the tick is that of the other unit.
     let fixed =
         common::description(common::STATEFUL).replace("canHandleVariableCommunicationStepSize=\"true\"", "");
     units.pack("stateful.fmu", &fixed, &common::library());
-    let mut simulation = clock(&units, "");
-    assert!(simulation.end_at(0.75), "a tick is a whole step");
-    assert_eq!(steps(&mut simulation), [(0.75, 0.25)]);
+    let other = "set = { mode = 2 }\n[[units]]\nname = \"b\"\nfmu = \"feedthrough.fmu\"\ninterval = 0.125";
+    let mut simulation = clock(&units, other);
+    assert!(simulation.end_at(0.875));
+    while simulation.advance().expect("steps").is_some() {}
+    assert_eq!((simulation.time(), simulation.value("a.y1").expect("known")), (0.875, 0.75));
 }
 
 /// What it was told.

@@ -144,6 +144,58 @@ fn every_refused_value_of_one_exchange_is_named_elsewhere() {
     assert_eq!(told(&scenario), here);
 }
 
+/// Values are sent along with a step's answer as they were asked for after the last one; whoever asks otherwise gets what he asks.
+#[test]
+fn every_order_of_questions_gets_its_answers() {
+    unit_host();
+    let units = Units::new();
+    let fmu = orchestrator::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let answers = |fmu: &orchestrator::Fmu| {
+        let mut instance = fmu.instantiate("a").expect("instantiates");
+        instance.set_real(&[0, 4], &[2.0, 3.0]).expect("u1 and k");
+        instance.set_integer(&[0], &[40]).expect("i_in");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        let mut all =
+            vec![instance.get(Kind::Real, 2).expect("y1"), instance.get(Kind::Integer, 1).expect("i_out")];
+        instance.exit_initialization().expect("exits");
+        let rounds: [&[(Kind, u32)]; 12] = [
+            &[(Kind::Real, 2)],
+            &[(Kind::Real, 2)],
+            &[(Kind::Real, 3)],
+            &[(Kind::Real, 3), (Kind::Integer, 1)],
+            &[(Kind::Integer, 1), (Kind::Real, 3)],
+            &[(Kind::Integer, 1), (Kind::Real, 1), (Kind::Real, 2)],
+            &[(Kind::Real, 1), (Kind::Real, 2), (Kind::Real, 2)],
+            &[],
+            &[(Kind::Real, 1)],
+            &[(Kind::Boolean, 1), (Kind::Real, 4), (Kind::Real, 2), (Kind::Real, 3)],
+            &[(Kind::Real, 1), (Kind::Real, 4)],
+            &[(Kind::Real, 1), (Kind::Real, 4), (Kind::Real, 2), (Kind::String, 1)],
+        ];
+        for (round, questions) in rounds.into_iter().enumerate() {
+            let size = 0.125 * (1.0 + (round % 3) as f64);
+            let status = instance.do_step(all.len() as f64, size, true);
+            assert_eq!(status, orchestrator::fmu::Status::Ok);
+            for (kind, reference) in questions {
+                all.push(instance.get(*kind, *reference).expect("known"));
+            }
+            // A state is asked for, and what is set is there at once.
+            if round % 4 == 3 {
+                let state = instance.save_state().expect("saved");
+                instance.set_real(&[1], &[round as f64]).expect("u2");
+                all.push(instance.get(Kind::Real, 1).expect("u2"));
+                all.push(instance.get(Kind::Real, 2).expect("y1"));
+                instance.restore_state(&state).expect("restored");
+                all.push(instance.get(Kind::Real, 1).expect("u2 of before"));
+                instance.free_state(state).expect("freed");
+            }
+        }
+        all
+    };
+    assert_eq!(answers(&fmu.isolated(Isolation::default())), answers(&fmu));
+}
+
 #[test]
 fn law_a_unit_elsewhere_is_asked_for_errors_and_warnings_only() {
     unit_host();

@@ -72,13 +72,14 @@ fn value_a_loop_that_settles_is_solved_by_going_round() {
 
 #[test]
 fn value_sources_hold_at_the_start_where_they_lead() {
-    let source =
-        |to: &str, value: &str| format!("[[sources]]\nto = \"{to}\"\nkind = \"constant\"\nvalue = {value}\n");
+    let source = |to: &str, value: &str| {
+        format!("[[sources]]\nto = \"{to}\"\nkind = \"hold\"\npoints = [[0, {value}], [9, 0]]\n")
+    };
     let parts = [
         unit("a", "feedthrough.fmu", "mode = 1"),
         source("a.u2", "5"),
         source("a.i_in", "7"),
-        source("a.b_in", "true"),
+        source("a.b_in", "1"),
     ];
     let mut simulation = build(&Units::new(), &parts).expect("builds");
     let found = ["a.y1", "a.y2", "a.i_out", "a.b_out"].map(|name| simulation.value(name).expect("known"));

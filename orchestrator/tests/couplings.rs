@@ -238,24 +238,28 @@ fn law_a_retried_step_grows_again_where_it_has_a_place() {
 
 #[test]
 fn law_kept_states_are_given_back_before_a_unit_is_reset() {
+    // As long as there are any, it is neither reset nor instantiated once more.
     let counts = [
-        ("API int fmi2GetFMUstate(", "static int kept;\nAPI int fmi2GetFMUstate("),
+        ("API void *fmi2Instantiate(", "static int kept;\nAPI void *fmi2Instantiate("),
+        ("    if (type != 1 ||", "    if (kept || type != 1 ||"),
         ("    if (!*state) *state = malloc", "    if (!*state) kept++;\n    if (!*state) *state = malloc"),
         ("    free(*state);\n", "    kept--;\n    free(*state);\n"),
-        (
-            "API int fmi2Reset(void *c) { ",
-            "static int kept;\nAPI int fmi2Reset(void *c) { if (kept) return 3; ",
-        ),
+        ("API int fmi2Reset(void *c) { ", "API int fmi2Reset(void *c) { if (kept) return 3; "),
     ];
     let units = Units::new();
     units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&counts));
     for algorithm in ["iterated", "step-halving"] {
-        let text = oscillator(&format!("stop = 1, algorithm = \"{algorithm}\""), "0.5");
+        let text = format!(
+            "format = 1\nexperiment = {{ stop = 1, algorithm = \"{algorithm}\" }}\n\
+             [[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.5\n"
+        );
         let mut simulation = build(&units, &text).expect("builds");
         for _ in 0..3 {
             let ended = simulation.run(&mut MemoryRecorder::new(), &mut Quiet);
             ended.unwrap_or_else(|error| panic!("{algorithm}: {error}"));
         }
+        simulation.reset();
+        simulation.initialize().expect("once more");
     }
 }
 

@@ -550,6 +550,7 @@ fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     std::fs::copy(units.path().join("feedthrough.fmu"), &other).expect("copied");
     std::fs::create_dir(folder.path().join("more")).expect("a folder");
     let tables = ["z.csv", "more/z.csv"];
+    let time = source("a.u1", tables[0]).replace("\"z\"\n", "\"time\"\n");
     for name in tables {
         std::fs::write(folder.path().join(name), "time,z\n0,0\n1,1\n").expect("writable");
     }
@@ -567,6 +568,13 @@ fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     ]
     .concat();
     let scenario = Scenario::parse(&text, folder.path().join("test.toml")).expect("a scenario");
+    let of_time = ["format = 1\nexperiment = { stop = 1 }\n", &unit("a", "stateful.fmu", ""), &time].concat();
+    let of_time = Scenario::parse(&of_time, folder.path().join("test.toml")).expect("a scenario");
+    let error = Simulation::new(&of_time, &units.unit_path())
+        .err()
+        .expect("the first column is the time")
+        .to_string();
+    assert!(error.contains("has no column \"time\" after the time"), "{error}");
     let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
     simulation.set("c.x0", 2.0).expect("before a run");
     let bundle = simulation.bundle();

@@ -550,7 +550,6 @@ fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     std::fs::copy(units.path().join("feedthrough.fmu"), &other).expect("copied");
     std::fs::create_dir(folder.path().join("more")).expect("a folder");
     let tables = ["z.csv", "more/z.csv"];
-    let time = source("a.u1", tables[0]).replace("\"z\"\n", "\"time\"\n");
     for name in tables {
         std::fs::write(folder.path().join(name), "time,z\n0,0\n1,1\n").expect("writable");
     }
@@ -568,6 +567,7 @@ fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     ]
     .concat();
     let scenario = Scenario::parse(&text, folder.path().join("test.toml")).expect("a scenario");
+    let time = source("a.u1", tables[0]).replace("\"z\"\n", "\"time\"\n");
     let of_time = ["format = 1\nexperiment = { stop = 1 }\n", &unit("a", "stateful.fmu", ""), &time].concat();
     let of_time = Scenario::parse(&of_time, folder.path().join("test.toml")).expect("a scenario");
     let error = Simulation::new(&of_time, &units.unit_path())

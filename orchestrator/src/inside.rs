@@ -55,7 +55,7 @@ impl Simulation {
         self.wiring.names.named(input).is_ok_and(|variable| self.wiring.driven.contains_key(&variable))
     }
 
-    /// It was initialised and can go on: neither is its stop reached, nor did a unit end it.
+    /// It was initialised, and neither an error nor a unit nor [`Simulation::terminate`] has ended it; its stop may be reached.
     pub fn is_running(&self) -> bool {
         self.phase == Phase::Running
     }

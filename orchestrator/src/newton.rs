@@ -130,6 +130,14 @@ mod tests {
     }
 
     #[test]
+    fn value_a_linear_loop_takes_one_step() {
+        // Dyadic, so that differences and the solution are exact: nothing is left, and the step was no small one.
+        let mut x = vec![0.0];
+        assert_eq!(solve::<Infallible>(&mut x, 1e-12, |x| Ok(vec![0.5 * x[0] + 1.0])), Ok(Some(1)));
+        assert_eq!(x, [2.0]);
+    }
+
+    #[test]
     fn value_no_solution_is_told() {
         assert_eq!(found(&[0.0], |x| vec![x[0] + 1.0]), None, "parallel");
         assert_eq!(found(&[1.0], |x| vec![x[0] * x[0] + x[0] + 1.0]), None, "no real root");

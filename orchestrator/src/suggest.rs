@@ -54,6 +54,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn value_edits_between_words() {
+        for (a, b, edits) in [
+            ("", "abc", 3),
+            ("abc", "abc", 0),
+            ("ab", "ba", 1),
+            ("abcdef", "abdcef", 1),
+            ("abcdef", "bacdfe", 2),
+            ("kitten", "sitting", 3),
+            // No edit within a pair that was swapped.
+            ("ca", "abc", 3),
+        ] {
+            assert_eq!((distance(a, b), distance(b, a)), (edits, edits), "{a} {b}");
+        }
+    }
+
+    #[test]
     fn value_nearest_name_comes_first() {
         let known = ["theta_1", "theta_2", "q1_0", "b_joint"];
         assert_eq!(nearest("theta1", known.into_iter()), "did you mean theta_1 (or theta_2)?");

@@ -290,8 +290,29 @@ mod tests {
         ] {
             assert_eq!(rational(text).to_string(), exact, "{text}");
         }
-        for wrong in ["", "x", "1/0", "1/", "1..2", "e3", "1e400", "1e-40", "1/2/3", "99999999999999999999"] {
+        for wrong in [
+            "",
+            "x",
+            "1/0",
+            "1/",
+            "1..2",
+            "e3",
+            "1e400",
+            "1e-40",
+            "1/2/3",
+            "99999999999999999999",
+            "--5",
+            "+-5",
+        ] {
             assert_eq!(Rational::parse(wrong), None, "{wrong}");
+        }
+        for (text, negative, positive) in [("-1/3", true, false), ("0", false, false), ("1e-9", false, true)]
+        {
+            assert_eq!(
+                (rational(text).is_negative(), rational(text).is_positive()),
+                (negative, positive),
+                "{text}"
+            );
         }
         assert_eq!(Rational::from_f64(0.1), Some(rational("1/10")));
         assert_eq!(Rational::from_f64(f64::NAN), None);
@@ -335,6 +356,16 @@ mod tests {
         assert_eq!(rational("9223372036854775807/3").to_f64(), 3.0744573456182584e18);
         assert_eq!(rational("1/9223372036854775807").to_f64(), 1.0842021724855044e-19);
         assert_eq!(rational("9007199254740993/9007199254740995").to_f64(), 0.9999999999999998);
+        // One of the two is no double: n/d of CPython 3.11, which a division of doubles misses.
+        assert_eq!(rational("411/295532457850265058").to_f64(), 1.3907101879423272e-15);
+        assert_eq!(
+            rational("9007199254740993").to_f64(),
+            9007199254740992.0,
+            "just between two, to the even one"
+        );
+        let clock = Clock::of([rational("3/7")]).expect("fits");
+        assert_eq!(clock.seconds(933_450_066_154_674_430), 4.000500283520033e17);
+        assert!(clock.holds(i64::MAX / 3) && !clock.holds(i64::MAX / 3 + 1));
     }
 
     #[test]

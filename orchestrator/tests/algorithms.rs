@@ -266,6 +266,10 @@ fn every_algorithm_reads_sources_at_its_time_and_shortens_the_last_step_where_it
         kind = "linear"
         points = [[0, 1], [0.5, 2], [1, 2]]
         [[sources]]
+        to = "a.u2"
+        kind = "hold"
+        points = [[0, 0], [0.4, 3]]
+        [[sources]]
         to = "a.i_in"
         kind = "hold"
         points = [[0, 0], [0.4, 3]]
@@ -285,6 +289,8 @@ fn every_algorithm_reads_sources_at_its_time_and_shortens_the_last_step_where_it
             assert_eq!(series(results, "a.y1"), &y1[..rows]);
             let i_out = if jacobi { [1.0, 1.0, 4.0, 4.0] } else { [1.0, 4.0, 4.0, 4.0] };
             assert_eq!(series(results, "a.i_out"), &i_out[..rows]);
+            // What jumps is no line, whatever the type.
+            assert_eq!(series(results, "a.y2"), i_out.map(|out| out - 1.0).get(..rows).expect("as many"));
         });
         let scenario = Scenario::parse(scenario, "test.toml").expect("a scenario");
         Simulation::new(&scenario, &units.unit_path()).expect("builds").notices()

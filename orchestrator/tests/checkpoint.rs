@@ -323,3 +323,25 @@ fn law_an_input_is_released_from_what_drives_it() {
     free.set("b.u1", 3.0).expect("nothing drives it");
     assert_eq!(free.value("b.u1").expect("a number"), 3.0);
 }
+
+#[test]
+fn law_a_checkpoint_is_made_at_the_point_that_is_due() {
+    let (units, folder) = (Units::new(), tempfile::TempDir::new().expect("a temporary folder"));
+    let (file, results) = (folder.path().join("checkpoint.bin"), folder.path().join("results.csv"));
+    for (start, stop, expected) in [("0", "0.375", "0.25"), ("0", "0.5", "0.5"), ("0.125", "0.5", "0.375")] {
+        let text = format!(
+            "format = 1\nexperiment = {{ start = {start}, stop = {stop} }}\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n"
+        );
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        let checkpoints = Checkpoints { file: file.clone(), every: 0.25 };
+        let mut recorder = CsvRecorder::create(&results).expect("made");
+        simulation.run_on(None, Some(&checkpoints), &mut recorder, &mut Quiet).expect("runs");
+        // The rows that it counts are those up to it.
+        let checkpoint = Checkpoint::load(&file).expect("whole").expect("one");
+        drop(CsvRecorder::resume(&results, checkpoint.position()).expect("goes on"));
+        let rows = std::fs::read_to_string(&results).expect("there");
+        let last = rows.lines().last().expect("rows").split(',').next();
+        assert_eq!(last, Some(expected), "from {start} to {stop} s");
+    }
+}

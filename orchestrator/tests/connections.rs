@@ -378,3 +378,28 @@ fn cross_the_budget_of_a_loop_is_how_its_oscillation_grows() {
         });
     }
 }
+
+#[test]
+fn value_truths_arrive_as_truths() {
+    let scenario =
+        pair("0.5", "0.125", "0.125", "").replace("a.y1", "a.b_out").replace("b.u1\"\n", "b.b_in\"\n");
+    let scenario =
+        scenario.replace(r#"variables = ["b.u1", "b.u1:age"]"#, r#"variables = ["b.b_in", "b.b_out"]"#);
+    every_algorithm(&scenario, |algorithm, results| {
+        // The sender's input is false, so it sends true, which the listener turns into false.
+        assert_eq!(series(results, "b.b_in"), [1.0; 5], "{algorithm}");
+        assert_eq!(series(results, "b.b_out"), [0.0; 5], "{algorithm}");
+    });
+}
+
+#[test]
+fn law_many_values_may_be_under_way() {
+    // 200 at a time: 0.2 s at one a ms.
+    let scenario = pair("1", "0.001", "0.001", "latency = 0.2");
+    every_algorithm(&scenario, |algorithm, results| {
+        let seen = series(results, "b.u1");
+        // At the begin of the last step, or at its end; the clock's own sum is rounded once.
+        let expected = if at_begin(algorithm) { 0.799 } else { 0.8 };
+        assert!((seen[1000] - expected).abs() <= 2.3e-16, "{algorithm}: {}", seen[1000]);
+    });
+}

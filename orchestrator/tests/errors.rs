@@ -160,6 +160,10 @@ fn every_mistake_in_a_scenario_is_named() {
             "test.toml:11: hold = \"linear\" from a.i_out to b.i_in: only a Real lies on a line",
         ),
         (
+            with(&format!("{}hold = \"linear\"", connection("a.i_out", "b.u1"))),
+            "test.toml:11: hold = \"linear\" from a.i_out to b.u1: only a Real lies on a line",
+        ),
+        (
             BASE.replacen("0.125", "0.125\noffset = 0.125", 1),
             "test.toml:7: offset = 1/8: less than the interval of 1/8 s",
         ),
@@ -289,6 +293,19 @@ fn every_status_is_handled() {
         assert!(error.starts_with(expected), "expected: {expected}\nfound:    {error}");
         assert_eq!(last, Some(0.125), "what was there before the fault stays recorded");
     }
+}
+
+#[test]
+fn law_a_full_disk_of_a_unit_is_the_users_to_mend() {
+    let units = Units::new();
+    let error = |fault: i32| {
+        let set = format!("interval = 0.125\nset = {{ fault = {fault}, fault_time = 0.25 }}");
+        let mut simulation = build(&units, &BASE.replacen("interval = 0.125", &set, 1)).expect("builds");
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect_err("stops")
+    };
+    let (full, other) = (error(32), error(3));
+    assert!(full.to_string().contains("my file: "), "{full}");
+    assert!(full.is_input() && !other.is_input());
 }
 
 #[test]

@@ -33,6 +33,13 @@ fn law_a_foreign_environment_is_not_looked_into() {
     assert_eq!(instance.do_step(0.0, 0.25, true), orchestrator::fmu::Status::Ok);
     let log: Vec<String> = instance.log().iter().map(ToString::to_string).collect();
     assert_eq!(log, ["[warning, mine] unknown instance: for nobody at 0.25"]);
+    // It is the library that tells whose it may be: an instance of another one is not told.
+    let other = Fmu::open(units.path().join("feedthrough.fmu"))
+        .expect("opens")
+        .instantiate("c")
+        .expect("instantiates");
+    assert_eq!(instance.do_step(0.25, 0.25, true), orchestrator::fmu::Status::Ok);
+    assert_eq!((instance.log().len(), other.log().len()), (2, 0));
 }
 
 #[test]
@@ -125,6 +132,19 @@ fn law_odd_descriptions_are_told() {
             "unit a: mode: min 3 is above max 2",
         ]
     );
+    // Of many the first ones stand for all.
+    let start =
+        |name: &str| format!("name=\"{name}\" valueReference=\"0\" causality=\"input\"><Real start=\"0\"/>");
+    let many: String =
+        (0..7).map(|n| format!("<ScalarVariable {}</ScalarVariable>", start(&format!("n{n}")))).collect();
+    let many = many.replace("start=\"0\"", "start=\"0\" min=\"1\"");
+    let odd =
+        common::description(STATEFUL).replace("  </ModelVariables>", &format!("{many}</ModelVariables>"));
+    units.pack("stateful.fmu", &odd, &common::library());
+    let told = build(&units, &text).expect("builds").notices();
+    assert_eq!(told.len(), 6, "{told:#?}");
+    assert_eq!(told[4], "unit a: n4: its start value 0 lies outside its own limits");
+    assert_eq!(told[5], "unit a: and 2 more like these");
 }
 
 #[test]

@@ -106,6 +106,113 @@ fn every_status_says_the_same_elsewhere() {
 }
 
 #[test]
+fn every_warning_of_one_exchange_counts_elsewhere() {
+    let units = Units::new();
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let warns = common::library_with(&[(set, &format!("{set} return 1;"))]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &warns);
+    let text = SYSTEM.replace("x0 = 0.25", "fault = 1, fault_time = 0.25");
+    let mut scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let told = |scenario: &Scenario| {
+        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+        simulation.notices()
+    };
+    let here = told(&scenario);
+    // The setting of a real in each of 550 steps, and the steps from 0.25 s on.
+    assert!(here.iter().any(|notice| notice.starts_with("unit a answered ")), "{here:#?}");
+    isolate(&mut scenario, Isolation::default());
+    assert_eq!(told(&scenario), here);
+}
+
+#[test]
+fn every_refused_value_of_one_exchange_is_named_elsewhere() {
+    let units = Units::new();
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let refuses = common::library_with(&[(set, &format!("{{ if (((Unit *)c)->x > 0.3) return 3; {set} }}"))]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &refuses);
+    let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
+    let told = |scenario: &Scenario| {
+        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+        let mut results = MemoryRecorder::new();
+        let error = simulation.run(&mut results, &mut Quiet).expect_err("refused");
+        (error.to_string(), results.times().len())
+    };
+    let here = told(&scenario);
+    assert!(here.0.starts_with("unit a: fmi2SetReal at t = "), "{}", here.0);
+    isolate(&mut scenario, Isolation::default());
+    assert_eq!(told(&scenario), here);
+}
+
+/// Values are sent along with a step's answer as they were asked for after the last one; whoever asks otherwise gets what he asks.
+#[test]
+fn every_order_of_questions_gets_its_answers() {
+    unit_host();
+    let units = Units::new();
+    let fmu = orchestrator::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let answers = |fmu: &orchestrator::Fmu| {
+        let mut instance = fmu.instantiate("a").expect("instantiates");
+        instance.set_real(&[0, 4], &[2.0, 3.0]).expect("u1 and k");
+        instance.set_integer(&[0], &[40]).expect("i_in");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        let mut all =
+            vec![instance.get(Kind::Real, 2).expect("y1"), instance.get(Kind::Integer, 1).expect("i_out")];
+        instance.exit_initialization().expect("exits");
+        let rounds: [&[(Kind, u32)]; 12] = [
+            &[(Kind::Real, 2)],
+            &[(Kind::Real, 2)],
+            &[(Kind::Real, 3)],
+            &[(Kind::Real, 3), (Kind::Integer, 1)],
+            &[(Kind::Integer, 1), (Kind::Real, 3)],
+            &[(Kind::Integer, 1), (Kind::Real, 1), (Kind::Real, 2)],
+            &[(Kind::Real, 1), (Kind::Real, 2), (Kind::Real, 2)],
+            &[],
+            &[(Kind::Real, 1)],
+            &[(Kind::Boolean, 1), (Kind::Real, 4), (Kind::Real, 2), (Kind::Real, 3)],
+            &[(Kind::Real, 1), (Kind::Real, 4)],
+            &[(Kind::Real, 1), (Kind::Real, 4), (Kind::Real, 2), (Kind::String, 1)],
+        ];
+        for (round, questions) in rounds.into_iter().enumerate() {
+            let size = 0.125 * (1.0 + (round % 3) as f64);
+            let status = instance.do_step(all.len() as f64, size, true);
+            assert_eq!(status, orchestrator::fmu::Status::Ok);
+            for (kind, reference) in questions {
+                all.push(instance.get(*kind, *reference).expect("known"));
+            }
+            // A state is asked for, and what is set is there at once.
+            if round % 4 == 3 {
+                let state = instance.save_state().expect("saved");
+                instance.set_real(&[1], &[round as f64]).expect("u2");
+                all.push(instance.get(Kind::Real, 1).expect("u2"));
+                all.push(instance.get(Kind::Real, 2).expect("y1"));
+                instance.restore_state(&state).expect("restored");
+                all.push(instance.get(Kind::Real, 1).expect("u2 of before"));
+                instance.free_state(state).expect("freed");
+            }
+        }
+        all
+    };
+    assert_eq!(answers(&fmu.isolated(Isolation::default())), answers(&fmu));
+}
+
+#[test]
+fn law_a_unit_elsewhere_is_asked_for_errors_and_warnings_only() {
+    unit_host();
+    let tells = (
+        "    (void)c; (void)on; (void)n; (void)names;\n",
+        "    Unit *u = c;\n    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"%d: %d %s\", on, (int)n, names[0]);\n",
+    );
+    let units = Units::new();
+    let path =
+        units.pack("tells.fmu", &common::description(common::STATEFUL), &common::library_with(&[tells]));
+    let fmu = orchestrator::Fmu::open(path).expect("opens").isolated(Isolation::default());
+    let log = fmu.instantiate("a").expect("instantiates").take_log();
+    let log: Vec<String> = log.iter().map(ToString::to_string).collect();
+    assert_eq!(log, ["[warning, events] 1: 1 logStatusError"]);
+}
+
+#[test]
 fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
     let units = Units::new();
     let short = Isolation { step_limit: Duration::from_millis(500), ..Isolation::default() };
@@ -138,6 +245,11 @@ fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
             assert_eq!(calls.last().map(String::as_str), Some("fmi2DoStep from 0.249 s by 0.001 s"));
             assert!(inputs.iter().any(|input| input.starts_with("u1 = 0.")), "{inputs:?}");
             assert_eq!(results.times().last(), Some(&0.249));
+            assert_eq!(calls.len(), 12, "{calls:?}");
+            assert!(
+                text.contains("\n  last inputs: u1 = 0.") && text.contains("\n  last calls: fmi2"),
+                "{text}"
+            );
         }
     }
 }

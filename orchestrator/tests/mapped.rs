@@ -56,6 +56,8 @@ fn value_single_values_become_others_and_the_rest_passes() {
     assert_eq!(series(&swapped, "b.b_in", &units), [0.0, 0.0, 0.0]);
     let counted = scenario("map = [[true, 12]]", "a.b_out", "b.i_in");
     assert_eq!(series(&counted, "b.i_in", &units), [12.0, 12.0, 12.0]);
+    let numbered = scenario("map = [[1, 12], [0, 3]]", "a.b_out", "b.i_in");
+    assert_eq!(series(&numbered, "b.i_in", &units), [12.0, 12.0, 12.0], "a table of numbers");
     let items =
         scenario("map = [[\"shut\", 1], [7, 2]]", "a.i_out", "b.i_in").replacen("stateful", "typed", 1);
     assert_eq!(series(&items, "b.i_in", &units), [1.0, 1.0, 6.0]);

@@ -60,6 +60,161 @@ fn law_start_values_go_along_the_dependencies() {
 }
 
 #[test]
+fn value_a_loop_that_settles_is_solved_by_going_round() {
+    // y = 0.5 u + 1, u = y.
+    let parts = [unit("a", "feedthrough.fmu", "mode = 1, k = 0.5, x0 = 1"), connection("a.y1", "a.u1")];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    // It ends within 1e-10 of itself, so within twice that of the solution.
+    assert!((simulation.value("a.y1").expect("known") - 2.0).abs() < 1e-9);
+    let told = simulation.notices().pop().expect("told");
+    assert!(told.contains("at initialisation: solved in ") && told.ends_with(" iterations"), "{told}");
+}
+
+#[test]
+fn value_sources_hold_at_the_start_where_they_lead() {
+    let source = |to: &str, value: &str| {
+        format!("[[sources]]\nto = \"{to}\"\nkind = \"hold\"\npoints = [[0, {value}], [9, 0]]\n")
+    };
+    let parts = [
+        unit("a", "feedthrough.fmu", "mode = 1"),
+        source("a.u2", "5"),
+        source("a.i_in", "7"),
+        source("a.b_in", "1"),
+    ];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    let found = ["a.y1", "a.y2", "a.i_out", "a.b_out"].map(|name| simulation.value(name).expect("known"));
+    assert_eq!(found, [0.0, 5.0, 8.0, 0.0]);
+}
+
+#[test]
+fn every_source_of_whole_values_is_looked_at() {
+    let source = |to: &str, what: &str| format!("[[sources]]\nto = \"a.{to}\"\n{what}\n");
+    let hold = |points: &str| format!("kind = \"hold\"\npoints = {points}");
+    let units = Units::new();
+    let out = |name: &str, sources: &str| -> Result<f64, String> {
+        let mut simulation = build(&units, &[unit("a", "stateful.fmu", ""), sources.to_owned()])
+            .map_err(|error| error.to_string())?;
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).map_err(|error| error.to_string())?;
+        simulation.value(name).map_err(|error| error.to_string())
+    };
+    assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 0], [0.5, 1]]"))), Ok(0.0));
+    assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 1], [0.5, 0]]"))), Ok(1.0));
+    assert_eq!(out("a.i_out", &source("i_in", &hold("[[0, -3], [0.5, 4]]"))), Ok(5.0));
+    // A table may jump: at the ends of steps of 1/8 s three times 1 and five times 3.
+    assert_eq!(
+        out("a.y1", &source("u1", "kind = \"linear\"\npoints = [[0, 1], [0.5, 1], [0.5, 3], [1, 3]]")),
+        Ok(2.25)
+    );
+    for (sources, expected) in [
+        (source("b_in", &hold("[[0, 0], [0.5, 2]]")), "the value 2 at 0.5 s: the input is of type Boolean"),
+        (
+            source("i_in", &hold("[[0, 0], [0.5, 1.5]]")),
+            "the value 1.5 at 0.5 s: the input is of type Integer",
+        ),
+        (source("i_in", &hold("[[0, 3e9]]")), "the value 3000000000 at 0 s: the input is of type Integer"),
+        (source("u1", &hold("[]")), "points: one or more [time, value], all finite"),
+        (source("u1", &hold("[[0, 1], [1, nan]]")), "points: one or more [time, value], all finite"),
+        (source("s_in", &hold("[[0, 1]]")), "a table for a String input: only a constant can be a text"),
+    ] {
+        let error = out("a.y1", &sources).expect_err("refused");
+        assert!(error.contains(expected), "{expected}\n{error}");
+    }
+    let parts = [
+        unit("a", "stateful.fmu", "s_in = \"other\""),
+        source("s_in", "kind = \"constant\"\nvalue = \"text\""),
+    ];
+    let mut simulation = build(&units, &parts).expect("builds");
+    assert_eq!(simulation.get("a.s_out").expect("known"), Value::String("text".into()));
+}
+
+#[test]
+fn value_types_that_lose_nothing_go_over() {
+    use orchestrator::Kind;
+    let (real, integer, boolean) = (Value::Real, Value::Integer, Value::Boolean);
+    for (value, kind, expected) in [
+        (integer(-3), Kind::Real, Some(real(-3.0))),
+        (boolean(true), Kind::Real, Some(real(1.0))),
+        (boolean(true), Kind::Integer, Some(integer(1))),
+        (integer(1), Kind::Boolean, Some(boolean(true))),
+        (integer(0), Kind::Boolean, Some(boolean(false))),
+        (integer(2), Kind::Boolean, None),
+        (real(1.0), Kind::Integer, None),
+        (real(1.0), Kind::Real, Some(real(1.0))),
+    ] {
+        assert_eq!(value.cast(kind), expected, "{value:?} to {kind}");
+    }
+}
+
+#[test]
+fn value_a_last_step_is_told_in_seconds() {
+    // The tick is 2 s: 4 s and then one of them.
+    let text = "format = 1\nexperiment = { stop = 6 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 4\nset = { mode = 2 }\n";
+    let units = Units::new();
+    let mut simulation =
+        Simulation::new(&Scenario::parse(text, "test.toml").expect("a scenario"), &units.unit_path())
+            .expect("builds");
+    assert!(simulation.notices()[0].ends_with("its last step has 2 s"), "{:?}", simulation.notices());
+    for stop in [6.0, 10.0] {
+        assert!(simulation.end_at(stop));
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
+        let found = ["a.y1", "a.y2"].map(|name| simulation.value(name).expect("known"));
+        assert_eq!(found, [stop, 2.0]);
+    }
+}
+
+#[test]
+fn law_a_long_loop_is_told_in_short() {
+    let told = |count: usize| {
+        let mut parts: Vec<String> = (0..count)
+            .map(|n| unit(&format!("a{n}"), "feedthrough.fmu", "mode = 1, k = 2, x0 = 1"))
+            .collect();
+        parts
+            .extend((0..count).map(|n| connection(&format!("a{n}.y1"), &format!("a{}.u1", (n + 1) % count))));
+        build(&Units::new(), &parts).expect("builds").notices().remove(0)
+    };
+    let short = told(9);
+    assert_eq!(short.matches(" -> ").count(), 18, "each input, each output and the first again: {short}");
+    let long = told(30);
+    // Twenty of 61 names.
+    assert_eq!(long.matches(" -> ").count(), 20, "{long}");
+    assert!(long.contains(" -> (41 more) -> a0.") || long.contains(" -> (41 more) -> a"), "{long}");
+}
+
+#[test]
+fn law_a_limit_is_passed_and_not_reached() {
+    let parts = [unit("a", "stateful.fmu", "u1 = -1"), "[record]\nvariables = [\"a.y1\"]\n".into()];
+    let units = Units::new();
+    let ended = |comparison: Comparison, limit: f64| {
+        let mut simulation = build(&units, &parts).expect("builds");
+        simulation.stop_when("a.y1", comparison, limit).expect("recorded");
+        match simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs") {
+            Ended::When { time, .. } => Some(time),
+            _ => None,
+        }
+    };
+    // y = -t, in eighths: exact.
+    assert_eq!(ended(Comparison::AbsoluteAbove, 0.5), Some(0.625));
+    assert_eq!(ended(Comparison::AbsoluteAbove, 1.0), None);
+    assert_eq!(ended(Comparison::Below, -0.5), Some(0.625));
+    assert_eq!(ended(Comparison::Above, -0.5), Some(0.0));
+    assert_eq!(ended(Comparison::Above, 0.0), None);
+}
+
+#[test]
+fn law_a_loop_of_states_is_none_at_the_start() {
+    // An integrator begins with x0 whatever drives it, so there is nothing to be solved, and nothing to tell.
+    let parts = [
+        unit("x", "stateful.fmu", "x0 = 2"),
+        unit("v", "stateful.fmu", "k = -1"),
+        connection("v.y1", "x.u1"),
+        connection("x.y1", "v.u1"),
+    ];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    assert_eq!(simulation.value("v.u1").expect("known"), 2.0);
+    assert_eq!(simulation.notices(), Vec::<String>::new());
+}
+
+#[test]
 fn law_an_output_of_two_inputs_starts_after_both_in_whatever_order_they_are_written() {
     // `both` needs a gain and the state that the gain needs, too; nothing says which of its inputs comes first.
     let fixtures = Units::new();
@@ -251,6 +406,16 @@ fn value_units_and_types_are_converted() {
         value("rad", "rad", "2"),
         "without a unit values pass unchanged"
     );
+    // A difference of temperatures has no zero; between one and a temperature it is a temperature that is meant.
+    let relative = |name: &str, u1_unit: &'static str, y1_unit: &'static str| {
+        let fixture = Fixture { u1_unit, y1_unit, ..FEEDTHROUGH };
+        let text = common::description(fixture).replace(" unit=\"", " relativeQuantity=\"true\" unit=\"");
+        units.pack(name, &text, &common::library());
+    };
+    relative("dcelsius.fmu", "degC", "degC");
+    relative("dkelvin.fmu", "K", "K");
+    assert_eq!(value("dcelsius", "dkelvin", "20"), 20.0);
+    assert_eq!((value("dcelsius", "kelvin", "20"), value("celsius", "dkelvin", "20")), (293.15, 293.15));
     let (passed, notices) = through("rad", "apples", "0.5").expect("passes");
     assert_eq!(passed, 0.5);
     assert!(notices[0].contains("a.y1 (rad) -> b.u1 (apples)"), "{notices:?}");
@@ -375,6 +540,69 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         "s_in = \"x\"",
     ] {
         assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
+    }
+}
+
+#[test]
+fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
+    let (units, folder) = (Units::new(), tempfile::TempDir::new().expect("a temporary folder"));
+    let other = folder.path().join("stateful.fmu");
+    std::fs::copy(units.path().join("feedthrough.fmu"), &other).expect("copied");
+    std::fs::create_dir(folder.path().join("more")).expect("a folder");
+    let tables = ["z.csv", "more/z.csv"];
+    for name in tables {
+        std::fs::write(folder.path().join(name), "time,z\n0,0\n1,1\n").expect("writable");
+    }
+    let source = |to: &str, file: &str| {
+        format!("[[sources]]\nto = \"{to}\"\nkind = \"csv\"\nfile = \"{file}\"\ncolumn = \"z\"\n")
+    };
+    let text = [
+        "format = 1\nexperiment = { stop = 1 }\n".into(),
+        unit("a", "stateful.fmu", "k = 3"),
+        unit("b", &other.display().to_string(), "mode = 1"),
+        unit("c", &units.path().join("stateful.fmu").display().to_string(), "x0 = 1"),
+        source("a.u1", tables[0]),
+        source("b.u1", tables[1]),
+        source("c.u1", tables[0]),
+    ]
+    .concat();
+    let scenario = Scenario::parse(&text, folder.path().join("test.toml")).expect("a scenario");
+    let time = source("a.u1", tables[0]).replace("\"z\"\n", "\"time\"\n");
+    let of_time = ["format = 1\nexperiment = { stop = 1 }\n", &unit("a", "stateful.fmu", ""), &time].concat();
+    let of_time = Scenario::parse(&of_time, folder.path().join("test.toml")).expect("a scenario");
+    let error = Simulation::new(&of_time, &units.unit_path())
+        .err()
+        .expect("the first column is the time")
+        .to_string();
+    assert!(error.contains("has no column \"time\" after the time"), "{error}");
+    let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+    simulation.set("c.x0", 2.0).expect("before a run");
+    let bundle = simulation.bundle();
+    let named: Vec<&str> = bundle.scenario.units.iter().map(|unit| unit.fmu.value.as_str()).collect();
+    let files: Vec<&str> = bundle.files.iter().map(|(name, _)| name.as_str()).collect();
+    // What lies beside the scenario comes before what the unit path has.
+    assert_eq!(named, ["stateful.fmu", "stateful.fmu", "stateful-2.fmu"]);
+    assert_eq!(files, ["stateful.fmu", "stateful-2.fmu", "z.csv", "z-2.csv"]);
+    // Unpacked side by side it is the same run.
+    let unpacked = tempfile::TempDir::new().expect("a temporary folder");
+    for (name, path) in &bundle.files {
+        std::fs::copy(path, unpacked.path().join(name)).expect("copied");
+    }
+    let again =
+        Scenario::parse(&simulation.bundled(&bundle), unpacked.path().join("test.toml")).expect("loads");
+    let path = orchestrator::UnitPath::new().with(unpacked.path());
+    let mut again = Simulation::new(&again, &path).expect("builds");
+    let bytes = |simulation: &mut Simulation| {
+        let mut csv = CsvRecorder::new(Vec::new());
+        simulation.run(&mut csv, &mut Quiet).expect("runs");
+        csv.into_inner()
+    };
+    assert_eq!(bytes(&mut again), bytes(&mut simulation));
+    assert_eq!(simulation.given()[2], [("x0", &Value::Real(2.0))]);
+    let used = simulation.used();
+    assert!(!used[0].iter().any(|(name, _)| name == "u1" || name == "y1"), "driven or computed: {used:?}");
+    for (name, value) in [("k", 3.0), ("x0", 0.0), ("u2", 0.0)] {
+        assert!(used[0].contains(&(name.into(), Value::Real(value))), "{name}");
     }
 }
 

@@ -2,6 +2,7 @@
 
     python scripts/mutants mechanics fmus/plant          all changes of these crates
     python scripts/mutants --shard 3/12                  the fourth of twelve parts of all crates': a night's work
+    python scripts/mutants orchestrator --again LOG      what an earlier run missed, by what it printed
 
 All changes of a crate are built at once, each behind a switch that an environment variable turns, so that a change costs
 its tests and no build. Every test is run once alone to see which changes it reaches; then each change meets the tests that
@@ -11,6 +12,7 @@ status 1 where less than 95 % of them were. Those that change nothing that can b
 
 import argparse
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -78,6 +80,10 @@ def try_crate(folder, arguments, known):
     tests = reached(programs, crate.copy / folder)
     index, of = (int(part) for part in arguments.shard.split("/"))
     kept = [change for change in kept if change.number % of == index and f"{change.file}: {change.what}" not in known]
+    if arguments.again:
+        missed = {line.removeprefix("  missed ").split("  [")[0] for line in Path(arguments.again).read_text().splitlines()}
+        missed = {re.sub(r":\d+: ", ": ", change, count=1) for change in missed}
+        kept = [change for change in kept if f"{change.file}: {change.what}" in missed]
     print(f"{folder}: {len(kept)} changes of {len(found)}, {len(tests)} tests", flush=True)
     missed = []
     for change in kept:
@@ -97,6 +103,7 @@ def main():
     parser.add_argument("crates", nargs="*", default=CRATES, help=f"folders (default {' '.join(CRATES)})")
     parser.add_argument("--shard", default="0/1", help="K/N: part K, from 0, of N")
     parser.add_argument("--file", nargs="*", default=[], help="only files whose path holds one of these")
+    parser.add_argument("--again", help="what an earlier run printed: only what it missed")
     arguments = parser.parse_args()
     known = equal()
     bad = []

@@ -1,5 +1,6 @@
 """A copy of the repository in which a crate holds all its changes at once, and its tests, built once."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -82,7 +83,11 @@ class Crate:
 
     def build(self, found):
         """Builds the tests without the changes that are no Rust; answers with those left, and the test programs."""
-        kept = found
+        # Which ones those are is kept for as long as the sources stay: a second run is mostly one with more tests.
+        text = b"".join(self.sources[name] for name in sorted(self.sources))
+        known = self.copy.with_name(f"{self.copy.name}-{hashlib.sha256(text).hexdigest()[:16]}.json")
+        left_out = set(json.loads(known.read_text())) if known.is_file() else set()
+        kept = [change for change in found if str(change) not in left_out]
         for _ in range(12):
             self.write(kept, len(found))
             done = subprocess.run(
@@ -96,6 +101,8 @@ class Crate:
             wrong = refused(messages, kept, self.copy)
             if not wrong:
                 raise SystemExit(f"{self.folder}: does not build:\n{done.stderr[-4000:]}")
+            left_out |= {str(change) for change in kept if change.number in wrong}
+            known.write_text(json.dumps(sorted(left_out)))
             kept = [change for change in kept if change.number not in wrong]
         raise SystemExit(f"{self.folder}: does not build, whatever is left out")
 

@@ -127,6 +127,10 @@ impl Algorithm for StepHalving {
         let span = Span { begin, end: point.time, size, parts: 2 << self.halvings };
         let mut errors = vec![0.0; system.errors.len()];
         let (mut at, mut step) = (0, span.parts);
+        // What has arrived leaves its line: it must be among the values that are gone back to.
+        for unit in 0..system.units.len() {
+            system.gather(unit, begin);
+        }
         while at < span.parts {
             self.before.clone_from(&system.values);
             for unit in &mut system.units {

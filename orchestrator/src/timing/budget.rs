@@ -224,6 +224,50 @@ mod tests {
     }
 
     #[test]
+    fn value_ages_between_points_that_are_shifted() {
+        // v is taken 20 ms after it was sent at the earliest: that is 30 ms after a point of x, and every 100 ms so.
+        let units = [("x", "interval = 0.1"), ("v", "interval = 0.1\noffset = 0.03")];
+        let found = of("jacobi", &units, &[("x>v", "latency = 0.02"), ("v>x", "")]);
+        let ages: Vec<(f64, f64)> = found[0].legs.iter().map(|leg| leg.age).collect();
+        for (age, expected) in ages.iter().zip([0.03, 0.07]) {
+            // Seconds of ticks: a rounding each.
+            assert!((age.0 - expected).abs() < 1e-15 && (age.1 - expected).abs() < 1e-15, "{ages:?}");
+        }
+        // Twice as often: taken 30 or 80 ms after a point.
+        let units = [("x", "interval = 0.1"), ("v", "interval = 0.05\noffset = 0.03")];
+        let found = of("jacobi", &units, &[("x>v", "latency = 0.02"), ("v>x", "")]);
+        let age = found[0].legs[0].age;
+        assert!((age.0 - 0.03).abs() < 1e-15 && (age.1 - 0.08).abs() < 1e-15, "{age:?}");
+    }
+
+    #[test]
+    fn law_a_table_of_just_all_loops_leaves_none_out() {
+        let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"x\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                    [[units]]\nname = \"v\"\nfmu = \"x.fmu\"\ninterval = 1\n[[connections]]\nfrom = \"x.y\"\nto = \"v.u\"\n\
+                    [[connections]]\nfrom = \"v.y\"\nto = \"x.u\"\n[[connections]]\nfrom = \"v.y\"\nto = \"v.w\"\n";
+        let scenario = Scenario::parse(text, "test.toml").expect("a scenario");
+        let found =
+            |most: usize| budget(&scenario, most).map(|(loops, more)| (loops.len(), more)).expect("ticks");
+        assert_eq!((found(9), found(2), found(1), found(0)), ((2, false), (2, false), (1, true), (0, true)));
+    }
+
+    #[test]
+    fn law_more_loops_than_anybody_reads_are_not_walked() {
+        // Each of 60 units drives the next five: there are more loops than could be counted.
+        let mut text = "format = 1\nexperiment = { stop = 1 }\n".to_owned();
+        for unit in 0..60 {
+            text += &format!("[[units]]\nname = \"a{unit}\"\nfmu = \"x.fmu\"\ninterval = 1\n");
+        }
+        for (unit, next) in (0..60).flat_map(|unit| (1..6).map(move |next| (unit, next))) {
+            text +=
+                &format!("[[connections]]\nfrom = \"a{unit}.y\"\nto = \"a{}.u{next}\"\n", (unit + next) % 60);
+        }
+        let (found, more) =
+            budget(&Scenario::parse(&text, "test.toml").expect("a scenario"), 9).expect("ticks");
+        assert_eq!((found.len(), more), (9, true));
+    }
+
+    #[test]
     fn value_one_rate_is_the_phase_error_of_the_scheme() {
         let (units, ways) = ([("x", "interval = 0.1"), ("v", "interval = 0.1")], [("v>x", ""), ("x>v", "")]);
         let jacobi = of("jacobi", &units, &ways);

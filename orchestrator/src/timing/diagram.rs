@@ -155,6 +155,20 @@ mod tests {
             ((1, 1.25), (0, 2.0)),
         ];
         assert_eq!(ways, expected);
+        // The same two seconds later.
+        let later = {
+            let text = "format = 1\nexperiment = { start = 2, stop = 9, algorithm = \"jacobi\" }\n\
+                        [[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 0.5\n\
+                        [[units]]\nname = \"b\"\nfmu = \"x.fmu\"\ninterval = 1\noffset = 0.25\n\
+                        [[connections]]\nfrom = \"a.y\"\nto = \"b.u\"\n\
+                        [[connections]]\nfrom = \"b.y\"\nto = \"a.u\"\nlatency = 0.5\n";
+            diagram(&Scenario::parse(text, "test.toml").expect("a scenario")).expect("ticks")
+        };
+        assert_eq!(later.span, (2.0, 4.5));
+        assert_eq!(later.lanes[1].points, [2.0, 2.25, 3.25, 4.25]);
+        let ways: Vec<_> = later.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect();
+        let shifted = expected.map(|((from, sent), (to, taken))| ((from, sent + 2.0), (to, taken + 2.0)));
+        assert_eq!(ways, shifted);
         // Gauss-Seidel takes what there is at the end of a step: nothing at the start.
         assert_eq!(scenario("gauss-seidel").arrows[0].to, (1, 0.25));
     }

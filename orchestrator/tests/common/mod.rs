@@ -2,6 +2,7 @@
 
 #![allow(dead_code)] // each test program uses its own share
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -73,43 +74,55 @@ impl Units {
 
 /// The algorithms for units at different rates.
 pub fn every_rate() -> impl Iterator<Item = &'static str> {
-    orchestrator::algorithms().filter(|name| orchestrator::needs(name).is_some_and(|needs| !needs.one_rate))
+    orchestrator::algorithms().filter(|name| !orchestrator::needs(name).expect("an algorithm").one_rate)
 }
 
 /// Compiles a C file of `fixtures/` to a shared library.
 pub fn compile(source: &str) -> Vec<u8> {
-    let folder = TempDir::new().expect("a temporary folder");
-    let library = folder.path().join("unit.so");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../orchestrator/tests/fixtures").join(source);
-    let status = Command::new("cc")
-        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-o"])
-        .args([&library, &source])
-        .args(["-lm", "-lpthread"])
-        .status()
-        .expect("a C compiler");
-    assert!(status.success(), "{} compiles", source.display());
-    std::fs::read(&library).expect("compiled")
+    compiled(&fixture(source))
 }
 
 /// `unit.c` compiled with some of its text replaced.
 pub fn library_with(replaced: &[(&str, &str)]) -> Vec<u8> {
-    let folder = TempDir::new().expect("a temporary folder");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../orchestrator/tests/fixtures/unit.c");
-    let mut text = std::fs::read_to_string(source).expect("there");
+    let mut text = fixture("unit.c");
     for (honest, other) in replaced {
         assert!(text.contains(honest), "{honest}");
         text = text.replace(honest, other);
     }
-    let (source, library) = (folder.path().join("unit.c"), folder.path().join("unit.so"));
+    compiled(&text)
+}
+
+fn fixture(name: &str) -> String {
+    let path = fixtures().join(name);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../orchestrator/tests/fixtures")
+}
+
+/// The shared library of a text. Kept beside cargo's own results by what went in, since each test is a process of its own
+/// and nearly all want the same one.
+fn compiled(text: &str) -> Vec<u8> {
+    let mut hasher = DefaultHasher::new();
+    (text, fixture("unit.c")).hash(&mut hasher); // which others include
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fixture-{:016x}.so", hasher.finish()));
+    if let Ok(library) = std::fs::read(&kept) {
+        return library;
+    }
+    let folder = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
+    let (source, library) = (folder.path().join("fixture.c"), folder.path().join("unit.so"));
     std::fs::write(&source, text).expect("writable");
     let status = Command::new("cc")
-        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
-        .args([&library, &source])
+        .args(["-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-Wall", "-I"])
+        .args([fixtures().as_path(), Path::new("-o"), &library, &source])
         .args(["-lm", "-lpthread"])
         .status()
         .expect("a C compiler");
-    assert!(status.success(), "it compiles");
-    std::fs::read(&library).expect("compiled")
+    assert!(status.success(), "it compiles:\n{text}");
+    let bytes = std::fs::read(&library).expect("compiled");
+    std::fs::rename(&library, &kept).expect("the same file system"); // whole, or not there
+    bytes
 }
 
 /// It refuses a second instance while one is alive.

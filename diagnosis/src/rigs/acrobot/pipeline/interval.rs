@@ -202,12 +202,11 @@ mod tests {
     }
 
     #[test]
-    fn value_a_confounded_name_keeps_what_none_of_23_tells() {
+    fn value_a_confounded_name_keeps_a_twentieth() {
         let list = [candidate(Side::Plant, false)];
         let shares = [false, true].map(|confounded| worth(&shown(0.5), &list, &[0], confounded)[0].share);
         assert!((shares[0] - 0.5).abs() < 1e-9, "{shares:?}");
-        // Jeffreys: 0.5 of 24
-        assert!((shares[1] - 0.5 / 24.0).abs() < 1e-3, "{shares:?}");
+        assert_eq!(shares[1], 0.05);
         assert_eq!(Worth::LEAST.share, shares[1]);
     }
 }

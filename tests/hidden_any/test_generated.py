@@ -36,6 +36,14 @@ def test_the_last_part_of_a_single_run_is_simulated_from_its_begin(tmp_path):
     assert said["gap"]["closed"] > 0.95, said["gap"]
 
 
+def test_a_name_that_widens_the_gap_beside_something_unlisted_is_withdrawn(tmp_path):
+    said = diagnosed(ALL["cart"], "unlisted", 3, tmp_path)
+    assert said["verdict"] == "unknown" and said["effects"] == [], said["effects"]
+    assert any(line.startswith("cart.b_c is withdrawn") for line in said["story"]), said["story"]
+    # what is told is the gap of the model that is left
+    assert all(gap["after"] == gap["before"] for gap in said["gaps"]), said["gaps"]
+
+
 def test_what_a_unit_does_its_own_way_is_told(tmp_path):
     said = diagnosed(ALL["shed"], "none", 7, tmp_path)
     told = " ".join(notice["message"] if isinstance(notice, dict) else notice for notice in said["notices"])

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from . import excite
-from .machine import Parameter
+from .machine import Input, Output, Parameter, State
 from .machines import ALL
 from .simulate import simulate, variants
+from .unit_c import build
 from .unit_python import environment
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -67,6 +68,39 @@ def test_starts_by_trial_and_what_changes_nothing(tmp_path):
     # struck out, not lost
     assert [one["variable"] for one in head["candidate"]] == ["sled.m", "sled.k", "sled.d", "sled.f_c"]
     assert '# variable = "sled.plot"' in (tmp_path / "set" / "dataset.toml").read_text()
+
+
+def test_a_start_that_no_variable_shows_is_a_state_where_the_model_remembers_it(tmp_path):
+    # two lags in a row; only the second is seen. T_0 is called like a start and is none.
+    equations = "dx[0] = (v[u] - x[0]) / v[T_0]; dx[1] = (x[0] - x[1]) / 0.5;"
+    machine = dataclasses.replace(
+        ALL["sled"], name="lags", late="", saves_state=True, states=(State("first", "V", "first_0", 0.0, 0.0), State("y", "V", "y", 0.0, 0.0)),
+        inputs=(Input("u", "V", 0.0, 1.0, "V"),), outputs_of=(Output("y", "V", 1e-3, "V"),),
+        parameters=(Parameter("T_0", "1", 0.3, 0.01, 10.0, "relative", "time constant of the first", 0.5),),
+        build=lambda machine, folder: build(machine, folder, equations, "v[y] = x[1];", step=0.01),
+    )  # fmt: skip
+    times, lags, rows = 0.05 * np.arange(200), np.zeros(2), []
+    for time in times:
+        rows.append((time, np.sign(np.sin(time)), lags[1]))
+        for _ in range(50):
+            lags = lags + 0.001 * np.array([(rows[-1][1] - lags[0]) / 0.3, (lags[0] - lags[1]) / 0.5])
+    (tmp_path / "a.csv").write_text("time,u,y\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    said = run("import", tmp_path / "a.csv", "--fmu", machine.build(machine, tmp_path), "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    assert {"start": "lags.first_0"} in head["state"], said
+    assert "lags.first_0" not in [one["variable"] for one in head["candidate"]]
+
+
+def test_an_import_that_fails_leaves_nothing(motor, tmp_path):
+    heads = {"u": ("u", 1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
+    file = log(tmp_path / "a.csv", ALL["motor"], heads)
+    # time that stands still is seen when all columns are read
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([lines[0], *(",".join(["1.0", *line.split(",")[1:]]) for line in lines[1:])]) + "\n")
+    run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert not (tmp_path / "set").exists()
+    run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")
+    assert sorted(path.name for path in (tmp_path / "set").iterdir()) == ["dataset.toml", "motor.fmu", "run-01.csv"]
 
 
 def test_signs_units_and_time(motor, tmp_path):

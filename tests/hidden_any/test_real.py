@@ -122,3 +122,13 @@ def test_a_turned_sign_is_told_though_the_model_drifts_off(diagnosed, tmp_path):
     program("import", tmp_path / "log.csv", "--fmu", fmu, "--out", tmp_path / "data")
     text = (tmp_path / "data" / "dataset.toml").read_text()
     assert "sign turned" in text.split("variable = \"pendulum.torque\"")[0], text
+    # and diagnosis refuses it, written as logged: a gain that is off as well doesn't hide it
+    toml = tmp_path / "data" / "dataset.toml"
+    first, more = text.split('variable = "pendulum.torque"', 1)
+    rest = more.split("[[channel]]", 1)[1]
+    toml.write_text(f'{first}variable = "pendulum.torque"\ncolumn = "torque"\n\n[[channel]]{rest}')
+    for log in (EXAMPLES / "pendulum" / "logs" / "direct-collocation.csv",):
+        turned = [",".join([*row[:3], row[3] if place == 0 else str(-float(row[3]))]) for place, row in enumerate(line.split(",") for line in log.read_text().splitlines())]
+        (tmp_path / "data" / "run-01.csv").write_text("\n".join(turned) + "\n")
+    done = subprocess.run([PROGRAM, "diagnose", tmp_path / "data", "--out", tmp_path / "out"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "only with the sign of pendulum.torque" in done.stderr, done.stderr

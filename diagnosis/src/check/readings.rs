@@ -9,7 +9,7 @@ use crate::dynamics::Engine;
 use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
-use crate::statistics::levels::{FAR, HALF, MORE, SLIGHT, SMALL};
+use crate::statistics::levels::{FAR, HALF, MORE, SEVERAL, SLIGHT, SMALL};
 use std::time::Instant;
 
 /// Numbers of this file.
@@ -182,25 +182,25 @@ pub(crate) struct Signs {
     pub left: f64,
 }
 
-/// The signs with which the model follows stretches of the logs, the fewest turns first where several follow as well; nothing where none does:
-/// a model that drifts off within a whole log is followed through stretches of it.
+/// The signs with which the model follows stretches of the logs, the fewest turns first where several follow as well: a model that drifts off
+/// within a whole log is followed through stretches of it. Nothing where none is followed, or another sign of a single channel, of those that the
+/// stretches see, is followed nearly as well: they are too short for it.
 pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
     let own = tried(problem, &POLICY.long)?;
-    let mut all = vec![(own, Vec::new())];
-    // a sign that is wrong leaves several times the motion, so that the short glance chooses
-    let follows = |way: &&Way| {
-        let rest = rest(&way.read(problem), &POLICY.short);
-        rest.excess < own.excess && rest.share.is_some_and(|share| share < POLICY.extreme.0)
-    };
-    let ways = ways::signs(problem);
-    for way in ways.iter().filter(follows) {
-        all.push((rest(&way.read(problem), &POLICY.long), way.channels(problem)));
-    }
+    let turns = ways::signs(problem).into_iter();
+    let mut all: Vec<(Rest, Vec<String>)> = turns
+        .map(|way| (rest(&way.read(problem), &POLICY.long), way.channels(problem)))
+        .filter(|(rest, _)| (rest.excess - own.excess).abs() > SLIGHT * own.excess)
+        .collect();
+    all.push((own, Vec::new()));
     let least = all.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    let near = |(rest, _): &(Rest, Vec<String>)| rest.excess <= POLICY.same * least;
-    let (rest, turned) = all.into_iter().filter(near).min_by_key(|(_, turned)| turned.len())?;
+    let near = all.iter().filter(|(rest, _)| rest.excess <= POLICY.same * least);
+    let (rest, turned) = near.min_by_key(|(_, turned)| turned.len())?;
     let left = rest.share.filter(|share| *share < POLICY.extreme.0)?;
-    Some(Signs { turned, left })
+    let is_worse = |other: &Rest| other.excess >= SEVERAL * rest.excess;
+    let mut others = all.iter().filter(|(_, other)| other.len() < 2 && other != turned);
+    (all.len() > 1 && others.all(|(other, _)| is_worse(other)))
+        .then(|| Signs { turned: turned.clone(), left })
 }
 
 fn told(way: &Way, others: &[&Way], shares: Option<(Rest, Rest)>) -> Doubt {

@@ -6,13 +6,48 @@
 use super::grid::Grid;
 use super::linearise::Engine;
 use super::schedule::Schedule;
+use super::stretch::Glance;
+use super::worker::Job;
 use crate::error::Notice;
 use crate::statistics::levels::STEP;
 
 /// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
 const APART: f64 = STEP;
 
+/// Stretches that are begun anew in what the model itself does.
+const GLANCE: Glance = Glance { stretches: 8, rows: 30, rounds: 8 };
+
 impl Engine {
+    /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated
+    /// through, it does again in stretches that begin anew in some such states.
+    pub fn is_begun_by_its_states(mut self) -> bool {
+        self.replayed()
+            .and_then(|()| self.followed(&GLANCE))
+            .is_some_and(|left| left.iter().all(|channel| channel.error <= APART * APART * channel.motion))
+    }
+
+    /// Puts what the nominal model does in the longest run in the place of all logs.
+    fn replayed(&mut self) -> Option<()> {
+        let longest = (0..self.grids.len()).max_by_key(|run| self.grids[*run].time.len())?;
+        let mut grid = self.grids.swap_remove(longest);
+        self.starts = vec![self.starts.swap_remove(longest)];
+        let machine = &self.machine;
+        let schedule = Schedule::new(machine, &grid, &machine.neutral());
+        let start = self.nominal_states(&grid, 0);
+        let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &start);
+        let mut out = Vec::new();
+        let job = Job { probe: true, reads: &[], ..whole };
+        self.with_worker(|worker| worker.interval(machine, &job, &mut out)).ok()?;
+        let courses = &out[machine.order()..];
+        for sample in &mut grid.samples {
+            let row = grid.time.partition_point(|time| *time < sample.time);
+            sample.value = *courses.get(row * machine.channels.len() + sample.channel)?;
+        }
+        self.outliers = vec![vec![false; grid.samples.len()]];
+        self.grids = vec![grid];
+        Some(())
+    }
+
     /// A notice for each run in which rows begun anew go another way.
     pub fn remembered(&self) -> Vec<Notice> {
         let machine = &self.machine;

@@ -4,7 +4,6 @@
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
-//! - `nearest.rs`: which listed effects do most of what an unlisted input did
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
@@ -17,7 +16,6 @@ mod begun;
 mod courses;
 mod equivalent;
 mod mismatch;
-mod nearest;
 mod reading;
 mod rest;
 mod sensor;

@@ -7,8 +7,8 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
+use crate::search::nearest::{FOLLOWS, FURTHER, TERMS};
 use crate::search::trials::interval;
-use crate::statistics::levels::FEW;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -17,12 +17,6 @@ use rayon::prelude::*;
 pub(super) const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
 const ABOVE: f64 = 1e4;
-/// A course follows a variable when that takes away at least this share of its square.
-pub(super) const FOLLOWS: f64 = 0.25;
-/// Each further term must take away at least this share.
-pub(super) const FURTHER: f64 = 0.05;
-/// Terms of a shape, at most.
-pub(super) const TERMS: usize = FEW;
 /// An event is a stretch where the course is above this share of its largest value.
 const EVENT: f64 = 0.35;
 

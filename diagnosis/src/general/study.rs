@@ -12,6 +12,7 @@ use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options as FitOptions, Path, fit, fit_from};
 use crate::observe::{Problem, Run, Scale};
 use crate::options::Options;
+use crate::search::class::Alternative;
 use crate::search::screen::Last;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
@@ -42,7 +43,7 @@ pub struct Studied {
     /// In words.
     pub story: Vec<String>,
     /// Classes, if they were asked for.
-    pub classes: Vec<Vec<crate::search::class::Alternative>>,
+    pub classes: Vec<Vec<Alternative>>,
 }
 
 /// Diagnoses.
@@ -145,27 +146,33 @@ fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
     if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
 }
 
-/// A search's result without these effects.
-fn withdraw(all: &mut Studied, gone: &[usize]) -> Result<(), Error> {
-    if all.rest.unlisted.is_none() || !all.effects.iter().any(|effect| gone.contains(effect)) {
+/// A search's result without these effects, and without those that can't be told from them.
+fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
+    let alike = |list: &[Alternative]| {
+        list.iter().any(|one| one.loss < all.policy.class && unfit.contains(&one.parameter))
+    };
+    let is_gone = |(effect, class): (&usize, &Vec<Alternative>)| unfit.contains(effect) || alike(class);
+    let gone: Vec<bool> = all.effects.iter().zip(&all.classes).map(is_gone).collect();
+    if all.rest.unlisted.is_none() || !gone.contains(&true) {
         return Ok(());
     }
     let engine = &all.built.engine;
     let mut start = all.fit.at.clone();
-    for effect in all.effects.iter().filter(|effect| gone.contains(effect)) {
-        let parameter = &engine.machine.parameters[*effect];
-        start.theta[*effect] = parameter.neutral;
+    let both = std::mem::take(&mut all.effects).into_iter().zip(std::mem::take(&mut all.classes));
+    for ((effect, class), gone) in both.zip(gone) {
+        if !gone {
+            all.effects.push(effect);
+            all.classes.push(class);
+            continue;
+        }
+        let parameter = &engine.machine.parameters[effect];
+        start.theta[effect] = parameter.neutral;
         all.story.push(format!(
             "{} is withdrawn: a search without the rows left out found it, and with it they are followed worse than by the nominal model",
             parameter.name
         ));
     }
-    let kept: Vec<bool> = all.effects.iter().map(|effect| !gone.contains(effect)).collect();
-    let mut places = kept.iter();
-    all.effects.retain(|_| places.next().copied().unwrap_or(true));
-    let mut places = kept.iter();
-    all.classes.retain(|_| places.next().copied().unwrap_or(true));
-    let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| !gone.contains(free)).collect();
+    let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| all.effects.contains(free)).collect();
     all.fit = fit(engine, &start, &free, Some(&all.rest.sizes), &FitOptions::default())?;
     all.rest = rest::judged(engine, &all.fit, &all.rest.sizes, &all.policy);
     all.last = None;
@@ -178,7 +185,7 @@ type Rows<'a> = Vec<(&'a Run, Span)>;
 /// The first class that is open.
 fn open(studied: &Studied) -> Option<Question<'_>> {
     let policy = studied.policy;
-    let near = |list: &[crate::search::class::Alternative]| -> Vec<_> {
+    let near = |list: &[Alternative]| -> Vec<_> {
         list.iter().filter(|one| one.loss < policy.class).copied().collect()
     };
     let mut classes = studied.effects.iter().zip(&studied.classes).map(|(own, list)| (*own, near(list)));
@@ -324,7 +331,7 @@ fn given(
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
     let rest = rest::judged(&built.engine, &here, sizes, &policy);
-    let alone = |parameter: &usize| vec![crate::search::class::Alternative::of(*parameter, &here)];
+    let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
     let told = if rest.unlisted.is_some() {
         "they don't explain the data: process noise stays above its floor"

@@ -4,10 +4,12 @@
 //! - `sheet.rs`: a CSV file as people's loggers write it
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
+//! - `draft.rs`: signs by stretches of the logs, states that no variable shows
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
 //! - `idle.rs`: parameters that change nothing
 //! - `write.rs`: the folder
 
+mod draft;
 mod idle;
 mod matching;
 mod sheet;
@@ -15,10 +17,8 @@ mod starts;
 mod trial;
 mod write;
 
-use crate::check;
-use crate::dynamics::build::build;
 use crate::error::Error;
-use crate::observe::{self, Affine, Problem};
+use crate::observe::{self, Affine};
 use orchestrator::{Fmu, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
@@ -92,19 +92,8 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
         candidates: &candidates,
         tried: &idle::Found::default(),
     };
-    write::folder(out, fmu, &unit, &plain)?;
-    let problem = observe::load(out, units, None)?;
-    let mut unshown = starts::unshown(&unit, &candidates);
-    if !unshown.is_empty() {
-        let with = write::Found { unshown: &unshown, ..plain };
-        write::folder(out, fmu, &unit, &with)?;
-        if !remembers(&problem) || !can_be_begun(&observe::load(out, units, None)?) {
-            unshown.clear();
-        }
-    }
+    let draft::Tried { signs, unshown } = draft::of(out, fmu, &unit, units, &plain);
     candidates.retain(|place| !unshown.contains(place));
-    // stretches tell signs of a model that drifts off within a whole log
-    let signs = check::signs(&problem);
     let known = trial::Known {
         fmu: &unit,
         units,
@@ -136,16 +125,6 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
     let problem = observe::load(out, units, None)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));
     Ok(Imported { guesses, notices })
-}
-
-/// Whether the model remembers more than the states that it can be begun from.
-fn remembers(problem: &Problem) -> bool {
-    build(problem, &problem.whole_runs()).is_ok_and(|built| !built.engine.remembered().is_empty())
-}
-
-/// Whether its rows can be begun from these states.
-fn can_be_begun(problem: &Problem) -> bool {
-    build(problem, &problem.whole_runs()).is_ok_and(|built| !built.engine.machine.whole)
 }
 
 /// Where the time stands, and in what.

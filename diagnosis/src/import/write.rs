@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// What was found of the logs and the unit.
+#[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
     pub sheets: &'a [Sheet],
     pub time: &'a Time,

@@ -4,8 +4,10 @@
 //! - `screen.rs`: what each would gain, on one linearisation, with the noises taken anew
 //! - `walk.rs`: the search itself; every model on its way is fitted
 //! - `class.rs`: what else fits as well in an effect's place
+//! - `nearest.rs`: which listed effects do most of what an unlisted input did
 
 pub mod class;
+pub mod nearest;
 pub mod screen;
 pub mod trials;
 pub mod walk;

@@ -41,8 +41,7 @@ impl Search<'_> {
         !matches!(self.engine.machine.parameters[parameter].scale, Scale::Switch | Scale::Count)
     }
 
-    /// Name of a parameter.
-    pub fn name(&self, parameter: usize) -> &str {
+    pub(super) fn name(&self, parameter: usize) -> &str {
         &self.engine.machine.parameters[parameter].name
     }
 
@@ -175,8 +174,7 @@ impl Search<'_> {
         self.visited.values_mut().for_each(|fit| fit.runs.clear());
     }
 
-    /// Candidates beside these.
-    pub fn others(&self, effects: &[usize]) -> Vec<usize> {
+    pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
     }
 

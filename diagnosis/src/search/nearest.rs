@@ -4,20 +4,26 @@
 //! What an effect does to a state within an interval (∂F/∂θ, or a chord) is held against what the unlisted input does there (G d), and
 //! its smoothed course is told by few of them, by forward selection.
 
-use super::rest::{FOLLOWS, FURTHER, TERMS};
+use super::trials::trials;
+use super::{Policy, Search};
 use crate::dynamics::Engine;
 use crate::dynamics::linearise::Chord;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
 use crate::infer::{Disturbance, Fit, Linearised, smooth};
 use crate::observe::InputEffect;
-use crate::search::trials::trials;
-use crate::search::{Policy, Search};
-use crate::statistics::levels::HALF;
+use crate::statistics::levels::{FEW, HALF};
 use crate::statistics::linear::solve;
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+
+/// A course follows a variable, or an effect, when that takes away at least this share of its square.
+pub const FOLLOWS: f64 = 0.25;
+/// Each further term must take away at least this share.
+pub const FURTHER: f64 = 0.05;
+/// Terms, at most.
+pub const TERMS: usize = FEW;
 
 /// What comes nearest to an unlisted input.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +84,13 @@ impl Search<'_> {
                 names.join(", "),
                 100.0 * near.share
             ));
-            let fitted = self.visit(&with, &start)?;
+            let fitted = match self.visit(&with, &start) {
+                Ok(fitted) => fitted,
+                Err(error) => {
+                    self.story.push(format!("they can't be fitted: {error}"));
+                    break;
+                }
+            };
             let beside = std::mem::replace(&mut self.policy, alone);
             let kept = self.pruned(with, fitted, "the unlisted input doesn't");
             let kept = kept.and_then(|(with, fit)| self.agreed(with, fit));

@@ -20,7 +20,7 @@ const GLANCE: Glance = Glance { stretches: 8, rows: 30, rounds: 8 };
 impl Engine {
     /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated
     /// through, it does again in stretches that begin anew in some such states.
-    pub fn is_begun_by_its_states(mut self) -> bool {
+    pub fn begins_by_its_states(mut self) -> bool {
         self.replayed()
             .and_then(|()| self.followed(&GLANCE))
             .is_some_and(|left| left.iter().all(|channel| channel.error <= APART * APART * channel.motion))

@@ -263,3 +263,22 @@ pub fn places(studied: &Studied) -> Vec<Where> {
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     places
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gap(before: f64, after: f64, floor: f64) -> Gap {
+        let (signal, unit) = (String::new(), String::new());
+        let (held_out_runs, cross_validated) = (Vec::new(), Vec::new());
+        Gap { before, after, floor, closed: None, held_out_runs, cross_validated, signal, unit }
+    }
+
+    #[test]
+    fn law_channels_count_by_their_noise_and_one_without_counts_nothing() {
+        // a small loss of a quiet sensor is more than a large gain of a noisy one
+        assert!(widened(&[gap(1.0, 1.1, 0.01), gap(9.0, 1.0, 1.0)]));
+        assert!(!widened(&[gap(1.1, 1.0, 0.01), gap(1.0, 9.0, 1.0)]));
+        assert!(!widened(&[gap(1.0, 1.0, 0.1)]) && !widened(&[gap(1.0, 2.0, 0.0)]) && !widened(&[]));
+    }
+}

@@ -49,7 +49,7 @@ pub(super) fn of(out: &Path, file: &Path, fmu: &Fmu, units: &UnitPath, found: &w
     let suffices = |unshown: &[usize]| {
         read(&write::Found { unshown, ..*found }).is_some_and(|with| {
             build(&with, &with.whole_runs())
-                .is_ok_and(|built| !built.engine.machine.whole && built.engine.is_begun_by_its_states())
+                .is_ok_and(|built| !built.engine.machine.whole && built.engine.begins_by_its_states())
         })
     };
     let mut unshown = starts::unshown(fmu, found.candidates);

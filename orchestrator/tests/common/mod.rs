@@ -2,6 +2,7 @@
 
 #![allow(dead_code)] // each test program uses its own share
 
+use orchestrator::{Error, Scenario, Simulation};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -207,4 +208,23 @@ pub fn description(fixture: Fixture) -> String {
 </fmiModelDescription>
 "#
     )
+}
+
+/// A unit of a scenario, with a period of 0.125 s.
+pub fn unit(name: &str, fmu: &str, set: &str) -> String {
+    format!("[[units]]\nname = \"{name}\"\nfmu = \"{fmu}\"\ninterval = 0.125\nset = {{ {set} }}\n")
+}
+
+/// A connection of a scenario.
+pub fn connection(from: &str, to: &str) -> String {
+    format!("[[connections]]\nfrom = \"{from}\"\nto = \"{to}\"\n")
+}
+
+/// A simulation of a scenario of these parts, which stops at 1 s.
+///
+/// # Errors
+/// What the scenario or a unit refuses.
+pub fn build(units: &Units, parts: &[String]) -> Result<Simulation, Error> {
+    let text = format!("format = 1\nexperiment = {{ stop = 1 }}\n{}", parts.concat());
+    Simulation::new(&Scenario::parse(&text, "test.toml")?, &units.unit_path())
 }

@@ -1,57 +1,19 @@
 //! A model (values of the candidates) judged on one cut: residuals, noise, what is left, how it does on runs that
 //! were left out.
 
+use super::folds::Folds;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::statistics::levels::{FEW, FINE};
+use crate::statistics::levels::FINE;
 use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
 const SAME: f64 = FINE;
-
-/// Which blocks are left out together: runs, or thirds of a single run.
-#[derive(Debug, Clone)]
-pub struct Folds {
-    /// Fold of each block.
-    pub of: Vec<usize>,
-    /// Number of folds.
-    pub count: usize,
-    /// Run that each fold is; empty where a single run is divided.
-    pub runs: Vec<usize>,
-}
-
-impl Folds {
-    /// Runs where there are two or more; else the run is divided.
-    pub fn new(blocks: &[Block]) -> Self {
-        const PARTS: usize = FEW;
-        let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
-        // a cut's signals may have blocks of their own, each over all runs
-        runs.sort_unstable();
-        runs.dedup();
-        if runs.len() > 1 {
-            let of = blocks
-                .iter()
-                .map(|block| runs.iter().position(|run| *run == block.run).unwrap_or(0))
-                .collect();
-            return Self { of, count: runs.len(), runs };
-        }
-        let of = (0..blocks.len()).map(|place| place * PARTS / blocks.len().max(1)).collect();
-        Self { of, count: PARTS, runs: Vec::new() }
-    }
-
-    /// What was left out, each in turn, in words.
-    pub fn names(&self, runs: &[String]) -> Vec<String> {
-        if self.runs.is_empty() {
-            return vec!["parts of the only run".to_owned()];
-        }
-        self.runs.iter().filter_map(|run| runs.get(*run).cloned()).collect()
-    }
-}
 
 /// A point, judged.
 #[derive(Debug, Clone)]

@@ -1,7 +1,8 @@
 //! Whether more than noise remains in what a driven plant leaves, whatever it is: the deviance that a free torque in each part
 //! of each window takes away.
 
-use super::evaluation::{Evaluation, Folds};
+use super::evaluation::Evaluation;
+use super::folds::Folds;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::policy::SELECTION;

@@ -7,6 +7,7 @@ mod evaluation;
 mod evidence;
 #[cfg(test)]
 pub(crate) mod examples;
+mod folds;
 mod follow;
 mod policy;
 mod refit;
@@ -21,8 +22,9 @@ mod tolerance;
 mod trials;
 
 pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
-pub use evaluation::{Evaluation, Folds, all_perturbations, discrepancies};
+pub use evaluation::{Evaluation, all_perturbations, discrepancies};
 pub use evidence::{STAMPS, discrepancy, lacking};
+pub use folds::Folds;
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};

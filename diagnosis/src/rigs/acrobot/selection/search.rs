@@ -1,7 +1,8 @@
 //! The search on one cut: linearise, accept one more effect, settle, drop what became superfluous, ask for a second opinion, and
 //! linearise again, until nothing is worth a name.
 
-use super::evaluation::{Evaluation, Folds, all_perturbations};
+use super::evaluation::{Evaluation, all_perturbations};
+use super::folds::Folds;
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;

@@ -1,7 +1,8 @@
 //! Who is fitted, from where, and who of them is accepted.
 
-use super::evaluation::{Evaluation, Folds};
+use super::evaluation::Evaluation;
 use super::evidence::lacking;
+use super::folds::Folds;
 use super::refit::refit_closely;
 use super::screen::{Hit, Screen, screen};
 use super::search::SEARCH;

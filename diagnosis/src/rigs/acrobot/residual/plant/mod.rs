@@ -3,7 +3,7 @@
 use super::settings::settings;
 pub use super::trajectory::MOTION;
 use super::trajectory::{
-    CHANNELS, COLUMNS, DENSE, Drive, Motion, PREROLL, Ports, Push, Row, State, simulate, state_of,
+    CHANNELS, COLUMNS, DENSE, Drive, PREROLL, Ports, Push, Row, State, simulate, state_of,
 };
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked};
 use crate::error::Error;
@@ -28,6 +28,7 @@ mod handed;
 pub mod jitter;
 mod layout;
 mod log;
+mod motion;
 pub(crate) mod policy;
 mod through;
 mod window;
@@ -298,51 +299,6 @@ impl PlantCut {
             })
             .collect()
     }
-
-    /// The fitted motion on a grid of `every` s, one stretch a window (the last scored time of one to that of the
-    /// next), with nuisances `at` where a linearisation at the point left them.
-    ///
-    /// # Errors
-    /// The unit failed.
-    pub fn motion(&mut self, point: &[f64], every: f64, at: &Nuisances) -> Result<Vec<Motion>, Error> {
-        self.begin_from(at);
-        self.motion_now(point, every)
-    }
-
-    /// The same with windows where they are.
-    pub(super) fn motion_now(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
-        let settings = self.settings(point, None)?;
-        let mut motions = vec![Motion::default(); self.runs.len()];
-        let stretches: Vec<_> = self
-            .windows
-            .par_iter()
-            .map(|window| {
-                let log = &self.runs[window.run];
-                let first = log.plant.as_ref().map_or(0.0, |plant| plant.time[window.rows[0]]);
-                // back to where the window before ended
-                let from = (first - WINDOWS.window.min(PREROLL)).max(window.drive.start());
-                let count = ((window.drive.end() - from) / every).ceil().max(1.0) as usize;
-                let times: Vec<f64> = (0..=count)
-                    .map(|k| from + (window.drive.end() - from) * k as f64 / count as f64)
-                    .collect();
-                let drive = Drive::new(log, window.drive.start(), &times, &window.edges);
-                let rows = simulate(
-                    &self.bench,
-                    &self.ports,
-                    &settings,
-                    &drive,
-                    &window.start,
-                    &window.pushes(&window.slack),
-                )?;
-                let states: Vec<State> = rows.iter().map(state_of).collect();
-                Ok::<_, Error>((window.run, times, states))
-            })
-            .collect::<Result<_, _>>()?;
-        for (run, times, states) in stretches {
-            motions[run].stretches.push((times, states));
-        }
-        Ok(motions)
-    }
 }
 
 impl Cut for PlantCut {
@@ -392,16 +348,5 @@ impl Cut for PlantCut {
         self.begin_from(from);
         let blocks = self.step_all(at, perturbations)?;
         Ok(Linearised { blocks, nuisances: self.nuisances(from.in_vain), unseen: 0 })
-    }
-}
-
-impl Tracked<PlantCut> {
-    /// As [`PlantCut::motion`], where the nuisances are.
-    ///
-    /// # Errors
-    /// The unit failed.
-    pub fn motion(&mut self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
-        let at = self.nuisances.clone();
-        PlantCut::motion(self, point, every, &at)
     }
 }

@@ -113,22 +113,23 @@ def test_heaters_lack_what_the_authors_of_their_logs_fit(diagnosed):
     assert 10.0 < named(diagnosis, "heater.Q1:lag")["value"] < 30.0
 
 
-def test_a_turned_sign_is_told_though_the_model_drifts_off(diagnosed, tmp_path):
-    log = (EXAMPLES / "pendulum" / "logs" / "ddp.csv").read_text().splitlines()
-    rows = [line.split(",") for line in log]
-    turned = [",".join([*row[:3], row[3] if place == 0 else str(-float(row[3]))]) for place, row in enumerate(rows)]
-    (tmp_path / "log.csv").write_text("\n".join(turned) + "\n")
+def turned(name):
+    """A log of the pendulum with the torque's sign turned."""
+    head, *lines = (EXAMPLES / "pendulum" / "logs" / name).read_text().splitlines()
+    return "\n".join([head, *(f"{line.rsplit(',', 1)[0]},{-float(line.rsplit(',', 1)[1])}" for line in lines), ""])
+
+
+def test_a_turned_sign_is_told_though_the_model_drifts_off(tmp_path):
+    (tmp_path / "log.csv").write_text(turned("ddp.csv"))
     fmu = REAL["pendulum"].build(REAL["pendulum"], tmp_path)
     program("import", tmp_path / "log.csv", "--fmu", fmu, "--out", tmp_path / "data")
     text = (tmp_path / "data" / "dataset.toml").read_text()
-    assert "sign turned" in text.split("variable = \"pendulum.torque\"")[0], text
-    # and diagnosis refuses it, written as logged: a gain that is off as well doesn't hide it
-    toml = tmp_path / "data" / "dataset.toml"
-    first, more = text.split('variable = "pendulum.torque"', 1)
-    rest = more.split("[[channel]]", 1)[1]
-    toml.write_text(f'{first}variable = "pendulum.torque"\ncolumn = "torque"\n\n[[channel]]{rest}')
-    for log in (EXAMPLES / "pendulum" / "logs" / "direct-collocation.csv",):
-        turned = [",".join([*row[:3], row[3] if place == 0 else str(-float(row[3]))]) for place, row in enumerate(line.split(",") for line in log.read_text().splitlines())]
-        (tmp_path / "data" / "run-01.csv").write_text("\n".join(turned) + "\n")
+    assert "sign turned" in text.split('variable = "pendulum.torque"')[0], text
+
+
+def test_a_turned_sign_is_refused_though_a_gain_is_off_as_well(tmp_path):
+    fmu = REAL["pendulum"].build(REAL["pendulum"], tmp_path)
+    program("import", EXAMPLES / "pendulum" / "logs" / "direct-collocation.csv", "--fmu", fmu, "--out", tmp_path / "data")
+    (tmp_path / "data" / "run-01.csv").write_text(turned("direct-collocation.csv"))
     done = subprocess.run([PROGRAM, "diagnose", tmp_path / "data", "--out", tmp_path / "out"], capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "only with the sign of pendulum.torque" in done.stderr, done.stderr

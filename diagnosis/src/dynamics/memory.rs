@@ -9,13 +9,13 @@ use super::schedule::Schedule;
 use super::stretch::Glance;
 use super::worker::Job;
 use crate::error::Notice;
-use crate::statistics::levels::STEP;
+use crate::statistics::levels::{FEW, SAMPLE, STEP};
 
 /// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
 const APART: f64 = STEP;
 
-/// Stretches that are begun anew in what the model itself does.
-const GLANCE: Glance = Glance { stretches: 8, rows: 30, rounds: 8 };
+/// Stretches that are begun anew in what the model itself does; the search for their states ends long before when it finds them.
+const GLANCE: Glance = Glance { stretches: FEW, rows: SAMPLE, rounds: SAMPLE };
 
 impl Engine {
     /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated

@@ -61,9 +61,16 @@ impl<'a> Watch<'a> {
         over
     }
 
+    /// Gives what follows a share of the time that is left. When all of it ends is returned, for [`Watch::end_at`].
+    pub fn share(&mut self, of: f64) -> Option<Instant> {
+        let (whole, now) = (self.until, Instant::now());
+        self.until = whole.map(|until| now + until.saturating_duration_since(now).mul_f64(of));
+        whole
+    }
+
     /// Ends searches at a time.
-    pub fn end_at(&mut self, until: Instant) {
-        self.until = Some(until);
+    pub fn end_at(&mut self, until: impl Into<Option<Instant>>) {
+        self.until = until.into();
     }
 
     /// From now on searches begin from what is known, and only what they find counts, not what looks like it.

@@ -54,6 +54,7 @@ fn run() -> Linearised {
         observe: numbers.some(measured.len() * n, 1.0),
         direct: numbers.some(measured.len() * p, 0.3),
         start: (numbers.some(n, 0.3), vec![0.8, 1.2, 0.5]),
+        follows: Vec::new(),
         // behind one interval the state is as unknown as the first
         torn: (0..rows - 1).map(|row| row == 2).collect(),
         left_out: 0.0,
@@ -221,6 +222,7 @@ fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
         observe: vec![0.0; rows],
         direct: vec![1.0; rows],
         start: (vec![0.0], vec![1.0]),
+        follows: Vec::new(),
         torn: Vec::new(),
         left_out: 0.0,
     }

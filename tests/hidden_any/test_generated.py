@@ -44,6 +44,23 @@ def test_a_name_that_widens_the_gap_beside_something_unlisted_is_withdrawn(tmp_p
     assert all(gap["after"] == gap["before"] for gap in said["gaps"]), said["gaps"]
 
 
+def test_a_sensors_lag_below_a_row_is_not_called_a_delay(tmp_path):
+    said = diagnosed(dataclasses.replace(ALL["motor"], runs=4), "w:lag", 3, tmp_path)
+    # least squares by scipy over start states and either: chi2 of 7203.2 with the lag, of 7208.3 with a delay, so that both are told
+    assert {name for effect in said["effects"] for name in effect["class"]} == {"motor.w:lag", "motor.w:delay"}, said["effects"]
+    assert said["effects"][0]["name"] == "motor.w:lag", said["effects"]
+
+
+def test_long_logs_are_searched_in_stretches_first(tmp_path):
+    said = diagnosed(dataclasses.replace(ALL["motor"], duration=60.0), "fc", 3, tmp_path)
+    assert [effect["name"] for effect in said["effects"]] == ["motor.fc"], said["effects"]
+    assert said["gap"]["closed"] > 0.99, said["gap"]
+    # the answer is that of all rows, and says how it came about
+    assert any("24004 rows" in line for line in said["story"]), said["story"]
+    told = [notice["message"] if isinstance(notice, dict) else notice for notice in said["notices"]]
+    assert any("of 24004 rows some" in line for line in told), told
+
+
 def test_what_a_unit_does_its_own_way_is_told(tmp_path):
     said = diagnosed(ALL["shed"], "none", 7, tmp_path)
     told = " ".join(notice["message"] if isinstance(notice, dict) else notice for notice in said["notices"])

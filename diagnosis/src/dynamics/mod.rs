@@ -17,7 +17,7 @@
 //! - `clock.rs`: units that begin at 0 whatever start time they are told
 //! - `memory.rs`: whether a unit remembers more than the states that can be set
 //! - `whole.rs`: units that nothing can start within a run
-//! - `lag.rs`: a sensor's lag, one more state
+//! - `lag.rs`, `lag_begin.rs`: a sensor's lag, one more state, and where it begins
 //! - `at_once.rs`: outputs that follow an input without a state between them
 //! - `about.rs`: one interval about a state, with its derivatives
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
@@ -31,6 +31,7 @@ pub mod first_path;
 mod fitted;
 pub mod grid;
 mod lag;
+mod lag_begin;
 pub mod linearise;
 pub mod machine;
 mod memory;

@@ -3,6 +3,7 @@
 //! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
+//! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
 //! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
@@ -15,6 +16,7 @@ mod amended;
 mod begun;
 mod courses;
 mod equivalent;
+mod long;
 mod mismatch;
 mod reading;
 mod rest;

@@ -9,6 +9,7 @@ use crate::observe::Problem;
 use crate::search::Policy;
 use crate::search::nearest::{FOLLOWS, FURTHER, TERMS};
 use crate::search::trials::interval;
+use crate::statistics::levels::PART;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ pub(super) const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
 /// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
 const ABOVE: f64 = 1e4;
 /// An event is a stretch where the course is above this share of its largest value.
-const EVENT: f64 = 0.35;
+const EVENT: f64 = PART;
 
 /// What process noise says.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! From a problem to a diagnosis.
 
 use super::rest::{self, Rest};
-use super::{amended, begun, mismatch, reading, sensor, told};
+use super::{amended, begun, long, mismatch, reading, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Gap, Verdict};
 use crate::dynamics::Machine;
@@ -16,7 +16,7 @@ use crate::search::class::Alternative;
 use crate::search::screen::Last;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
-use crate::statistics::levels::PART;
+use crate::statistics::levels::{HALF, PART};
 use crate::watch::{Listener, Watch};
 use orchestrator::{UnitPath, nearest};
 use std::time::Instant;
@@ -77,7 +77,10 @@ fn found(
     let problem = &begun::chosen(&reading::read(problem)?)?;
     let (kept, left) = parted(problem);
     watch.stage("searching without the rows left out");
-    let mut trained = studied(problem, &kept, options, None, false, watch)?;
+    let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
+    let end = watch.share(HALF);
+    let mut trained = studied(problem, &part, options, None, false, watch)?;
+    watch.end_at(end);
     watch.stage("measuring the gap on the rows left out");
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
@@ -87,8 +90,7 @@ fn found(
         (gaps, channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }
     watch.stage("searching in all rows");
-    let whole = problem.whole_runs();
-    let mut all = studied(problem, &whole, options, Some((&trained, &known)), true, watch)?;
+    let mut all = long::searched(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
     let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all));
     let effects = told::effects(problem, &all, unknown.is_some());
@@ -180,7 +182,7 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
 }
 
 /// Runs, each between two times.
-type Rows<'a> = Vec<(&'a Run, Span)>;
+pub(super) type Rows<'a> = Vec<(&'a Run, Span)>;
 
 /// The first class that is open.
 fn open(studied: &Studied) -> Option<Question<'_>> {
@@ -280,7 +282,9 @@ pub fn studied(
     if !options.fit.is_empty() {
         return given(built, &sizes, options, &nominal.at, policy);
     }
+    let end = watch.share(HALF);
     let (mut effects, mut here) = search.walk(effects, begun, watch)?;
+    watch.end_at(end);
     here = search.fresh(here)?;
     let mut rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
     if let Some(unlisted) = rest.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {

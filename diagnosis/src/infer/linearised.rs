@@ -15,6 +15,17 @@ pub struct Measured {
     pub weight: f64,
 }
 
+/// A state that begins where others of the first row lead it, but for a deviation of its own: Σ by x + direct δθ + ξ.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Follows {
+    /// Which.
+    pub state: usize,
+    /// By the states before it.
+    pub by: Vec<f64>,
+    /// By the parameters.
+    pub direct: Vec<f64>,
+}
+
 /// One run about a path x̂ of `rows` rows, with n states and p parameters.
 #[derive(Debug, Clone, Default)]
 pub struct Linearised {
@@ -46,6 +57,8 @@ pub struct Linearised {
     pub left_out: f64,
     /// Prior of the deviation of the first row's state: mean and standard deviation (n each).
     pub start: (Vec<f64>, Vec<f64>),
+    /// States of which the prior is about where others lead.
+    pub follows: Vec<Follows>,
 }
 
 impl Linearised {
@@ -82,6 +95,10 @@ impl Linearised {
         let direct = (0..self.measured.len()).flat_map(|value| {
             columns.iter().map(move |column| self.direct[value * self.parameters + column])
         });
+        let follows = |known: &Follows| {
+            let direct = columns.iter().map(|column| known.direct[*column]).collect();
+            Follows { direct, ..known.clone() }
+        };
         Self {
             parameters: columns.len(),
             drive: drive.copied().collect(),
@@ -96,6 +113,7 @@ impl Linearised {
             torn: self.torn.clone(),
             left_out: self.left_out,
             start: self.start.clone(),
+            follows: self.follows.iter().map(follows).collect(),
         }
     }
 
@@ -103,6 +121,9 @@ impl Linearised {
     pub fn shifted(&self, shift: &[(usize, f64)]) -> Self {
         let mut moved = self.clone();
         for (place, by) in shift.iter().filter(|(_, by)| *by != 0.0) {
+            for known in &self.follows {
+                moved.start.0[known.state] += by * known.direct[*place];
+            }
             for row in 0..self.rows().saturating_sub(1) {
                 for (state, column) in self.column(row, *place).iter().enumerate() {
                     moved.defect[row * self.states + state] += by * column;

@@ -160,10 +160,24 @@ fn filter<const N: usize>(
         mean[i] = run.start.0[i];
         covariance[i][i] = run.start.1[i] * run.start.1[i];
     }
+    let mut sensitivity = vec![[0.0; N]; p];
+    for known in &run.follows {
+        let (own, before) = (known.state, covariance);
+        for (j, by) in known.by.iter().enumerate() {
+            mean[own] += by * mean[j];
+            for i in 0..own {
+                covariance[own][i] += by * before[j][i];
+                covariance[own][own] += by * before[j][i] * known.by.get(i).copied().unwrap_or(0.0);
+            }
+        }
+        for i in 0..own {
+            covariance[i][own] = covariance[own][i];
+        }
+        sensitivity.iter_mut().zip(columns).for_each(|(m, column)| m[own] = known.direct[*column]);
+    }
     if let Some(unlisted) = noise.disturbance {
         covariance[n][n] = unlisted.size * unlisted.size;
     }
-    let mut sensitivity = vec![[0.0; N]; p];
     let mut innovation_columns = vec![0.0; p];
     let mut score = vec![0.0; p];
     let mut gram = vec![0.0; p * p];

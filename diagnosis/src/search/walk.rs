@@ -10,6 +10,9 @@ use crate::observe::Scale;
 use crate::watch::Watch;
 use std::collections::BTreeMap;
 
+/// What ends early where time is up.
+const FURTHER: &str = "the search for further effects";
+
 /// The models that were fitted, by their effects.
 pub type Visited = BTreeMap<Vec<usize>, Fit>;
 
@@ -227,7 +230,7 @@ impl Search<'_> {
         mut here: Fit,
         watch: &mut Watch<'_>,
     ) -> Result<(Vec<usize>, Fit), Error> {
-        while effects.len() < self.policy.most && !watch.is_over("the search for further effects") {
+        while effects.len() < self.policy.most && !watch.is_over(FURTHER) {
             let screen = linearised(self.engine, &here, &self.others(&effects))?;
             let ranked = ranked(self.engine, &here, &screen, self.sizes, &self.policy);
             if let Some(first) = ranked.first() {
@@ -242,7 +245,7 @@ impl Search<'_> {
                 break;
             };
             // another in its place says as much with fewer names
-            let (swapped, other) = self.settled(effects.clone(), here.clone())?;
+            let (swapped, other) = self.settled(effects.clone(), here.clone(), watch)?;
             if swapped != effects {
                 (effects, here) = (swapped, self.fresh(other)?);
                 continue;
@@ -252,16 +255,21 @@ impl Search<'_> {
             self.story
                 .push(format!("{name} explains most of what is left: it gains {gained:.0} of deviance"));
             (effects, here) = (with, fit);
-            (effects, here) = self.settled(effects, here)?;
+            (effects, here) = self.settled(effects, here, watch)?;
             self.trim();
         }
         Ok((effects, here))
     }
 
     /// Drops what gains too little beside the others, and swaps what another explains better.
-    fn settled(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
+    fn settled(
+        &mut self,
+        mut effects: Vec<usize>,
+        mut here: Fit,
+        watch: &mut Watch<'_>,
+    ) -> Result<(Vec<usize>, Fit), Error> {
         let mut place = 0;
-        while place < effects.len() {
+        while place < effects.len() && !watch.is_over(FURTHER) {
             let gone = effects[place];
             let (without, less) = self.without(&effects, &here, place)?;
             if less.deviance - here.deviance < self.policy.gain {

@@ -1,0 +1,184 @@
+//! Logs too long to be searched as a whole: the search begins in stretches of them, evenly spread. Where these leave nothing unexplained it
+//! goes on in all rows from what was found, for small effects need every row. Where something without a name is left, that is what limits
+//! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
+
+use super::rest;
+use super::study::{Rows, Studied, nominal, studied};
+use crate::dynamics::Machine;
+use crate::dynamics::build::{Span, build};
+use crate::dynamics::first_path::Trails;
+use crate::error::{Error, Notice};
+use crate::infer::fit::{At, Options as FitOptions, fit};
+use crate::observe::{Problem, Run};
+use crate::options::Options;
+use crate::search::class::Alternative;
+use crate::statistics::levels::{MORE, ROWS, SAMPLE};
+use crate::watch::Watch;
+
+/// Rows times parameters that a search takes at once: what two cores do in half a minute with a unit of some microseconds a step. What
+/// more rows would tell grows with their root only, and the values are fitted to all of them in the end.
+const SEARCHED: usize = 200_000;
+/// Rows of a stretch: each begins at a state of its own, which takes a thirtieth of them.
+const STRETCH: usize = SAMPLE * ROWS;
+
+/// One stretch of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Stretch {
+    run: usize,
+    place: usize,
+    span: Span,
+}
+
+/// The stretches that are searched, where the rows are too many.
+///
+/// # Errors
+/// No state can be linked.
+pub fn stretches<'a>(
+    problem: &Problem,
+    rows: &Rows<'a>,
+    options: &Options,
+) -> Result<Option<Rows<'a>>, Error> {
+    let machine = Machine::new(problem)?;
+    // what is simulated whole from the model's own start has no stretches, and what was asked for isn't searched
+    if problem.whole || machine.states.is_empty() || !options.fit.is_empty() {
+        return Ok(None);
+    }
+    let counts: Vec<usize> = rows.iter().map(|(run, span)| counted(&machine, run, *span)).collect();
+    let (all, most) = (counts.iter().sum::<usize>(), most(&machine));
+    if all as f64 <= MORE * most as f64 {
+        return Ok(None);
+    }
+    let mut list = Vec::new();
+    for (run, ((_, (from, to)), rows)) in rows.iter().zip(&counts).enumerate() {
+        let parts = (rows / STRETCH).max(1);
+        let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
+        list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
+    }
+    let joined = joined(&spread(&list, (most / STRETCH).max(rows.len())));
+    Ok(Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect()))
+}
+
+/// Rows that are searched at once.
+fn most(machine: &Machine) -> usize {
+    SEARCHED / machine.parameters.len().max(1)
+}
+
+/// Rows of a run between two times.
+fn counted(machine: &Machine, run: &Run, (from, to): Span) -> usize {
+    let of = |output: &crate::dynamics::machine::Output| {
+        run.series[output.channel].time.iter().filter(|time| (from..=to).contains(*time)).count()
+    };
+    machine.channels.iter().map(of).max().unwrap_or(0)
+}
+
+/// So many of them, evenly spread.
+fn spread(list: &[Stretch], wanted: usize) -> Vec<Stretch> {
+    let wanted = wanted.min(list.len());
+    (0..wanted).map(|part| list[part * list.len() / wanted]).collect()
+}
+
+/// Neighbours become one: run and span.
+fn joined(taken: &[Stretch]) -> Vec<(usize, Span)> {
+    let mut joined: Vec<(usize, Span)> = Vec::new();
+    for (place, one) in taken.iter().enumerate() {
+        let follows = place > 0 && taken[place - 1].run == one.run && taken[place - 1].place + 1 == one.place;
+        match joined.last_mut() {
+            Some((_, span)) if follows => span.1 = one.span.1,
+            _ => joined.push((one.run, one.span)),
+        }
+    }
+    joined
+}
+
+/// Searches in all rows, after stretches of them where they are many.
+///
+/// # Errors
+/// As [`studied`].
+pub fn searched(
+    problem: &Problem,
+    options: &Options,
+    before: (&Studied, &Trails),
+    watch: &mut Watch<'_>,
+) -> Result<Studied, Error> {
+    let all = problem.whole_runs();
+    let Some(part) = stretches(problem, &all, options)? else {
+        return studied(problem, &all, options, Some(before), true, watch);
+    };
+    watch.stage("searching in stretches of the logs");
+    let found = studied(problem, &part, options, Some(before), true, watch)?;
+    let goes_on = found.rest.unlisted.is_none() && !watch.is_over("the search in all rows");
+    watch.stage("fitting what was found to all rows");
+    let mut over = if goes_on {
+        studied(problem, &all, options, Some((&found, before.1)), true, watch)?
+    } else {
+        over(problem, &all, found, before.1)?
+    };
+    over.built.notices.push(told(&over, &part, goes_on));
+    Ok(over)
+}
+
+/// What was found in stretches, fitted to all rows and judged there.
+fn over(problem: &Problem, rows: &Rows<'_>, found: Studied, known: &Trails) -> Result<Studied, Error> {
+    let mut built = build(problem, rows)?;
+    let begun = nominal(&mut built, known)?;
+    let sizes = match found.rest.unlisted {
+        Some(_) => built.sizes.with_pinned(found.rest.sizes.pinned.clone()),
+        None => built.sizes.clone(),
+    };
+    let mut start = At { noise: found.fit.at.noise.clone(), ..begun.at.clone() };
+    start.theta.clone_from(&found.fit.at.theta);
+    let fit = fit(&built.engine, &start, &found.fit.free, Some(&sizes), &FitOptions::default())?;
+    let rest = rest::judged(&built.engine, &fit, &sizes, &found.policy);
+    let classes = found.classes.into_iter().map(|class| refitted(class, &found.effects, &fit)).collect();
+    let told: Vec<String> = built.notices.iter().map(|notice| notice.message.clone()).collect();
+    built.notices.extend(found.built.notices.into_iter().filter(|one| !told.contains(&one.message)));
+    let (effects, policy, story) = (found.effects, found.policy, found.story);
+    Ok(Studied { built, effects, fit, nominal: begun.at.paths, rest, policy, last: None, story, classes })
+}
+
+/// A class with the value that its own effect has in all rows.
+fn refitted(class: Vec<Alternative>, effects: &[usize], fit: &crate::infer::Fit) -> Vec<Alternative> {
+    let of = |one: Alternative| match fit.free.contains(&one.parameter) && effects.contains(&one.parameter) {
+        true => Alternative { loss: one.loss, ..Alternative::of(one.parameter, fit) },
+        false => one,
+    };
+    class.into_iter().map(of).collect()
+}
+
+fn told(over: &Studied, part: &Rows<'_>, goes_on: bool) -> Notice {
+    let rows: usize = over.built.engine.grids.iter().map(|grid| grid.time.len()).sum();
+    let (most, parts) = (most(&over.built.engine.machine), part.len());
+    let then = if goes_on { "went on from what it found in all" } else { "what it found was fitted to all" };
+    let message =
+        format!("of {rows} rows some {most} in {parts} stretches of the logs were searched first; {then}");
+    Notice { file: "dataset.toml".into(), line: 0, message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(count: usize) -> Vec<Stretch> {
+        let one = |place: usize| Stretch { run: 0, place, span: (place as f64, place as f64 + 1.0) };
+        (0..count).map(one).collect()
+    }
+
+    #[test]
+    fn law_stretches_are_spread_evenly() {
+        let places = |count, wanted| -> Vec<usize> {
+            spread(&list(count), wanted).iter().map(|one| one.place).collect()
+        };
+        assert_eq!(places(8, 4), [0, 2, 4, 6]);
+        assert_eq!(places(7, 3), [0, 2, 4]);
+        assert_eq!(places(3, 9), [0, 1, 2], "no more than there are");
+    }
+
+    #[test]
+    fn law_neighbours_are_one_stretch_but_not_across_runs() {
+        let mut all = list(4);
+        all[3].run = 1;
+        assert_eq!(joined(&[all[0], all[1]]), [(0, (0.0, 2.0))]);
+        assert_eq!(joined(&[all[0], all[2]]), [(0, (0.0, 1.0)), (0, (2.0, 3.0))]);
+        assert_eq!(joined(&[all[2], all[3]]), [(0, (2.0, 3.0)), (1, (3.0, 4.0))]);
+    }
+}

@@ -241,3 +241,45 @@ fn value_binary_centroids_scatter_as_a_true_discs() {
         assert!((areas / n - area).abs() < area_tolerance, "{}", areas / n);
     }
 }
+
+#[test]
+fn cross_a_frame_has_outlines_of_as_many_vertices_as_its_circles_need() {
+    use camera::geometry::{Outline, UnitCircle};
+    use camera::photometry::Coverage;
+    // Radii in pixels of the larger side: 0.2 of 20 world units of 512 px, and what scale and lens add. For k1 = 0.1 the
+    // picture is larger by the root of 2 in a corner.
+    let settings: [(Change, f64); 5] = [
+        (|_| (), 5.12),
+        (|v| v.scene.field_of_view = 40.0, 2.56),
+        (|v| v.effects.placement.scale = 1.7, 1.7 * 5.12),
+        (|v| (v.sensor.width, v.sensor.height, v.scene.circle_radius) = (300, 400, 0.6), 12.0),
+        (|v| v.effects.radial.cubic = 0.1, 5.12 * core::f64::consts::SQRT_2),
+    ];
+    for (change, radius_px) in settings {
+        let variables = variables(change);
+        let (width, height) = (variables.sensor.width as usize, variables.sensor.height as usize);
+        let mut maker = maker(&variables);
+        let centres = variables.scene.centres_world(Pose { link1_angle: 0.11, link2_angle: -0.31 });
+        maker.render(shot(&[centres]));
+        let found = coverage(&maker);
+        // 1e-3 more for how the magnification is found, by differences over 1e-3.
+        let [circle, other] = [1.0, 1.001].map(|more| UnitCircle::for_radius_px(more * radius_px));
+        assert_eq!(circle.len(), other.len(), "{radius_px}: between two numbers");
+        let (mut outline, mut expected) = (Outline::default(), Coverage::default());
+        for centre in centres {
+            outline.add(&circle, centre, variables.scene.circle_radius, maker.projection());
+        }
+        expected.begin(width, height);
+        for (xs, ys) in outline.xs.chunks(circle.len()).zip(outline.ys.chunks(circle.len())) {
+            expected.add(xs, ys, (0.0, 0.0), true);
+        }
+        expected.finish(1.0);
+        for y in 0..height {
+            for (found, share) in found[y * width..][..width].iter().zip(expected.row(y)) {
+                // Single precision relative to the box instead of the frame, 3e-5 px, and half a part of 16320; polygons
+                // of other numbers of vertices differ by up to COVERAGE_ERROR.
+                assert!((found - f64::from(*share)).abs() < 1.5e-4, "{radius_px}: {found} {share}");
+            }
+        }
+    }
+}

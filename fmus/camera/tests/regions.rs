@@ -131,6 +131,14 @@ fn value_the_grey_centroid_is_that_of_what_lies_within_two_pixels() {
         }
     }
     assert!(at_borders > 100, "{at_borders}");
+    // Where nothing differs from the background there is no centre.
+    let mask = Mask { words: vec![u32::MAX; 5 * HEIGHT], stride: 5 };
+    let (picture, windows) =
+        (Plane::filled(WIDTH, HEIGHT, 20u8, 20), [Area { x0: 8, y0: 8, x1: 20, y1: 20 }]);
+    let view = View { picture: &picture, mask: &mask, windows: &windows, row_step: 1 };
+    labeller.label(&mask, &windows, 1, &mut regions);
+    assert_eq!(regions.iter().map(|region| region.area).collect::<Vec<_>>(), [144]);
+    assert_eq!(grey::centroid(&regions[0], &view, &windows[0], &scene), None);
 }
 
 #[test]

@@ -283,3 +283,32 @@ fn cross_a_frame_has_outlines_of_as_many_vertices_as_its_circles_need() {
         }
     }
 }
+
+#[test]
+fn cross_a_circle_that_a_mounting_shows_larger_than_was_reckoned_with_is_covered_as_well() {
+    use camera::geometry::{Outline, UnitCircle};
+    use camera::photometry::Coverage;
+    // A short lens that looks aside shows the near side 3.3 times as large: edges are 3 px long.
+    let variables = variables(|v| {
+        (v.sensor.focal_length, v.effects.mounting.pan, v.scene.circle_radius) = (0.5, 0.8, 0.48);
+    });
+    let mut maker = maker(&variables);
+    let centre = (-1.0, 0.7);
+    maker.render(shot(&[[centre, (-400.0, 0.0), (-400.0, 0.0)]])); // the others are behind it
+    let circle = UnitCircle::for_radius_px(25.6 * 0.48);
+    let (mut outline, mut expected) = (Outline::default(), Coverage::default());
+    outline.add(&circle, centre, 0.48, maker.projection());
+    assert!(outline.longest_edge > 2.0, "{}", outline.longest_edge);
+    expected.begin(512, 512);
+    expected.add(&outline.xs, &outline.ys, (0.0, 0.0), false);
+    expected.finish(1.0);
+    let found = coverage(&maker);
+    let mut total = 0.0;
+    for (found, share) in found.chunks(512).enumerate().flat_map(|(y, row)| row.iter().zip(expected.row(y))) {
+        // Half a part of 16320, and single precision relative to the box instead of the frame.
+        assert!((found - f64::from(*share)).abs() < 1.5e-4, "{found} {share}");
+        total += found;
+    }
+    // The near side is 3.3 times as large along u, and 1.8 times along v.
+    assert!(total > 4.0 * core::f64::consts::PI * (25.6_f64 * 0.48).powi(2), "{total}");
+}

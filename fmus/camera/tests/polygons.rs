@@ -163,3 +163,19 @@ fn every_border_is_the_end_of_what_is_covered() {
         }
     }
 }
+
+#[test]
+fn every_short_edge_out_of_the_area_leaves_what_lies_behind_the_cells_alone() {
+    use camera::geometry::{Outline, UnitCircle};
+    use camera::photometry::{edges::CELLS, simd};
+    let (columns, rows) = (20, 15);
+    let n = columns * rows;
+    let circle = UnitCircle::for_radius_px(3.0);
+    for centre in [(8.0, 14.0), (8.0, 16.0), (8.0, 40.0), (300.0, 300.0), (8.0, -1.0), (-40.0, -40.0)] {
+        let mut outline = Outline::default();
+        outline.add_disc(&circle, centre, (3.0, 3.0));
+        let mut memory = vec![0; n + 4 * CELLS];
+        simd::add_short(&mut memory[..n], columns, &outline.xs, &outline.ys, (0.0, 0.0));
+        assert_eq!(memory[n..], vec![0; 4 * CELLS], "{centre:?}");
+    }
+}

@@ -101,3 +101,29 @@ fn law_every_bit_of_seed_frame_and_stream_turns_each_bit_of_the_word_half_of_the
         assert!((f64::from(count) - 16_000.0).abs() < 4.0 * 0.5 * 32_000.0_f64.sqrt(), "{count}");
     }
 }
+
+#[test]
+fn value_the_words_of_frames_one_after_the_other_are_splitmix64s() {
+    // Steele, Lea and Flood (2014), with the constants of Vigna's splitmix64.c: states are this far apart.
+    const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+    let inverse = |odd: u64| {
+        (0..6).fold(odd, |found, _| found.wrapping_mul(2_u64.wrapping_sub(odd.wrapping_mul(found))))
+    };
+    let state = |word: u64| {
+        let z = word ^ (word >> 31) ^ (word >> 62);
+        let z = z.wrapping_mul(inverse(0x94d0_49bb_1331_11eb));
+        let z = z ^ (z >> 27) ^ (z >> 54);
+        let z = z.wrapping_mul(inverse(0xbf58_476d_1ce4_e5b9));
+        z ^ (z >> 30) ^ (z >> 60)
+    };
+    // Its first two words from the state 1234567, as Rosetta Code lists them.
+    assert_eq!(state(6_457_827_717_110_365_317), GAMMA.wrapping_add(1_234_567));
+    assert_eq!(state(3_203_168_211_198_807_973), GAMMA.wrapping_mul(2).wrapping_add(1_234_567));
+    for (seed, stream) in [(0, 0), (1, 0), (-5, 7), (i32::MAX, 0x6c6f_7373)] {
+        let first = state(mixed(seed, 0, stream));
+        for k in [1_i64, 2, 3, 1000, -1, i64::from(u32::MAX) * 1000] {
+            let expected = first.wrapping_add(GAMMA.wrapping_mul(k as u64));
+            assert_eq!(state(mixed(seed, k, stream)), expected, "{seed} {stream} {k}");
+        }
+    }
+}

@@ -102,3 +102,21 @@ fn value_noise_reaches_a_level_if_its_largest_does() {
         assert!((found - half * share).abs() <= 0.5 + 0.5 * share, "{gain}: {found}");
     }
 }
+
+#[test]
+fn value_the_rarest_pixel_that_there_is_lies_as_far_out_as_noise_can() {
+    // One in 2²³ of those that are drawn, found by trying: its random bits are all 0.
+    const CELL: usize = 1024;
+    let (seed, k, cell) = (0, 2388, 17_471);
+    let (base, gain) = (vec![64 * 120_i16; CELL], noise::gain(15.0));
+    let (mut picture, mut mask) = (vec![120_u8; CELL], vec![0_u32; CELL / 32]);
+    let first_word = (cell * CELL / 2) as u32;
+    let span = Span { base: &base, first_word, noise: Some((Keys::new(seed, k), gain)), level: 100 };
+    tails::draw(span, &mut picture, &mut mask);
+    let drawn: Vec<usize> = (0..CELL).filter(|place| picture[*place] != 120).collect();
+    assert_eq!(drawn.len(), 1);
+    let noise = if picture[drawn[0]] > 120 { tails::largest(gain) } else { -tails::largest(gain) };
+    let expected = rounded(64 * 120 + noise);
+    assert_eq!(picture[drawn[0]], expected);
+    assert_eq!(mask[drawn[0] / 32] >> (drawn[0] % 32) & 1, u32::from(expected >= 100));
+}

@@ -320,3 +320,25 @@ fn every_unit_that_cannot_be_taken_back_is_named() {
         "{found}"
     );
 }
+
+#[test]
+fn every_unit_whose_steps_cannot_differ_is_named() {
+    let units = Units::new();
+    let fixed =
+        common::description(common::STATEFUL).replace("canHandleVariableCommunicationStepSize=\"true\"", "");
+    units.pack("stateful.fmu", &fixed, &common::library());
+    let message = |text: &str| build(&units, text).err().expect("refused").to_string();
+    let flag = "a unit that says canHandleVariableCommunicationStepSize";
+    let found = message(&oscillator("stop = 1, algorithm = \"step-halving\"", "0.5"));
+    assert!(
+        found.starts_with(&format!("test.toml:4: algorithm \"step-halving\" with unit x: {flag}")),
+        "{found}"
+    );
+    let found = message(&oscillator("stop = 1", "0.5\n        retry = true"));
+    assert!(found.starts_with(&format!("test.toml:4: retry = true of unit x: {flag}")), "{found}");
+    // Others take back steps of one length, or none.
+    for algorithm in ["iterated", "jacobi"] {
+        build(&units, &oscillator(&format!("stop = 1, algorithm = \"{algorithm}\""), "0.5"))
+            .expect(algorithm);
+    }
+}

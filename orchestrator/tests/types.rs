@@ -232,3 +232,24 @@ fn every_algorithm_carries_truths_and_texts_as_they_change() {
         }
     }
 }
+
+#[test]
+fn every_table_in_a_file_may_jump_and_never_goes_back() {
+    let units = Units::new();
+    let file = units.path().join("z.csv");
+    let out = |rows: &str| {
+        std::fs::write(&file, format!("time,z\n{rows}\n")).expect("writable");
+        let source = format!(
+            "[[sources]]\nto = \"a.u1\"\nkind = \"csv\"\nfile = \"{}\"\ncolumn = \"z\"\n",
+            file.display()
+        );
+        let mut simulation =
+            build(&units, &[unit("a", "stateful.fmu", ""), source]).map_err(|error| error.to_string())?;
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).map_err(|error| error.to_string())?;
+        simulation.value("a.y1").map_err(|error| error.to_string())
+    };
+    // At the ends of steps of 1/8 s three times 1 and five times 3, as in a table of the scenario.
+    assert_eq!(out("0,1\n0.5,1\n0.5,3\n1,3"), Ok(2.25));
+    let error = out("0,1\n0.5,1\n0.499,3\n1,3").expect_err("back in time");
+    assert!(error.contains("times in rising order") && error.contains("z.csv:4"), "{error}");
+}

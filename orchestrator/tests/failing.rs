@@ -100,3 +100,22 @@ fn every_index_up_to_the_last_variable_is_known_wherever_the_structure_stands() 
         }
     }
 }
+
+#[test]
+fn every_warning_before_a_saved_state_is_counted_after_it() {
+    let units = Units::new();
+    let parts = [common::unit("a", "stateful.fmu", "fault = 1, fault_time = 0.25")];
+    let fresh = || common::build(&units, &parts).expect("builds");
+    let mut whole = fresh();
+    whole.advance_to(1.0).expect("a warning stops nothing");
+    let told = whole.notices();
+    // Steps that end at 3/8 s and later, or from 1/4 s on: six or seven of eight.
+    assert!(told[0].starts_with("unit a answered 7 calls with a warning"), "{told:?}");
+    let mut first = fresh();
+    first.advance_to(0.625).expect("steps");
+    let saved = first.save().expect("saved");
+    let mut second = fresh();
+    second.go_back(&saved).expect("the same");
+    second.advance_to(1.0).expect("steps");
+    assert_eq!(second.notices()[0].split(';').next(), told[0].split(';').next());
+}

@@ -167,4 +167,15 @@ mod tests {
         // Whoever wants to end the run is heard while it waits.
         assert!(keeping.wait(1e9, || ControlFlow::Break(())).is_break());
     }
+
+    #[test]
+    fn law_a_point_is_missed_that_is_due_before_the_last_one_came() {
+        // All are due before the clock began, so that none is waited for.
+        for (came, missed) in [(-0.5, 1), (-0.999, 1), (-1.001, 0), (-2.0, 0)] {
+            let mut keeping = Keeping::new(2.0, 10.0);
+            keeping.before = Some(came);
+            assert!(keeping.wait(8.0, || ControlFlow::Continue(())).is_continue());
+            assert_eq!(keeping.lateness.missed, missed, "due at -1 s, the last one came at {came} s");
+        }
+    }
 }

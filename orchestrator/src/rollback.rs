@@ -241,3 +241,26 @@ impl Value {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_changes_are_relative_to_what_is_larger_than_one() {
+        let change = |before: f64, now: f64| Value::Real(now).change(&Value::Real(before));
+        for (before, now, expected) in [
+            (0.25, 0.5, 0.25),
+            (-0.25, 0.5, 0.75),
+            (3.0, 4.0, 0.25),
+            (4.0, -8.0, 1.5),
+            (2.0, 2.0, 0.0),
+            (0.5, 1.0, 0.5),
+        ] {
+            assert_eq!(change(before, now), expected, "from {before} to {now}");
+        }
+        assert_eq!(Value::Integer(3).change(&Value::Integer(3)), 0.0);
+        assert_eq!(Value::Integer(3).change(&Value::Integer(4)), f64::INFINITY);
+        assert_eq!(Value::from("a").change(&Value::from("b")), f64::INFINITY);
+    }
+}

@@ -294,6 +294,7 @@ fn every_loop_that_does_not_settle_is_told() {
         told.contains("at t = 0.25 s: it still changes by ") && told.contains("after 100 iterations"),
         "{told}"
     );
+    assert!(told.starts_with("a.u1 ") || told.starts_with("b.u1 "), "an input of the loop: {told}");
     run(&units, &text.replace("k = 40", "k = 0.4")).expect("a contraction");
     let coarse = "stop = 1, algorithm = \"step-halving\", options = { tolerance = 1e-9, halvings = 2 }";
     let told = run(&units, &oscillator(coarse, "0.5")).expect_err("too coarse").to_string();
@@ -319,4 +320,49 @@ fn every_unit_that_cannot_be_taken_back_is_named() {
         found.starts_with("test.toml:4: retry = true of unit x: a unit that says canGetAndSetFMUstate"),
         "{found}"
     );
+}
+
+#[test]
+fn every_unit_whose_steps_cannot_differ_is_named() {
+    let units = Units::new();
+    let fixed =
+        common::description(common::STATEFUL).replace("canHandleVariableCommunicationStepSize=\"true\"", "");
+    units.pack("stateful.fmu", &fixed, &common::library());
+    let message = |text: &str| build(&units, text).err().expect("refused").to_string();
+    let flag = "a unit that says canHandleVariableCommunicationStepSize";
+    let found = message(&oscillator("stop = 1, algorithm = \"step-halving\"", "0.5"));
+    assert!(
+        found.starts_with(&format!("test.toml:4: algorithm \"step-halving\" with unit x: {flag}")),
+        "{found}"
+    );
+    let found = message(&oscillator("stop = 1", "0.5\n        retry = true"));
+    assert!(found.starts_with(&format!("test.toml:4: retry = true of unit x: {flag}")), "{found}");
+    // Others take back steps of one length, or none.
+    for algorithm in ["iterated", "jacobi"] {
+        build(&units, &oscillator(&format!("stop = 1, algorithm = \"{algorithm}\""), "0.5"))
+            .expect(algorithm);
+    }
+}
+
+#[test]
+fn law_a_discarded_step_is_begun_anew_with_its_half_and_told_with_its_time() {
+    // From 0.5 s on a quarter of a second is refused, and nothing else: neither shorter nor longer ones.
+    let rule = (
+        "    (void)no_return;\n",
+        "    (void)no_return;\n    if (from >= 0.5 && size > 0.2 && size < 0.3) return 2;\n",
+    );
+    let units = Units::new();
+    units.pack("picky.fmu", &common::description(common::STATEFUL), &common::library_with(&[rule]));
+    let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"picky.fmu\"\ninterval = 0.25\n\
+                retry = true\nset = { u1 = 2.0 }\n";
+    let mut results = MemoryRecorder::new();
+    let mut simulation = build(&units, text).expect("builds");
+    for _ in 0..2 {
+        simulation.run(&mut results, &mut Quiet).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(results.series("a.y1").expect("recorded"), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(results.series("a.y2").expect("recorded"), [0.0, 0.25, 0.25, 0.125, 0.125]);
+        let told = simulation.notices();
+        let expected = "unit a discarded 2 steps, the first at t = 0.5 s; shorter ones were made instead";
+        assert!(told.iter().any(|notice| notice == expected), "{told:?}");
+    }
 }

@@ -132,6 +132,13 @@ fn law_odd_descriptions_are_told() {
             "unit a: mode: min 3 is above max 2",
         ]
     );
+    // A start value just at its limits is within them.
+    for (start, told) in [("1", 0), ("2", 0), ("3", 1), ("0", 1)] {
+        let limits = format!("start=\"{start}\" min=\"1\" max=\"2\"");
+        let limited = common::description(STATEFUL).replace("start=\"1\" max=\"1e6\"", &limits);
+        units.pack("stateful.fmu", &limited, &common::library());
+        assert_eq!(build(&units, &text).expect("builds").notices().len(), told, "{start}");
+    }
     // Of many the first ones stand for all.
     let start =
         |name: &str| format!("name=\"{name}\" valueReference=\"0\" causality=\"input\"><Real start=\"0\"/>");

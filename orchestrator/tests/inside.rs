@@ -77,6 +77,28 @@ fn law_a_unit_steps_as_far_as_such_a_stop() {
     assert_eq!((simulation.time(), simulation.value("a.y1").expect("known")), (0.875, 0.75));
 }
 
+#[test]
+fn law_such_a_stop_counts_from_the_start_and_whole_seconds_go_on_for_ever() {
+    let units = Units::new();
+    let simulation = |start: f64, interval: f64| {
+        let text = format!(
+            "format = 1\nexperiment = {{ start = {start}, stop = 20 }}\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\n\
+             interval = {interval}\nset = {{ mode = 2 }}\n"
+        );
+        Simulation::new(&Scenario::parse(&text, "test.toml").expect("a scenario"), &units.unit_path())
+            .expect("builds")
+    };
+    // The start is no multiple of the interval: what is left of the last step is counted from there.
+    let mut from_there = simulation(0.0625, 0.25);
+    assert!(from_there.end_at(0.375));
+    assert_eq!(steps(&mut from_there), [(0.3125, 0.25), (0.375, 0.0625)]);
+    for interval in [2.0, 3.0] {
+        let mut open = simulation(0.0, interval);
+        open.open_end(None);
+        assert_eq!(steps(&mut open).last(), Some(&(40.0 * interval, interval)), "well beyond its own stop");
+    }
+}
+
 /// What it was told.
 #[derive(Default)]
 struct Told {

@@ -77,3 +77,28 @@ fn every_scale_that_can_not_be_is_refused() {
         assert!(told.starts_with("test.toml:") && told.contains(expected), "{told}");
     }
 }
+
+#[test]
+fn every_algorithm_scales_what_it_carries() {
+    let units = Units::new();
+    let each = orchestrator::algorithms()
+        .flat_map(|algorithm| ["", "latency = 0.1\n"].map(|latency| (algorithm, latency)));
+    for (algorithm, latency) in each {
+        // Two constants, so that no way to fill the time between points moves them.
+        let text = format!(
+            "format = 1\n[experiment]\nstop = 0.5\nalgorithm = \"{algorithm}\"\n\
+             [[units]]\nname = \"a\"\nfmu = \"feedthrough.fmu\"\ninterval = 0.1\nset = {{ mode = 1, u1 = 5.0, u2 = -7.0 }}\n\
+             [[units]]\nname = \"b\"\nfmu = \"feedthrough.fmu\"\ninterval = 0.1\nset = {{ mode = 1 }}\n\
+             [[connections]]\nfrom = \"a.y1\"\nto = \"b.u1\"\ngain = 2.0\nbias = 3.0\n{latency}\
+             [[connections]]\nfrom = \"a.y2\"\nto = \"b.u2\"\ngain = -1.0\nbias = 0.25\n{latency}"
+        );
+        let scenario = Scenario::parse(&text, "test.toml").expect(algorithm);
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect(algorithm);
+        simulation.advance_to(0.5).expect("runs");
+        for (name, expected) in
+            [("a.y1", 5.0), ("a.y2", -7.0), ("b.u1", 13.0), ("b.u2", 7.25), ("b.y1", 13.0)]
+        {
+            assert_eq!(simulation.value(name).expect(name), expected, "{algorithm}, {latency:?}: {name}");
+        }
+    }
+}

@@ -73,3 +73,20 @@ fn law_a_limit_is_passed_and_not_reached() {
     assert_eq!(ended(Comparison::Above, -0.5), Some(0.0));
     assert_eq!(ended(Comparison::Above, 0.0), None);
 }
+
+#[test]
+fn every_stop_is_at_the_start_or_after_it() {
+    let text = "format = 1\nexperiment = { start = 0.5, stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.25\n";
+    let units = Units::new();
+    for (stop, steps) in [("0.5", 0), ("1/2", 0), ("0.75", 1), ("2", 6)] {
+        let mut scenario = Scenario::parse(text, "test.toml").expect("a scenario");
+        scenario.set_stop(stop).expect("not before the start");
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        let mut results = MemoryRecorder::new();
+        simulation.run(&mut results, &mut Quiet).expect("runs");
+        assert_eq!(results.times().len(), steps + 1, "{stop}");
+    }
+    let mut scenario = Scenario::parse(text, "test.toml").expect("a scenario");
+    let told = scenario.set_stop("0.4999").expect_err("before the start").to_string();
+    assert!(told.contains("not before the start, 1/2 s"), "{told}");
+}

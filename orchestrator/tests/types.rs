@@ -190,3 +190,66 @@ fn value_units_and_types_are_converted() {
         "{text}"
     );
 }
+
+#[test]
+fn every_algorithm_carries_truths_and_texts_as_they_change() {
+    let units = Units::new();
+    for algorithm in orchestrator::algorithms() {
+        let text = format!(
+            "format = 1\n[experiment]\nstop = 1\nalgorithm = \"{algorithm}\"\n\
+             [[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\nset = {{ i_in = 41, s_in = \"first\" }}\n\
+             [[units]]\nname = \"b\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n\
+             [[connections]]\nfrom = \"a.b_out\"\nto = \"b.b_in\"\n\
+             [[connections]]\nfrom = \"a.i_out\"\nto = \"b.i_in\"\n\
+             [[connections]]\nfrom = \"a.s_out\"\nto = \"b.s_in\"\n"
+        );
+        let scenario = orchestrator::Scenario::parse(&text, "test.toml").expect(algorithm);
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect(algorithm);
+        for (at, truth, number, text) in
+            [(0.25, true, 7, "second"), (0.5, false, -3, ""), (0.75, true, 0, "third")]
+        {
+            simulation.set("a.b_in", truth).expect("an input");
+            simulation.set("a.i_in", number).expect("an input");
+            simulation.set("a.s_in", text).expect("an input");
+            // Two steps: what is seen at the beginning of one comes of the one before.
+            simulation.advance_to(at).expect("steps");
+            let mut get = |name: &str| simulation.get(name).expect("known");
+            assert_eq!(
+                (get("a.b_out"), get("b.b_in")),
+                (Value::Boolean(!truth), Value::Boolean(!truth)),
+                "{algorithm}"
+            );
+            assert_eq!(get("b.b_out"), Value::Boolean(truth), "{algorithm}");
+            assert_eq!(
+                (get("b.i_in"), get("b.i_out")),
+                (Value::Integer(number + 1), Value::Integer(number + 2))
+            );
+            assert_eq!(
+                (get("b.s_in"), get("b.s_out")),
+                (Value::from(text), Value::from(text)),
+                "{algorithm}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_table_in_a_file_may_jump_and_never_goes_back() {
+    let units = Units::new();
+    let file = units.path().join("z.csv");
+    let out = |rows: &str| {
+        std::fs::write(&file, format!("time,z\n{rows}\n")).expect("writable");
+        let source = format!(
+            "[[sources]]\nto = \"a.u1\"\nkind = \"csv\"\nfile = \"{}\"\ncolumn = \"z\"\n",
+            file.display()
+        );
+        let mut simulation =
+            build(&units, &[unit("a", "stateful.fmu", ""), source]).map_err(|error| error.to_string())?;
+        simulation.run(&mut MemoryRecorder::new(), &mut Quiet).map_err(|error| error.to_string())?;
+        simulation.value("a.y1").map_err(|error| error.to_string())
+    };
+    // At the ends of steps of 1/8 s three times 1 and five times 3, as in a table of the scenario.
+    assert_eq!(out("0,1\n0.5,1\n0.5,3\n1,3"), Ok(2.25));
+    let error = out("0,1\n0.5,1\n0.499,3\n1,3").expect_err("back in time");
+    assert!(error.contains("times in rising order") && error.contains("z.csv:4"), "{error}");
+}

@@ -162,3 +162,95 @@ fn every_region_is_found_as_a_flood_fill_finds_it() {
         assert_eq!(found, expected, "density {density}");
     }
 }
+
+/// A frame of the robot, from its boxes or whole.
+fn shown(maker: &mut FrameMaker, variables: &Variables, k: i64, whole: bool) {
+    let turn = 0.1 * k as f64;
+    let centres = variables.scene.centres_world(Pose { link1_angle: -turn, link2_angle: 2.0 * turn });
+    maker.render(Shot { k, seed: 0, centres_world: &[centres], whole });
+}
+
+#[test]
+fn every_whole_picture_after_boxes_shows_all_of_the_background() {
+    let base = variables(|v| v.scene.background = 20.0);
+    let fresh = || FrameMaker::new(&base.scene, &base.sensor, &base.effects).expect("legal parameters");
+    let mut maker = fresh();
+    // The first frames are boxes on a picture that nobody has made; later ones follow a whole one.
+    for (k, whole) in [false, false, true, false, true, true, false].into_iter().enumerate() {
+        shown(&mut maker, &base, k as i64, whole);
+        if whole {
+            let mut alone = fresh();
+            shown(&mut alone, &base, k as i64, true);
+            assert!(maker.picture() == alone.picture(), "frame {k}");
+            let dark = maker.picture().values.iter().filter(|grey| **grey == 20).count();
+            assert!(dark > 512 * 512 - 400, "three circles cover 250 px and cross 150: {dark}");
+        }
+    }
+}
+
+#[test]
+fn every_window_of_a_field_is_that_of_the_frame_from_its_first_row_on() {
+    let frames = variables(|_| ());
+    let fields = variables(|v| v.sensor.interlaced = true);
+    let maker =
+        |of: &Variables| FrameMaker::new(&of.scene, &of.sensor, &of.effects).expect("legal parameters");
+    let (mut frame, mut field) = (maker(&frames), maker(&fields));
+    let (mut moved, mut same) = (0, 0);
+    for k in 0..20 {
+        shown(&mut frame, &frames, k, false);
+        shown(&mut field, &fields, k, false);
+        assert_eq!(frame.windows().len(), field.windows().len());
+        for (whole, half) in frame.windows().iter().zip(field.windows()) {
+            let late = usize::from(whole.y0 % 2 != k as usize % 2);
+            assert_eq!(*half, Area { y0: whole.y0 + late, ..*whole }, "field {k}");
+            *(if late == 1 { &mut moved } else { &mut same }) += 1;
+        }
+    }
+    assert!(moved > 5 && same > 5, "{moved} {same}");
+}
+
+#[test]
+fn every_maker_knows_what_it_was_made_for() {
+    let base = Variables::default();
+    let maker = FrameMaker::new(&base.scene, &base.sensor, &base.effects).expect("legal parameters");
+    let fits = |change: Change| {
+        let other = variables(change);
+        maker.is_for(&other.scene, &other.sensor, &other.effects)
+    };
+    let forms_the_picture: [Change; 10] = [
+        |v| v.sensor.width = 511,
+        |v| v.sensor.height = 511,
+        |v| v.sensor.focal_length = 2.1,
+        |v| v.sensor.interlaced = true,
+        |v| v.sensor.threshold = 190.0,
+        |v| v.sensor.estimator = 1,
+        |v| v.scene.circle_radius = 0.3,
+        |v| v.scene.background = 1.0,
+        |v| v.effects.noise.deviation = 1.0,
+        |v| v.effects.defocus.centre = 0.5,
+    ];
+    for (place, change) in forms_the_picture.into_iter().enumerate() {
+        assert!(!fits(change), "change {place}");
+    }
+    // What differs from run to run, and what only the vision asks for.
+    assert!(fits(|_| ()));
+    assert!(fits(|v| (v.sensor.seed, v.sensor.frame_rate, v.sensor.exposure_factor) = (3, 60.0, 0.5)));
+    assert!(fits(|v| (v.sensor.smallest_area, v.sensor.largest_area, v.sensor.delay) = (10, 90, 0.1)));
+}
+
+#[test]
+fn every_circle_out_of_the_picture_has_no_window() {
+    let base = Variables::default();
+    let mut maker = FrameMaker::new(&base.scene, &base.sensor, &base.effects).expect("legal parameters");
+    let mut windows = |centres: [(f64, f64); 3]| {
+        maker.render(Shot { k: 0, seed: 0, centres_world: &[centres], whole: false });
+        maker.windows().len()
+    };
+    // The picture ends at 10, a circle reaches 0.2.
+    for side in [(-10.3, 0.0), (10.3, 0.0), (0.0, -10.3), (0.0, 10.3), (-40.0, 3.0), (11.0, 11.0)] {
+        assert_eq!(windows([side, (0.0, 0.0), (5.0, 5.0)]), 2, "{side:?}");
+        assert_eq!(windows([side; 3]), 0, "{side:?}");
+        let (x, y) = (side.0.clamp(-10.1, 10.1), side.1.clamp(-10.1, 10.1));
+        assert_eq!(windows([(x, y), (0.0, 0.0), (5.0, 5.0)]), 3, "partly in it at {x}, {y}");
+    }
+}

@@ -241,3 +241,74 @@ fn value_binary_centroids_scatter_as_a_true_discs() {
         assert!((areas / n - area).abs() < area_tolerance, "{}", areas / n);
     }
 }
+
+#[test]
+fn cross_a_frame_has_outlines_of_as_many_vertices_as_its_circles_need() {
+    use camera::geometry::{Outline, UnitCircle};
+    use camera::photometry::Coverage;
+    // Radii in pixels of the larger side: 0.2 of 20 world units of 512 px, and what scale and lens add. For k1 = 0.1 the
+    // picture is larger by the root of 2 in a corner.
+    let settings: [(Change, f64); 5] = [
+        (|_| (), 5.12),
+        (|v| v.scene.field_of_view = 40.0, 2.56),
+        (|v| v.effects.placement.scale = 1.7, 1.7 * 5.12),
+        (|v| (v.sensor.width, v.sensor.height, v.scene.circle_radius) = (300, 400, 0.6), 12.0),
+        (|v| v.effects.radial.cubic = 0.1, 5.12 * core::f64::consts::SQRT_2),
+    ];
+    for (change, radius_px) in settings {
+        let variables = variables(change);
+        let (width, height) = (variables.sensor.width as usize, variables.sensor.height as usize);
+        let mut maker = maker(&variables);
+        let centres = variables.scene.centres_world(Pose { link1_angle: 0.11, link2_angle: -0.31 });
+        maker.render(shot(&[centres]));
+        let found = coverage(&maker);
+        // 1e-3 more for how the magnification is found, by differences over 1e-3.
+        let [circle, other] = [1.0, 1.001].map(|more| UnitCircle::for_radius_px(more * radius_px));
+        assert_eq!(circle.len(), other.len(), "{radius_px}: between two numbers");
+        let (mut outline, mut expected) = (Outline::default(), Coverage::default());
+        for centre in centres {
+            outline.add(&circle, centre, variables.scene.circle_radius, maker.projection());
+        }
+        expected.begin(width, height);
+        for (xs, ys) in outline.xs.chunks(circle.len()).zip(outline.ys.chunks(circle.len())) {
+            expected.add(xs, ys, (0.0, 0.0), true);
+        }
+        expected.finish(1.0);
+        for y in 0..height {
+            for (found, share) in found[y * width..][..width].iter().zip(expected.row(y)) {
+                // Single precision relative to the box instead of the frame, 3e-5 px, and half a part of 16320; polygons
+                // of other numbers of vertices differ by up to COVERAGE_ERROR.
+                assert!((found - f64::from(*share)).abs() < 1.5e-4, "{radius_px}: {found} {share}");
+            }
+        }
+    }
+}
+
+#[test]
+fn cross_a_circle_that_a_mounting_shows_larger_than_was_reckoned_with_is_covered_as_well() {
+    use camera::geometry::{Outline, UnitCircle};
+    use camera::photometry::Coverage;
+    // A short lens that looks aside shows the near side 3.3 times as large: edges are 3 px long.
+    let variables = variables(|v| {
+        (v.sensor.focal_length, v.effects.mounting.pan, v.scene.circle_radius) = (0.5, 0.8, 0.48);
+    });
+    let mut maker = maker(&variables);
+    let centre = (-1.0, 0.7);
+    maker.render(shot(&[[centre, (-400.0, 0.0), (-400.0, 0.0)]])); // the others are behind it
+    let circle = UnitCircle::for_radius_px(25.6 * 0.48);
+    let (mut outline, mut expected) = (Outline::default(), Coverage::default());
+    outline.add(&circle, centre, 0.48, maker.projection());
+    assert!(outline.longest_edge > 2.0, "{}", outline.longest_edge);
+    expected.begin(512, 512);
+    expected.add(&outline.xs, &outline.ys, (0.0, 0.0), false);
+    expected.finish(1.0);
+    let found = coverage(&maker);
+    let mut total = 0.0;
+    for (found, share) in found.chunks(512).enumerate().flat_map(|(y, row)| row.iter().zip(expected.row(y))) {
+        // Half a part of 16320, and single precision relative to the box instead of the frame.
+        assert!((found - f64::from(*share)).abs() < 1.5e-4, "{found} {share}");
+        total += found;
+    }
+    // The near side is 3.3 times as large along u, and 1.8 times along v.
+    assert!(total > 4.0 * core::f64::consts::PI * (25.6_f64 * 0.48).powi(2), "{total}");
+}

@@ -251,3 +251,36 @@ fn alone_defocus_keeps_the_light() {
     let found = [6, 7, 8, 11, 12, 13, 16, 17, 18].map(|i| patch[i]);
     assert!(found.iter().zip(expected).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-5), "{found:?}");
 }
+
+#[test]
+fn value_the_light_of_every_pixel_is_that_at_its_centre() {
+    let variables = variables(|v| {
+        (v.sensor.width, v.sensor.height, v.sensor.focal_length) = (400, 300, 1.5);
+        (v.scene.background, v.scene.circle_radius) = (200.0, 0.5);
+        v.effects.sensitivity.exponent = 4.0;
+        (v.effects.placement.centre_u, v.effects.placement.centre_v) = (0.1, -0.2);
+    });
+    let mut maker = FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects).expect("legal");
+    let centres = [(5.0, 6.0), (-7.0, -3.0), (2.0, -5.0)];
+    maker.render(Shot { k: 0, seed: 0, centres_world: &[centres], whole: true });
+    let mut circles = 0;
+    for y in 0..300 {
+        for (x, found) in maker.base().row(y).iter().enumerate() {
+            let (u, v) = ((x as f64 + 0.5) / 200.0 - 1.1, 1.0 - (y as f64 + 0.5) / 150.0 + 0.2);
+            let light = libm::cos(libm::atan(libm::hypot(u, v) / 1.5)).powi(4); // (11)
+            // How far outside the nearest circle, in world units; a pixel reaches 0.042 from its centre.
+            let beyond = |c: &(f64, f64)| libm::hypot(10.0 * u - c.0, 10.0 * v - c.1) - 0.5;
+            let beyond = centres.iter().map(beyond).fold(f64::INFINITY, f64::min);
+            let grey = match beyond {
+                _ if beyond < -0.05 => 255.0,
+                _ if beyond > 0.05 => 200.0,
+                _ => continue,
+            };
+            circles += usize::from(beyond < -0.05);
+            // Half a part, and single precision of 255 · 64 parts.
+            let expected = 64.0 * grey * light;
+            assert!((f64::from(*found) - expected).abs() < 0.52, "{x} {y}: {found}, not {expected}");
+        }
+    }
+    assert!(circles > 500, "{circles}");
+}

@@ -6,9 +6,9 @@ use camera::scene::Pose;
 use common::*;
 
 /// Centroid errors of circles 2 and 3 (px per axis, rms) at random poses.
-fn scatter(estimator: i32, sigma: f64, passes: i32, n: usize) -> f64 {
+fn scatter(estimator: i32, interlaced: bool, sigma: f64, passes: i32, n: usize) -> f64 {
     let base = variables(|v| {
-        v.sensor.estimator = estimator;
+        (v.sensor.estimator, v.sensor.interlaced) = (estimator, interlaced);
         v.effects.noise.deviation = sigma;
         v.effects.defocus.passes = passes;
     });
@@ -28,27 +28,34 @@ fn scatter(estimator: i32, sigma: f64, passes: i32, n: usize) -> f64 {
 }
 
 /// Cramér and Rao's bound (px per axis) for a circle at random places, from the frames' own derivatives: the
-/// information of pixels with Gaussian noise that is not cut to 0..255, averaged over places.
-fn bound(sigma: f64, passes: i32) -> f64 {
+/// information of pixels with Gaussian noise that is not cut to 0..255, averaged over places and over both axes. A field has
+/// every other row.
+fn bound(interlaced: bool, sigma: f64, passes: i32) -> f64 {
     let base = variables(|v| v.effects.defocus.passes = passes);
     let mut maker = FrameMaker::new(&base.scene, &base.sensor, &base.effects).expect("legal parameters");
     let mut random = Random(23);
     let (mut sum, n) = (0.0, 200);
     for _ in 0..n {
         let place = (random.between(-5.0, 5.0), random.between(-5.0, 5.0));
-        let mut grey = |dx: f64| {
-            let centre = (place.0 + dx / 25.6, place.1);
+        let mut grey = |dx: f64, dy: f64| {
+            let centre = (place.0 + dx / 25.6, place.1 + dy / 25.6);
             maker.render(Shot {
                 k: 0,
                 seed: 0,
                 centres_world: &[[centre, (40.0, 0.0), (0.0, 40.0)]],
                 whole: false,
             });
-            maker.base().values.iter().map(|parts| f64::from(*parts) / 64.0).collect::<Vec<f64>>()
+            let rows = (0..512).step_by(if interlaced { 2 } else { 1 });
+            rows.flat_map(|y| maker.base().row(y).to_vec())
+                .map(|parts| f64::from(parts) / 64.0)
+                .collect::<Vec<f64>>()
         };
-        let (right, left) = (grey(0.1), grey(-0.1));
-        let information: f64 = right.iter().zip(&left).map(|(a, b)| ((a - b) / 0.2 / sigma).powi(2)).sum();
-        sum += 1.0 / information;
+        for (dx, dy) in [(0.1, 0.0), (0.0, 0.1)] {
+            let (there, back) = (grey(dx, dy), grey(-dx, -dy));
+            let information: f64 =
+                there.iter().zip(&back).map(|(a, b)| ((a - b) / 0.2 / sigma).powi(2)).sum();
+            sum += 0.5 / information;
+        }
     }
     (sum / f64::from(n)).sqrt()
 }
@@ -57,18 +64,28 @@ fn bound(sigma: f64, passes: i32) -> f64 {
 fn value_scatter_of_the_estimators() {
     // Issue 5, item 2: grey 0.046 px, maximum likelihood 0.0195 px at sigma 15, 0.0355 px with N = 2, the bound
     // within 5 %. 3200 values: the rms itself scatters by 1.3 %.
-    let grey = scatter(1, 15.0, 0, 800);
+    let grey = scatter(1, false, 15.0, 0, 800);
     println!("grey: {grey:.4} px");
     assert!(grey < 0.046);
     for (passes, expected) in [(0, 0.0195), (2, 0.0355)] {
-        let (found, bound) = (scatter(2, 15.0, passes, 800), bound(15.0, passes));
+        let (found, bound) = (scatter(2, false, 15.0, passes, 800), bound(false, 15.0, passes));
         println!("likelihood, N = {passes}: {found:.4} px, bound {bound:.4} px");
         assert!(found < expected * 1.05 && found < bound * 1.05, "N = {passes}: {found} {bound}");
     }
     // Without noise nothing but rounding to 256 levels is left.
     for estimator in [1, 2] {
-        let found = scatter(estimator, 0.0, 0, 200);
+        let found = scatter(estimator, false, 0.0, 0, 200);
         println!("estimator {estimator}, clean: {found:.5} px");
         assert!(found < 0.002, "{found}");
+    }
+}
+
+#[test]
+fn value_fields_are_used_as_well_as_frames() {
+    // Every other row, defocused or not: the bound of these rows, within what 3200 values scatter by and 5 %.
+    for passes in [0, 2] {
+        let (found, bound) = (scatter(2, true, 15.0, passes, 800), bound(true, 15.0, passes));
+        println!("likelihood of fields, N = {passes}: {found:.4} px, bound {bound:.4} px");
+        assert!(found < bound * 1.05, "N = {passes}: {found} {bound}");
     }
 }

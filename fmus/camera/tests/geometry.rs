@@ -92,3 +92,35 @@ fn value_how_much_larger_a_lens_makes_things() {
         assert!((found - expected).abs() < 1e-3, "{found}, not {expected}"); // differences over 1e-3
     }
 }
+
+#[test]
+fn law_radial_lenses_move_points_along_their_rays_by_odd_powers() {
+    for (u, v) in [(0.6, -0.8), (-0.3, 0.4), (0.0, 1.2), (-0.9, -0.1)] {
+        let r = f64::hypot(u, v);
+        let mut effects = Variables::default().effects;
+        (effects.radial.cubic, effects.fifth_order.quintic) = (0.2, -0.07);
+        let (a, b) = effects.distorted(u, v);
+        let factor = 1.0 + 0.2 * r.powi(2) - 0.07 * r.powi(4);
+        assert!((a - factor * u).abs() < 1e-15 && (b - factor * v).abs() < 1e-15, "{u} {v}: {a} {b}"); // rounding
+    }
+}
+
+#[test]
+fn value_a_fold_is_told_where_it_lies() {
+    // Decentering is P r² + 2 (P·x) x with P = (p1, p2): a turned P turns the picture. Along −P its Jacobian is
+    // 1 − 6 |P| r, so that it folds at 1/(6 |P|); here on the sixth of the 64 rays that are looked along.
+    for ray in [5, 13, 27, 50] {
+        let (s, c) = (std::f64::consts::TAU * f64::from(ray) / 64.0).sin_cos();
+        let mut variables = Variables::default();
+        let decentering = &mut variables.effects.decentering;
+        (decentering.horizontal, decentering.vertical) = (-0.25 * c, -0.25 * s);
+        let error = Camera::projection(&variables).expect_err("it folds in the picture").to_string();
+        let (r, u, v) = (1.0 / 1.5, c / 1.5, s / 1.5);
+        let told =
+            format!("at radius {r:.4} image units from the optical axis (at ideal u = {u:.4}, v = {v:.4})");
+        assert!(error.contains(&told), "{error}, not {told}");
+        // Without the larger of the two less is left of the fold.
+        let culprit = if c.abs() > s.abs() { "variable p1 = " } else { "variable p2 = " };
+        assert!(error.starts_with(culprit), "{error}");
+    }
+}

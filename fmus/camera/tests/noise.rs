@@ -128,6 +128,15 @@ fn value_frames_are_independent_and_uniform() {
 
 #[test]
 fn every_path_gives_the_same_bits() {
+    let names: Vec<&str> = simd::available().into_iter().map(|(name, _)| name).collect();
+    #[cfg(target_arch = "x86_64")]
+    {
+        let wide = std::arch::is_x86_feature_detected!("avx512bw")
+            && std::arch::is_x86_feature_detected!("avx512vl");
+        assert_eq!(names.contains(&"AVX-512"), wide);
+        assert_eq!(names.contains(&"AVX2"), std::arch::is_x86_feature_detected!("avx2"));
+    }
+    assert_eq!(names.last(), Some(&"portable"), "the one for every machine comes last");
     let mut random = Random(11);
     for trial in 0..200 {
         let blocks = 1 + trial % 7;

@@ -77,6 +77,11 @@ mod tests {
             assert_eq!(size(text), Some(bytes), "{text}");
             assert_eq!(size(&shown(bytes)), Some(bytes));
         }
+        for (bytes, text) in
+            [(0, "0"), (1, "1"), (1023, "1023"), (1024, "1K"), (3000, "3000"), (3 << 29, "1536M")]
+        {
+            assert_eq!(shown(bytes), text);
+        }
         for wrong in ["", "G", "-1", "1.5G", "2T", "99999999999999999999", "99999999999G"] {
             assert_eq!(size(wrong), None, "{wrong}");
         }

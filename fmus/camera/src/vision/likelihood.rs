@@ -141,12 +141,54 @@ fn pixel(grey: u8, mean: f64, sigma: f64) -> (f64, f64) {
         255 => ((mean - 254.5) / sigma, 1.0),
         _ => return ((f64::from(grey) - mean) / (sigma * sigma), 1.0 / (sigma * sigma)),
     };
-    // λ = φ(z)/Φ(z), the inverse of Mills' ratio; its asymptote where Φ has no digits left.
-    let lambda = if z < -25.0 {
-        -z
+    // λ = φ(z)/Φ(z), the inverse of Mills' ratio, and λ (λ + z); their asymptotes where Φ has no digits left.
+    let (lambda, stiffness) = if z < -25.0 {
+        (-z, 1.0)
     } else {
         let phi = libm::exp(-0.5 * z * z) / libm::sqrt(core::f64::consts::TAU);
-        phi / (0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2))
+        let lambda = phi / (0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2));
+        (lambda, lambda * (lambda + z))
     };
-    (sign * lambda / sigma, (lambda * (lambda + z)).clamp(0.0, 1.0) / (sigma * sigma))
+    (sign * lambda / sigma, stiffness / (sigma * sigma))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::pixel;
+
+    /// Logarithm of the probability of a grey level, but for what does not depend on the mean.
+    fn log_likelihood(grey: u8, mean: f64, sigma: f64) -> f64 {
+        let below = |z: f64| (0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2)).ln();
+        match grey {
+            0 => below((0.5 - mean) / sigma),
+            255 => below((mean - 254.5) / sigma),
+            _ => -0.5 * ((f64::from(grey) - mean) / sigma).powi(2),
+        }
+    }
+
+    #[test]
+    fn value_a_pixel_pulls_as_the_derivatives_of_its_likelihood_say() {
+        for sigma in [1.0, 3.7, 15.0] {
+            for grey in [0, 1, 100, 254, 255] {
+                for mean in (0..=255).step_by(5).map(f64::from) {
+                    let (slope, stiffness) = pixel(grey, mean, sigma);
+                    // Either asymptote is λ = −z: off by 1/z² of it.
+                    let z = if grey == 0 { 0.5 - mean } else { mean - 254.5 } / sigma;
+                    let (expected, bend) = if (grey == 0 || grey == 255) && z < -20.0 {
+                        ((if grey == 0 { z } else { -z }) / sigma, 1.0 / (sigma * sigma))
+                    } else {
+                        let h = 1e-3 * sigma;
+                        let at = |k: f64| log_likelihood(grey, mean + k * h, sigma);
+                        ((at(1.0) - at(-1.0)) / (2.0 * h), (2.0 * at(0.0) - at(1.0) - at(-1.0)) / (h * h))
+                    };
+                    // Differences over 1e-3 deviations of logarithms of up to 200: 3e-8 of a second derivative of 1e-6.
+                    let (scale, within) = (1.0 / sigma, if z < -20.0 { 3e-3 } else { 1e-5 });
+                    let off = (slope - expected).abs() / (expected.abs() + scale);
+                    assert!(off < within, "{grey} {mean} {sigma}: {slope}, not {expected}");
+                    let off = (stiffness - bend).abs() / (scale * scale);
+                    assert!(off < within.max(1e-4), "{grey} {mean} {sigma}: {stiffness}, not {bend}");
+                }
+            }
+        }
+    }
 }

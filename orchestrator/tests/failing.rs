@@ -1,0 +1,121 @@
+//! A unit that fails: it is named, and the others are where they would be had they stepped one after the other.
+
+mod common;
+
+use common::Units;
+use orchestrator::{Scenario, Simulation};
+
+#[test]
+fn cross_a_unit_that_fails_leaves_the_same_behind_in_threads_as_one_after_the_other() {
+    let units = Units::new();
+    for failing in ["a", "b", "c"] {
+        let failed = |algorithm: &str| {
+            let unit = |name: &str| {
+                let fault = if name == failing { ", fault = 3, fault_time = 0.5" } else { "" };
+                format!(
+                    "[[units]]\nname = \"{name}\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\nset = {{ k = 2.0, u1 = 1.0{fault} }}\n"
+                )
+            };
+            let text = format!(
+                "format = 1\n[experiment]\nstop = 1\nalgorithm = \"{algorithm}\"\n{}",
+                ["a", "b", "c"].map(unit).concat()
+            );
+            let scenario = Scenario::parse(&text, "test.toml").expect(algorithm);
+            let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect(algorithm);
+            let error = simulation.advance_to(1.0).expect_err("it fails").to_string();
+            let last = ["a.y1", "b.y1", "c.y1"].map(|name| simulation.value(name).expect("known"));
+            (error, last)
+        };
+        let (error, last) = failed("jacobi");
+        assert!(error.starts_with(&format!("unit {failing}: ")), "{error}");
+        assert_eq!(failed("parallel-jacobi"), (error, last));
+        // 2 t, up to the step that failed at 0.5 s or just after.
+        assert!(last.iter().all(|y| (0.75..=1.25).contains(y)), "{last:?}");
+    }
+}
+
+#[test]
+fn every_unit_is_believed_how_far_it_came_only_if_it_can_tell() {
+    let units = Units::new();
+    let (answer, value) =
+        ("return kind == 2 ? 0 : 2;", "*value = ((Unit *)c)->reached;\n    return kind == 2");
+    for (change, told) in [
+        (vec![], true),
+        // It has no answer, and what it leaves behind is a number; or it answers with none.
+        (vec![(answer, "return 2;")], false),
+        (vec![(value, "*value = NAN;\n    return kind == 2")], false),
+    ] {
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&change));
+        let parts = [common::unit("a", "stateful.fmu", "fault = 2, fault_time = 0.5")];
+        let mut simulation = common::build(&units, &parts).expect("builds");
+        let error = simulation.advance_to(1.0).expect_err("it is discarded").to_string();
+        assert!(error.contains("was discarded"), "{error}");
+        assert_eq!(error.contains("which reached t = "), told, "{error}");
+    }
+}
+
+#[test]
+fn every_access_to_no_variables_is_made_and_its_answer_looked_at() {
+    let units = Units::new();
+    let with = |change: &[(&str, &str)]| {
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(change));
+        let fmu = orchestrator::fmu::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+        let answer = fmu.instantiate("a").expect("instantiates").access_nothing();
+        answer.map_err(|error| error.to_string())
+    };
+    assert_eq!(with(&[]), Ok(()));
+    // A unit for which no values are an error when they are asked for, or when they are given.
+    let refusing = |get: &str, set: &str| {
+        format!(
+            "API int fmi2GetReal(void *c, const unsigned *refs, size_t n, double *values) {{ fresh(c);\n\
+             for (size_t i = 0; i < n; i++) values[i] = ((Unit *)c)->r[refs[i]];\n return {get}; }}\n\
+             API int fmi2SetReal(void *c, const unsigned *refs, size_t n, const double *values) {{\n\
+             for (size_t i = 0; i < n; i++) ((Unit *)c)->r[refs[i]] = values[i];\n return {set}; }}\n"
+        )
+    };
+    for (get, set, named) in [("n ? 0 : 3", "0", "fmi2GetReal"), ("0", "n ? 0 : 3", "fmi2SetReal")] {
+        let answer = with(&[("ACCESS(Real, double, r)", &refusing(get, set))]);
+        assert!(answer.as_ref().is_err_and(|error| error.contains(named)), "{named}: {answer:?}");
+    }
+}
+
+#[test]
+fn every_index_up_to_the_last_variable_is_known_wherever_the_structure_stands() {
+    let units = Units::new();
+    let text = common::description(common::STATEFUL);
+    let (begin, end) = ("  <ModelStructure>", "</ModelStructure>\n");
+    let (from, to) = (text.find(begin).expect("there"), text.find(end).expect("there") + end.len());
+    let structure = &text[from..to];
+    let count = text.matches("<ScalarVariable").count();
+    assert_eq!(count, 15);
+    for (index, is_known) in [(15, true), (16, false)] {
+        let structure = structure.replace("index=\"15\"", &format!("index=\"{index}\""));
+        for early in [false, true] {
+            let rest = [&text[..from], &text[to..]].concat();
+            let place = if early { "<ModelVariables>" } else { "</fmiModelDescription>" };
+            let moved = rest.replace(place, &format!("{structure}{place}"));
+            let path = units.pack("moved.fmu", &moved, &common::library());
+            let opened = orchestrator::fmu::Fmu::open(path).map(drop).map_err(|error| error.to_string());
+            assert_eq!(opened.is_ok(), is_known, "{index}, early {early}: {opened:?}");
+        }
+    }
+}
+
+#[test]
+fn every_warning_before_a_saved_state_is_counted_after_it() {
+    let units = Units::new();
+    let parts = [common::unit("a", "stateful.fmu", "fault = 1, fault_time = 0.25")];
+    let fresh = || common::build(&units, &parts).expect("builds");
+    let mut whole = fresh();
+    whole.advance_to(1.0).expect("a warning stops nothing");
+    let told = whole.notices();
+    // Steps that end at 3/8 s and later, or from 1/4 s on: six or seven of eight.
+    assert!(told[0].starts_with("unit a answered 7 calls with a warning"), "{told:?}");
+    let mut first = fresh();
+    first.advance_to(0.625).expect("steps");
+    let saved = first.save().expect("saved");
+    let mut second = fresh();
+    second.go_back(&saved).expect("the same");
+    second.advance_to(1.0).expect("steps");
+    assert_eq!(second.notices()[0].split(';').next(), told[0].split(';').next());
+}

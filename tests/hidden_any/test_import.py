@@ -54,6 +54,18 @@ def channels(folder):
     return {entry["variable"]: entry for entry in head["channel"]}, head
 
 
+def test_a_column_of_words_is_left_out_and_told(tmp_path, motor):
+    path = log(tmp_path / "log.csv", ALL["motor"], {"u": ("u (V)", 1.0, 0.0), "i": ("i (A)", 1.0, 0.0), "w": ("w (rad/s)", 1.0, 0.0)})
+    head, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"{head},mode", *(f"{row},{'charge' if place % 7 else 'rest'}" for place, row in enumerate(rows))]) + "\n")
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    assert 'column "mode" holds words' in said, said
+    assert set(channels(tmp_path / "set")[0]) == {"motor.u", "motor.i", "motor.w"}
+    # a word among numbers stays an error
+    path.write_text(path.read_text().replace(rows[5].split(",")[1], "n/a", 1))
+    assert "is no number" in run("import", path, "--fmu", motor, "--out", tmp_path / "other", status=2)
+
+
 def test_starts_by_trial_and_what_changes_nothing(tmp_path):
     sled = ALL["sled"]
     z, w = sled.states

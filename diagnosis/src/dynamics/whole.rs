@@ -101,10 +101,15 @@ impl Engine {
 
     /// Whether the outputs after some rows depend on what was before them: a fresh start there gives others.
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
+        // what moves slowly shows over the whole log only
+        let half = (self.grids[0].time.len() - 1) / 2;
+        Ok(self.remembers_over(WATCHED.min(half), sizes)? || self.remembers_over(half, sizes)?)
+    }
+
+    fn remembers_over(&self, watched: usize, sizes: &[f64]) -> Result<bool, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-        let (n, channels, rows) = (self.machine.order(), self.machine.channels.len(), grid.time.len());
-        let watched = WATCHED.min((rows - 1) / 2);
+        let (n, channels) = (self.machine.order(), self.machine.channels.len());
         self.with_worker(|worker| {
             let (mut through, mut fresh) = (Vec::new(), Vec::new());
             let states = self.nominal_states(grid, 0);

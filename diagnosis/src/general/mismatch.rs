@@ -3,15 +3,15 @@
 
 use super::courses::courses;
 use super::study::Studied;
-use crate::diagnosis::{Gap, Where};
+use crate::diagnosis::{Gap, Unknown, Where};
 use crate::dynamics::Engine;
 use crate::dynamics::build::{Span, build};
 use crate::dynamics::first_path::Trails;
-use crate::error::Error;
+use crate::error::{Error, Notice};
 use crate::infer::fit::{At, Options, Path, fit};
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
-use crate::statistics::levels::{DOUBTED, ROWS};
+use crate::statistics::levels::{DOUBTED, HALF, MORE, ROWS};
 use rayon::prelude::*;
 
 /// Rows of a window at first; halved where a window can't be followed.
@@ -29,6 +29,7 @@ struct Sum {
 }
 
 /// One window's residuals, and the states that it was followed through.
+#[derive(Debug, Clone)]
 pub struct Window {
     /// Place of its run.
     pub run: usize,
@@ -54,8 +55,17 @@ pub struct Point {
     pub row: usize,
 }
 
-/// The gap of each channel on rows left out, the largest first, and the courses of the last run of them. Where the rows were followed
-/// joins what is known.
+/// What rows say that were left out.
+pub struct HeldOut {
+    /// The gap of each channel, the largest first.
+    pub gaps: Vec<Gap>,
+    /// The courses of the last run of them.
+    pub channels: Vec<Channel>,
+    /// Where the gap stands on a part of the rows only.
+    pub notice: Option<Notice>,
+}
+
+/// Judges a model on rows left out. Where they were followed joins what is known.
 ///
 /// # Errors
 /// A unit failed everywhere.
@@ -64,7 +74,7 @@ pub fn held_out(
     left: &[(&Run, Span)],
     trained: &Studied,
     known: &mut Trails,
-) -> Result<(Vec<Gap>, Vec<Channel>), Error> {
+) -> Result<HeldOut, Error> {
     let mut built = build(problem, left)?;
     let neutral = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&neutral, &built.noise)?;
@@ -72,14 +82,18 @@ pub fn held_out(
     let noise = crate::infer::Noise { disturbance: None, ..trained.fit.at.noise.clone() };
     built.engine.readmit(&neutral, &runs, &noise);
     known.add(&built.engine, &paths);
-    let before = windows(&built.engine, &neutral, &paths, trained);
-    let after = if trained.effects.is_empty() {
-        None
-    } else {
-        let theta = &trained.fit.at.theta;
-        Some(windows(&built.engine, theta, &built.engine.first_paths(theta, &trained.built.noise)?, trained))
+    let amended = match trained.effects.is_empty() {
+        true => None,
+        false => {
+            let theta = &trained.fit.at.theta;
+            Some((theta.as_slice(), built.engine.first_paths(theta, &trained.built.noise)?))
+        }
     };
-    let after = after.as_ref().unwrap_or(&before);
+    let mut models: Vec<Model<'_>> = vec![(&neutral, &paths)];
+    models.extend(amended.as_ref().map(|(theta, paths)| (*theta, paths.as_slice())));
+    let mut both = windows(&built.engine, &models, trained);
+    let before = both.remove(0);
+    let after = both.first().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
     let mut gaps: Vec<(f64, usize, Gap)> = Vec::new();
     for (channel, output) in built.engine.machine.channels.iter().enumerate() {
@@ -103,15 +117,51 @@ pub fn held_out(
     gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
     let order: Vec<usize> = gaps.iter().map(|(_, channel, _)| *channel).collect();
     let channels = courses(&built.engine, &order, &before, after);
-    Ok((gaps.into_iter().map(|(_, _, gap)| gap).collect(), channels))
+    let share = share(after, &built.engine);
+    let notice = (share < HALF).then(|| Notice {
+        file: "dataset.toml".into(),
+        line: 0,
+        message: format!(
+            "the gap is that of {:.0} % of the rows left out: elsewhere no start state was found from which a model follows the log",
+            100.0 * share
+        ),
+    });
+    Ok(HeldOut { gaps: gaps.into_iter().map(|(_, _, gap)| gap).collect(), channels, notice })
+}
+
+/// The share of the rows left out that both models could be followed through.
+fn share(windows: &[Window], engine: &Engine) -> f64 {
+    let n = engine.machine.order().max(1);
+    let rows: usize = engine.grids.iter().map(|grid| grid.time.len()).sum();
+    windows.iter().map(|window| window.states.len() / n).sum::<usize>() as f64 / rows.max(1) as f64
 }
 
 /// Whether the model found is farther from the rows left out than the nominal one, all channels together, each in units of its noise.
 pub fn widened(gaps: &[Gap]) -> bool {
+    let (before, after) = squares(gaps);
+    after > before
+}
+
+/// What has no name where the model found is far worse there: it stands for something else, whatever process noise says.
+pub fn unlike(gaps: &[Gap]) -> Option<Unknown> {
+    let (before, after) = squares(gaps);
+    (after > MORE * MORE * before).then(|| Unknown {
+        signal: "the whole model".into(),
+        shape: format!(
+            "with what was found the rows left out are followed {:.1} times worse than by the nominal model",
+            (after / before).sqrt()
+        ),
+        nearest: "what was found stands for something else".into(),
+        ..Unknown::default()
+    })
+}
+
+/// Squares of all channels, each in units of its noise, before and after.
+fn squares(gaps: &[Gap]) -> (f64, f64) {
     let square = |of: fn(&Gap) -> f64| -> f64 {
         gaps.iter().filter(|gap| gap.floor > 0.0).map(|gap| (of(gap) / gap.floor).powi(2)).sum()
     };
-    square(|gap| gap.after) > square(|gap| gap.before)
+    (square(|gap| gap.before), square(|gap| gap.after))
 }
 
 fn mean(windows: &[Window], channel: usize) -> f64 {
@@ -120,8 +170,12 @@ fn mean(windows: &[Window], channel: usize) -> f64 {
     if count > 0.0 { (square / count).sqrt() } else { 0.0 }
 }
 
-/// All windows of an engine's runs, each followed from its own start state, which is looked for from these paths on.
-fn windows(engine: &Engine, theta: &[f64], paths: &[Path], trained: &Studied) -> Vec<Window> {
+/// Parameters, and the paths from which start states are looked for.
+type Model<'a> = (&'a [f64], &'a [Path]);
+
+/// All windows of an engine's runs for each model, each followed from its own start state: the same ones for all, so that they are compared
+/// on the same rows.
+fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<Window>> {
     let mut noise = trained.fit.at.noise.clone();
     noise.disturbance = None;
     let mut list: Vec<(usize, usize, usize)> = Vec::new();
@@ -135,35 +189,36 @@ fn windows(engine: &Engine, theta: &[f64], paths: &[Path], trained: &Studied) ->
     noise.process.iter_mut().zip(&engine.scales).for_each(|(size, scale)| *size = 1e-9 * scale);
     noise.jitter = 0.0;
     let n = engine.machine.order();
-    let all: Vec<Vec<Window>> = list
+    let all: Vec<Vec<Vec<Window>>> = list
         .into_par_iter()
-        .map(|(run, from, to)| followed(engine, theta, run, &paths[run], (from, to), &noise, n))
+        .map(|(run, from, to)| followed(engine, models, run, (from, to), &noise, n))
         .collect();
-    all.into_iter().flatten().collect()
+    let of = |model: usize| all.iter().flatten().map(|each| each[model].clone()).collect();
+    (0..models.len()).map(of).collect()
 }
 
-/// One stretch of rows, or its halves where it can't be followed as a whole.
+/// One stretch of rows, or its halves where a model can't follow it as a whole: its windows, one a model.
 fn followed(
     engine: &Engine,
-    theta: &[f64],
+    models: &[Model<'_>],
     run: usize,
-    path: &[f64],
     (from, to): (usize, usize),
     noise: &crate::infer::Noise,
     n: usize,
-) -> Vec<Window> {
+) -> Vec<Vec<Window>> {
     if to - from < SHORTEST {
         return Vec::new();
     }
-    if engine.machine.whole {
-        return window(engine, theta, run, path, (from, to), noise, n).into_iter().collect();
+    let of = |(theta, paths): &Model<'_>| window(engine, theta, run, &paths[run], (from, to), noise, n);
+    if let Some(all) = models.iter().map(of).collect::<Option<Vec<Window>>>() {
+        return vec![all];
     }
-    if let Some(window) = window(engine, theta, run, path, (from, to), noise, n) {
-        return vec![window];
+    if engine.machine.whole {
+        return Vec::new();
     }
     let half = (from + to) / 2;
-    let mut both = followed(engine, theta, run, path, (from, half), noise, n);
-    both.extend(followed(engine, theta, run, path, (half, to), noise, n));
+    let mut both = followed(engine, models, run, (from, half), noise, n);
+    both.extend(followed(engine, models, run, (half, to), noise, n));
     both
 }
 
@@ -200,7 +255,7 @@ fn window(
     // what is left after the path's last small move, which the smoother gives
     let moved = crate::infer::smooth(run, noise);
     let wide = run.states;
-    let settled = (moved.state.chunks(wide))
+    let settled = (moved.state.chunks(wide.max(1)))
         .all(|row| row.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < 0.1 * scale));
     if !settled {
         return None;
@@ -235,7 +290,8 @@ fn window(
 /// Where the nominal model parts from the log, over all runs.
 pub fn places(studied: &Studied) -> Vec<Where> {
     let engine = &studied.built.engine;
-    let windows = windows(engine, &engine.machine.neutral(), &studied.nominal, studied);
+    let neutral = engine.machine.neutral();
+    let windows = windows(engine, &[(&neutral, &studied.nominal)], studied).remove(0);
     let sizes = &studied.fit.at.noise.channels;
     let mut places: Vec<Where> = Vec::new();
     let excess = |window: &Window, channel: usize| {
@@ -279,6 +335,8 @@ mod tests {
         // a small loss of a quiet sensor is more than a large gain of a noisy one
         assert!(widened(&[gap(1.0, 1.1, 0.01), gap(9.0, 1.0, 1.0)]));
         assert!(!widened(&[gap(1.1, 1.0, 0.01), gap(1.0, 9.0, 1.0)]));
+        // half as far again is far worse, a little more is not
+        assert!(unlike(&[gap(1.0, 1.55, 0.1)]).is_some() && unlike(&[gap(1.0, 1.45, 0.1)]).is_none());
         assert!(!widened(&[gap(1.0, 1.0, 0.1)]) && !widened(&[gap(1.0, 2.0, 0.0)]) && !widened(&[]));
     }
 }

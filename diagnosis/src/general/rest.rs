@@ -160,13 +160,20 @@ type Term = (String, String, Vec<Vec<f64>>);
 /// Highest number of waves in a turn that is tried of an angle.
 const WAVES: usize = 24;
 
+/// Whether a variable of this unit may be an angle in rad.
+fn is_angle(unit: &str) -> bool {
+    matches!(unit, "rad" | "" | "1")
+}
+
 fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     let n = engine.machine.order();
-    let mut plain: Vec<(String, Vec<f64>)> = Vec::new();
+    // name, values, and whether it may be an angle, which alone goes round
+    let mut plain: Vec<(String, Vec<f64>, bool)> = Vec::new();
     let states = if engine.machine.whole { &[][..] } else { &engine.machine.states[..] };
     for (place, state) in states.iter().enumerate() {
         let values = studied.fit.at.paths.iter().flat_map(|path| path.chunks(n).map(move |row| row[place]));
-        plain.push((state.name.clone(), values.collect()));
+        let unit = state.channel.map(|channel| engine.machine.channels[channel].unit.as_str());
+        plain.push((state.name.clone(), values.collect(), unit.is_some_and(is_angle)));
     }
     let schedules: Vec<crate::dynamics::schedule::Schedule> = (engine.grids.iter())
         .map(|grid| crate::dynamics::schedule::Schedule::new(&engine.machine, grid, &studied.fit.at.theta))
@@ -174,12 +181,12 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     let logged = engine.machine.inputs.iter().enumerate().filter(|(_, input)| input.channel.is_some());
     for (place, input) in logged {
         let values = schedules.iter().flat_map(|s| s.at_row.chunks(s.width).map(move |row| row[place]));
-        plain.push((input.name.clone(), values.collect()));
+        plain.push((input.name.clone(), values.collect(), is_angle(&input.unit)));
     }
     let time: Vec<f64> =
         engine.grids.iter().flat_map(|grid| grid.time.iter().map(|t| t - grid.origin)).collect();
     let mut list = Vec::new();
-    for (name, values) in &plain {
+    for (name, values, is_angle) in &plain {
         let size = values.iter().fold(0.0, |most: f64, v| most.max(v.abs())).max(1e-300);
         let mut term = |words: &str, of: &dyn Fn(f64) -> f64| {
             list.push((
@@ -194,7 +201,9 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         term("cubic in", &|v| v * v * v);
         term("like the signed square of", &|v| v * v.abs());
         // an angle that turns through more than half a wave
-        let turned = 2.0 * size;
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        let turned = if *is_angle { high - low } else { 0.0 };
         for waves in (1..=WAVES).filter(|waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
         {
             let wave =

@@ -84,15 +84,17 @@ fn found(
     watch.stage("measuring the gap on the rows left out");
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
-    let (mut gaps, mut channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
-    let unfit = unfit(&mut trained, &gaps, options);
+    let mut held = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    let unfit = unfit(&mut trained, &held.gaps, options);
     if !unfit.is_empty() {
-        (gaps, channels) = mismatch::held_out(problem, &left, &trained, &mut known)?;
+        held = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }
     watch.stage("searching in all rows");
     let mut all = long::searched(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
-    let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all));
+    let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
+        mismatch::unlike(&held.gaps).filter(|_| !all.effects.is_empty() && options.fit.is_empty())
+    });
     let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
         Verdict::Unknown
@@ -114,6 +116,7 @@ fn found(
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
     notices.extend(all.built.engine.told_refused());
+    notices.extend(held.notice);
     let mut story = told::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);
@@ -123,12 +126,12 @@ fn found(
         verdict,
         effects,
         place: mismatch::places(&all),
-        gap: gaps[0].clone(),
+        gap: held.gaps[0].clone(),
         unknown,
         correction: None,
         next_experiment,
         minimum_detectable: told::detectable(&all)?,
-        gaps,
+        gaps: held.gaps,
         cross_validation: Vec::new(),
         ended_early: watch.ended().to_vec(),
         notices,
@@ -137,7 +140,7 @@ fn found(
         attachments: amended.attachments,
         experiment,
         traces: Vec::new(),
-        channels,
+        channels: held.channels,
     })
 }
 
@@ -263,6 +266,7 @@ pub fn studied(
         policy,
         options: FitOptions::default(),
         candidates,
+        yields: problem.ports.unknown_inputs,
         visited: Visited::new(),
         story: Vec::new(),
         doubts: Vec::new(),
@@ -324,7 +328,7 @@ pub fn studied(
 
 /// Fits the parameters that were asked for, and judges what is left.
 fn given(
-    built: Built,
+    mut built: Built,
     sizes: &Sizes,
     options: &Options,
     start: &At,
@@ -335,6 +339,19 @@ fn given(
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
     let rest = rest::judged(&built.engine, &here, sizes, &policy);
+    let tells = |place: &&usize| {
+        let (least, most) = parameters[**place].range;
+        here.deviation(**place) < most - least
+    };
+    let untold: Vec<&str> =
+        free.iter().filter(|place| !tells(place)).map(|place| parameters[*place].name.as_str()).collect();
+    if !untold.is_empty() {
+        let message = format!(
+            "the logs tell nothing of {}: any value in the range does, so that no value was fitted",
+            untold.join(", ")
+        );
+        built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
+    }
     let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
     let told = if rest.unlisted.is_some() {

@@ -6,11 +6,13 @@
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
+//! - `line.rs`: the straight line between measured and simulated
 //! - `idle.rs`: parameters that change nothing
 //! - `write.rs`: the folder
 
 mod draft;
 mod idle;
+mod line;
 mod matching;
 mod sheet;
 mod starts;

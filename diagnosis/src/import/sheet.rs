@@ -22,6 +22,8 @@ pub(super) struct Sheet {
     pub(super) rows: Vec<Vec<f64>>,
     /// How it was written, where not as plain CSV.
     pub(super) dialect: Option<String>,
+    /// Columns that hold words, told.
+    pub(super) left_out: Vec<String>,
 }
 
 /// The head of a column.
@@ -33,6 +35,14 @@ pub(super) struct Header {
     pub(super) name: String,
     /// Unit of measurement in brackets, after an underscore, or in the line below.
     pub(super) unit: Option<String>,
+}
+
+/// How many cells of a column are numbers and words, and the first word with its line.
+#[derive(Debug, Clone, Default)]
+struct Text {
+    numbers: usize,
+    words: usize,
+    first: Option<(usize, String)>,
 }
 
 impl Sheet {
@@ -58,6 +68,7 @@ impl Sheet {
         let mut columns: Vec<Header> = headers.iter().map(header).collect();
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let mut decimal = false;
+        let mut texts: Vec<Text> = vec![Text::default(); columns.len()];
         for record in reader.records() {
             let record = record.map_err(|error| {
                 wrong(error.position().map_or(1, |at| at.line() as usize), format!("not CSV: {error}"))
@@ -77,15 +88,34 @@ impl Sheet {
             decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
             let mut row: Vec<f64> = Vec::with_capacity(columns.len());
             for (place, cell) in record.iter().take(columns.len()).enumerate() {
-                row.push(match cell {
-                    "" => f64::NAN,
-                    cell => number(cell, comma).ok_or_else(|| {
-                        wrong(line, format!("column {:?}: {cell:?} is no number", columns[place].text))
-                    })?,
+                row.push(match (cell, number(cell, comma)) {
+                    ("", _) => f64::NAN,
+                    (_, Some(value)) => {
+                        texts[place].numbers += 1;
+                        value
+                    }
+                    (cell, None) => {
+                        texts[place].words += 1;
+                        texts[place].first.get_or_insert_with(|| (line, cell.to_owned()));
+                        f64::NAN
+                    }
                 });
             }
             row.resize(columns.len(), f64::NAN);
             rows.push(row);
+        }
+        let mut left_out = Vec::new();
+        for (place, text) in texts.iter().enumerate().rev() {
+            let Some((line, cell)) = &text.first else { continue };
+            let name = &columns[place].text;
+            if text.words <= text.numbers {
+                return Err(wrong(*line, format!("column {name:?}: {cell:?} is no number")));
+            }
+            left_out.push(format!("column {name:?} holds words (line {line}: {cell:?}) and is left out"));
+            columns.remove(place);
+            for row in &mut rows {
+                row.remove(place);
+            }
         }
         if rows.len() < 3 {
             return Err(wrong(1, format!("{} rows: too few to compare", rows.len())));
@@ -97,7 +127,7 @@ impl Sheet {
                 if decimal { ", numbers had decimal commas" } else { "" }
             )
         });
-        Ok(Self { path: path.to_owned(), columns, rows, dialect })
+        Ok(Self { path: path.to_owned(), columns, rows, dialect, left_out })
     }
 
     /// The heads as written.
@@ -272,7 +302,8 @@ mod tests {
     #[test]
     fn value_heads_that_are_names_of_variables() {
         let columns = ["M_A", "v[2]", "u_V", "x [mm]"].map(header).to_vec();
-        let mut sheet = Sheet { path: "log.csv".into(), columns, rows: Vec::new(), dialect: None };
+        let mut sheet =
+            Sheet { path: "log.csv".into(), columns, rows: Vec::new(), dialect: None, left_out: Vec::new() };
         sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text));
         let heads: Vec<_> =
             sheet.columns.iter().map(|head| (head.name.as_str(), head.unit.as_deref())).collect();

@@ -63,9 +63,14 @@ pub(super) fn unshown(fmu: &Fmu, candidates: &[usize]) -> Vec<usize> {
     let named = |place: &usize| {
         let name = &variables[*place].name;
         is_named_a_start(&variables[*place])
-            && (has_the_word(name) || BEHIND.iter().any(|end| end.len() > 1 && name.ends_with(end)))
+            && (has_the_word(name) || BEHIND.iter().any(|end| ends_as_a_start(name, end)))
     };
     candidates.iter().copied().filter(named).collect()
+}
+
+/// Whether a name ends so; `w0` is a start, `k10` may be anything.
+fn ends_as_a_start(name: &str, end: &str) -> bool {
+    name.strip_suffix(end).is_some_and(|stem| end != "0" || stem.ends_with(char::is_alphabetic))
 }
 
 /// The one that starts a variable.

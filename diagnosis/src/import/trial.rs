@@ -1,5 +1,6 @@
 //! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
 
+use super::line::{Line, UNIT, line};
 use super::sheet::{GAP, Sheet};
 use super::starts::{self, Start};
 use super::{Match, Time, instance};
@@ -14,9 +15,6 @@ use std::time::{Duration, Instant};
 
 /// Correlation below which model and log say nothing of each other.
 const TELLS: f64 = 0.6;
-/// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
-/// lacks something may well be off by a fifth, units of measurement differ by more.
-const UNIT: (f64, f64) = (0.9, 0.3);
 /// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
 const TURN: f64 = STEP;
 /// Inputs whose signs are tried; beyond that all are taken as they are.
@@ -31,15 +29,6 @@ const USUAL: [&str; 22] = [
     "degC", "deg", "rpm", "deg/s", "mm", "cm", "km", "km/h", "mV", "kV", "mA", "uA", "kPa", "bar", "kW",
     "kN", "mN.m", "g", "ms", "%", "mA.h", "degF",
 ];
-
-/// Measured against simulated: measured = slope · simulated + offset.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    slope: f64,
-    offset: f64,
-    correlation: f64,
-    spread: f64,
-}
 
 /// What is known before a trial.
 pub(super) struct Known<'a> {
@@ -76,6 +65,10 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             }
         };
         let known: Vec<&Line> = lines.iter().flatten().collect();
+        // a sign is turned where the model then does what the log does, in size as well
+        if turns > 0 && !known.iter().any(|line| line.fits()) {
+            continue;
+        }
         let flips =
             (turns as u32).count_ones() as usize + known.iter().filter(|line| line.slope < 0.0).count();
         let mean = known.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / known.len().max(1) as f64;
@@ -147,7 +140,14 @@ fn judge(
     if line.correlation.abs() < TELLS && known {
         return;
     }
-    if line.correlation.abs() < TELLS {
+    let has_unit = matched.unit.is_none() && unit_of(line, variable, description).is_some();
+    if !line.begun && !has_unit {
+        matched.evidence.push(format!(
+            "nothing tried: the stretch without gaps begins within the log, and nothing says where the model stood there ({said})"
+        ));
+        return;
+    }
+    if line.correlation.abs() < TELLS || line.slope < 0.0 && !line.fits() {
         matched.evidence.push(format!("the model alone says nothing of sign and unit ({said})"));
         notices.push(format!(
             "column {:?} and {} don't go together ({said}): look at unit and sign",
@@ -168,17 +168,19 @@ fn judge(
         }
         return;
     }
-    // where the log itself says how the model starts, an offset is in the start as well
-    let far = starts::find(starts, matched.variable).is_none() && line.offset.abs() > OFFSET * line.spread;
+    // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
+    let fits = line.fits();
+    let apart = line.mean.1 - sign * line.mean.0;
+    let far = fits && starts::find(starts, matched.variable).is_none() && apart.abs() > OFFSET * line.spread;
     if sign < 0.0 || far {
-        let offset = if far { -sign * line.offset } else { 0.0 };
+        let offset = if far { -sign * apart } else { 0.0 };
         matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
         let what = match (sign < 0.0, far) {
             (true, true) => "sign turned and offset taken out",
             (true, false) => "sign turned",
             _ => "offset taken out",
         };
-        matched.evidence.push(format!("{what}, by trial: {said}, offset {:.4}", line.offset));
+        matched.evidence.push(format!("{what}, by trial: {said}, means apart by {apart:.4}"));
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
@@ -298,9 +300,13 @@ impl Trial<'_> {
     fn compared(&self, sign: &dyn Fn(usize) -> f64) -> Result<Vec<Option<Line>>, String> {
         let stretch = self.stretch()?;
         let results = self.simulated(&stretch, sign, &[], None)?;
+        let outputs = || self.matches.iter().filter(|matched| !matched.fed);
+        let begun = stretch.first == 0
+            || outputs().all(|matched| starts::find(self.starts, matched.variable).is_some());
         let line_of = |(at, matched): (usize, &Match)| {
             let series = results.series(&name(self.fmu, matched)).ok().filter(|_| !matched.fed)?;
-            line(&self.values(&stretch, matched, sign(at)), results.times(), series)
+            let found = line(&self.values(&stretch, matched, sign(at)), results.times(), series)?;
+            Some(Line { begun, ..found })
         };
         Ok(self.matches.iter().enumerate().map(line_of).collect())
     }
@@ -347,35 +353,6 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64, isolated: bool) -> Result<Scenar
     Scenario::parse(&text, "import.toml").map_err(|error| error.to_string())
 }
 
-/// The line through measured against simulated values, by least squares.
-fn line(points: &[(f64, f64)], times: &[f64], series: &[f64]) -> Option<Line> {
-    let pairs: Vec<(f64, f64)> = (points.iter())
-        .filter_map(|(time, measured)| {
-            let next = times.partition_point(|at| at <= time).clamp(1, times.len() - 1);
-            let share = (time - times[next - 1]) / (times[next] - times[next - 1]);
-            let simulated = series[next - 1] + share.clamp(0.0, 1.0) * (series[next] - series[next - 1]);
-            simulated.is_finite().then_some((simulated, *measured))
-        })
-        .collect();
-    let count = pairs.len() as f64;
-    let mean = pairs.iter().fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0 / count, sum.1 + pair.1 / count));
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in &pairs {
-        let (x, y) = (x - mean.0, y - mean.1);
-        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
-    }
-    if pairs.len() < 3 || xx <= 0.0 || yy <= 0.0 {
-        return None;
-    }
-    let slope = xy / xx;
-    Some(Line {
-        slope,
-        offset: mean.1 - slope * mean.0,
-        correlation: xy / (xx * yy).sqrt(),
-        spread: (yy / count).sqrt(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -385,16 +362,5 @@ mod tests {
         let stamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
         assert_eq!(whole_stretch(&stamps, 1.0), 3..7);
         assert_eq!(whole_stretch(&stamps[..3], 1.0), 0..3);
-    }
-
-    #[test]
-    fn value_a_line_is_found_again() {
-        let times: Vec<f64> = (0..100).map(|row| 0.1 * f64::from(row)).collect();
-        let series: Vec<f64> = times.iter().map(|time| time.sin()).collect();
-        let points: Vec<(f64, f64)> = times.iter().map(|time| (*time, 3.0 - 2.0 * time.sin())).collect();
-        let found = line(&points, &times, &series).expect("it moves");
-        let off = (found.slope + 2.0).abs() + (found.offset - 3.0).abs() + (found.correlation + 1.0).abs();
-        // sums of a hundred products
-        assert!(off < 1e-12, "{found:?}");
     }
 }

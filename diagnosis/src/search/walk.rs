@@ -6,7 +6,9 @@ use crate::dynamics::linearise::Engine;
 use crate::error::Error;
 use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Linearise, Options, fit_from};
+use crate::infer::likelihood::maximise;
 use crate::observe::Scale;
+use crate::statistics::levels::{PART, SMALL};
 use crate::watch::Watch;
 use std::collections::BTreeMap;
 
@@ -28,6 +30,8 @@ pub struct Search<'a> {
     pub options: Options,
     /// Parameters that may be off.
     pub candidates: Vec<usize>,
+    /// Whether what no effect gives may be an unlisted input.
+    pub yields: bool,
     /// Memory.
     pub visited: Visited,
     /// What was done, in words.
@@ -239,8 +243,7 @@ impl Search<'_> {
             let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
             let best = self.best(&effects, &here, &screen, &tried);
-            let Some((with, fit)) = best.filter(|(_, fit)| here.deviance - fit.deviance >= self.policy.gain)
-            else {
+            let Some((with, fit)) = best.filter(|(_, fit)| self.is_an_effect(&here, fit)) else {
                 self.last = Some(screen.last(&here));
                 break;
             };
@@ -261,6 +264,24 @@ impl Search<'_> {
         Ok((effects, here))
     }
 
+    /// Whether a model with one more effect gains enough. What reality lacks and no effect gives is process noise's to begin with: an effect
+    /// that gains little beside it, and without it takes little of what it gains, stands for a part of that, and is looked for again beside an
+    /// unlisted input.
+    fn is_an_effect(&self, here: &Fit, with: &Fit) -> bool {
+        let gained = here.deviance - with.deviance;
+        if gained < self.policy.gain || !self.yields || here.at.noise.disturbance.is_some() {
+            return gained >= self.policy.gain;
+        }
+        let exact = self.sizes.with_pinned(vec![true; self.engine.machine.order()]);
+        let none = |fit: &Fit| {
+            let columns: Vec<usize> = (0..fit.free.len()).collect();
+            maximise(&fit.runs, &columns, &exact.quieted(fit.at.noise.clone()), &exact).1
+        };
+        let before = none(here);
+        let process = before - here.deviance;
+        process <= self.policy.unknown || gained >= SMALL * process || before - none(with) >= PART * process
+    }
+
     /// Drops what gains too little beside the others, and swaps what another explains better.
     fn settled(
         &mut self,
@@ -269,12 +290,16 @@ impl Search<'_> {
         watch: &mut Watch<'_>,
     ) -> Result<(Vec<usize>, Fit), Error> {
         let mut place = 0;
-        while place < effects.len() && !watch.is_over(FURTHER) {
+        while place < effects.len() {
             let gone = effects[place];
             let (without, less) = self.without(&effects, &here, place)?;
             if less.deviance - here.deviance < self.policy.gain {
                 self.story.push(format!("{} is no longer needed beside the others", self.name(gone)));
                 (effects, here, place) = (without, less, 0);
+                continue;
+            }
+            if watch.is_over(FURTHER) {
+                place += 1;
                 continue;
             }
             let screen = linearised(self.engine, &less, &self.others(&without))?;

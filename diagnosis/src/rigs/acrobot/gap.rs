@@ -138,6 +138,13 @@ pub fn widest(
     if above(&other.0) > above(&own.0) { other } else { own }
 }
 
+/// The gap where nothing is added to the model: what clocks that were put right close is no name's merit, and no part of the gap.
+pub fn unchanged(gap: Gap) -> Gap {
+    let before = gap.after;
+    let closed = (before > POLICY.gap_above * gap.floor).then_some(0.0);
+    Gap { before, closed, ..gap }
+}
+
 /// How far a gap stands above its floor.
 pub fn above(gap: &Gap) -> f64 {
     if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
@@ -191,4 +198,19 @@ fn squares(blocks: &[Block], shifted: &Shifted<'_>, signals: &Range<usize>) -> (
         }
     }
     (sum, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_a_gap_to_which_nothing_was_added_is_what_is_left_and_none_of_it_is_closed() {
+        let sums = |after: f64| Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
+        // clocks alone closed it from 3 to 2 times the noise, and to the noise
+        let (open, quiet) =
+            (unchanged(sums(2.0).gap(Compared::Angles)), unchanged(sums(1.0).gap(Compared::Angles)));
+        assert_eq!((open.before, open.after, open.closed), (2.0, 2.0, Some(0.0)));
+        assert_eq!((quiet.before, quiet.after, quiet.closed), (1.0, 1.0, None));
+    }
 }

@@ -123,6 +123,9 @@ impl Conclusion {
             drift: logs.drift.as_ref(),
             gap: &gap,
         });
+        if part.study.active.is_empty() {
+            gap = gap::unchanged(gap);
+        }
         // beside a residual without a name nobody knows what would have been found
         if judged.model_stands {
             detectable(part, list, &free, &logs.doubts, &mut self.smallest);

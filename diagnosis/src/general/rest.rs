@@ -151,7 +151,10 @@ fn unit_of(problem: &Problem, name: &str) -> String {
     let found = channel.map(|channel| channel.variable).or_else(|| {
         problem.states.iter().filter_map(|state| state.shows).find(|shown| problem.model.name(*shown) == name)
     });
-    found.and_then(of).unwrap_or_else(|| "1".into())
+    // a state that no variable shows has the name of its start
+    let start =
+        || problem.states.iter().map(|state| state.start).find(|start| problem.model.name(*start) == name);
+    found.or_else(start).and_then(of).unwrap_or_else(|| "1".into())
 }
 
 /// A term that a course may follow: name of the variable, words, columns.
@@ -275,5 +278,6 @@ fn events(course: &[f64], time: &[f64]) -> Option<String> {
         inside = out;
     }
     let seldom = (rows as f64) < 0.4 * course.len() as f64 && begins.len() <= 20;
-    seldom.then(|| format!("{} events, beginning at {} s, quiet between", begins.len(), begins.join(", ")))
+    let many = if begins.len() == 1 { "1 event" } else { &format!("{} events", begins.len()) };
+    seldom.then(|| format!("{many}, beginning at {} s, quiet between", begins.join(", ")))
 }

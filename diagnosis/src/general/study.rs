@@ -93,7 +93,7 @@ fn found(
     let mut all = long::searched(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
     let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
-        mismatch::unlike(&held.gaps).filter(|_| !all.effects.is_empty() && options.fit.is_empty())
+        mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
     });
     let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
@@ -149,6 +149,11 @@ fn found(
 fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
     let takes = trained.rest.unlisted.is_some() && options.fit.is_empty() && mismatch::widened(gaps);
     if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
+}
+
+/// Whether the rows left out judged what was found in all rows.
+fn judged(trained: &Studied, all: &Studied) -> bool {
+    !all.effects.is_empty() && all.effects.iter().all(|effect| trained.effects.contains(effect))
 }
 
 /// A search's result without these effects, and without those that can't be told from them.

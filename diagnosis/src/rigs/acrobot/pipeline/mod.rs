@@ -17,11 +17,12 @@ mod saturations;
 mod scale;
 mod sensor;
 
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Effect};
 use crate::error::{Error, Notice};
 use crate::options::Options;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, ZEROS, candidates};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::gap;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
@@ -183,6 +184,7 @@ pub fn diagnose(
             }),
         }
     }
+    no_merit(&mut diagnosis, &parts);
     diagnosis.ended_early = watch.ended().to_vec();
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -190,6 +192,24 @@ pub fn diagnose(
         diagnosis.story.push(format!("Time was up after {budget:.0} s: {ended} ended with what was there."));
     }
     Ok(diagnosis)
+}
+
+/// Takes away from a gap what no effect that is told closes: clocks that were put right, which a repeated search finds again as delays.
+fn no_merit(diagnosis: &mut Diagnosis, parts: &[Part]) {
+    for (part, gap) in parts.iter().zip(&mut diagnosis.gaps) {
+        let unit = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+        let own = |effect: &Effect| {
+            let of = unit(&effect.name);
+            part.signals.iter().any(|signal| unit(&signal.name) == of)
+        };
+        let corrected = part.torque && diagnosis.correction.is_some();
+        if !corrected && !diagnosis.effects.iter().any(own) {
+            *gap = gap::unchanged(gap.clone());
+        }
+    }
+    if let Some(widest) = diagnosis.gaps.iter().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b))) {
+        diagnosis.gap = widest.clone();
+    }
 }
 
 /// Weighs all classes with what an earlier diagnosis said; in words.

@@ -61,6 +61,11 @@ def test_a_column_of_words_is_left_out_and_told(tmp_path, motor):
     said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
     assert 'column "mode" holds words' in said, said
     assert set(channels(tmp_path / "set")[0]) == {"motor.u", "motor.i", "motor.w"}
+    # dates in words are no time: nothing else passes for it
+    dates = [f"2026-11-26 10:{place // 60:02}:{place % 60:02},{row.split(',', 1)[1]}" for place, row in enumerate(rows)]
+    for name, wanted in (("time", "is no number"), ("date", 'column "date" holds words (line 2: "2026-11-26 10:00:00")')):
+        (tmp_path / "dates.csv").write_text("\n".join([head.replace("time", name, 1), *dates]) + "\n")
+        assert wanted in run("import", tmp_path / "dates.csv", "--fmu", motor, "--out", tmp_path / "other", status=2)
     # a word among numbers stays an error
     path.write_text(path.read_text().replace(rows[5].split(",")[1], "n/a", 1))
     assert "is no number" in run("import", path, "--fmu", motor, "--out", tmp_path / "other", status=2)

@@ -108,7 +108,9 @@ impl Sheet {
         for (place, text) in texts.iter().enumerate().rev() {
             let Some((line, cell)) = &text.first else { continue };
             let name = &columns[place].text;
-            if text.words <= text.numbers {
+            // another column would pass for the time
+            let is_time = TIME_NAMES.contains(&columns[place].name.to_lowercase().as_str());
+            if is_time || text.words <= text.numbers {
                 return Err(wrong(*line, format!("column {name:?}: {cell:?} is no number")));
             }
             left_out.push(format!("column {name:?} holds words (line {line}: {cell:?}) and is left out"));
@@ -172,7 +174,9 @@ impl Sheet {
         let Some((place, why)) = found
             .or_else(|| places().next().map(|place| (place, "the first column that rises from row to row")))
         else {
-            let problem = "no column rises from row to row: wanted is one with the time".to_owned();
+            let wanted = "no column rises from row to row: wanted is one with the time as a number";
+            let problem =
+                [wanted.to_owned()].into_iter().chain(self.left_out.clone()).collect::<Vec<_>>().join("; ");
             return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
         };
         let head = &self.columns[place];

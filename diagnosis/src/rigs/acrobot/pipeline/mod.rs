@@ -184,7 +184,7 @@ pub fn diagnose(
             }),
         }
     }
-    no_merit(&mut diagnosis, &parts);
+    no_merit(&mut diagnosis, &parts, &list);
     diagnosis.ended_early = watch.ended().to_vec();
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -195,12 +195,13 @@ pub fn diagnose(
 }
 
 /// Takes away from a gap what no effect that is told closes: clocks that were put right, which a repeated search finds again as delays.
-fn no_merit(diagnosis: &mut Diagnosis, parts: &[Part]) {
+fn no_merit(diagnosis: &mut Diagnosis, parts: &[Part], list: &[Candidate]) {
     for (part, gap) in parts.iter().zip(&mut diagnosis.gaps) {
         let unit = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
         let own = |effect: &Effect| {
+            let named = |index: &usize| list[*index].name == effect.name;
             let of = unit(&effect.name);
-            part.signals.iter().any(|signal| unit(&signal.name) == of)
+            part.study.active.iter().any(named) || part.signals.iter().any(|signal| unit(&signal.name) == of)
         };
         let corrected = part.torque && diagnosis.correction.is_some();
         if !corrected && !diagnosis.effects.iter().any(own) {

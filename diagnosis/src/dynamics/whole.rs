@@ -103,7 +103,8 @@ impl Engine {
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
         // what moves slowly shows over the whole log only
         let half = (self.grids[0].time.len() - 1) / 2;
-        Ok(self.remembers_over(WATCHED.min(half), sizes)? || self.remembers_over(half, sizes)?)
+        Ok(self.remembers_over(WATCHED.min(half), sizes)?
+            || half > WATCHED && self.remembers_over(half, sizes)?)
     }
 
     fn remembers_over(&self, watched: usize, sizes: &[f64]) -> Result<bool, Error> {

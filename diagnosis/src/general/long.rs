@@ -107,10 +107,11 @@ pub fn searched(
     watch.stage("searching in stretches of the logs");
     let found = studied(problem, &part, options, Some(before), true, watch)?;
     let goes_on = found.rest.unlisted.is_none() && !watch.is_over("the search in all rows");
-    watch.stage("fitting what was found to all rows");
     let mut over = if goes_on {
+        watch.stage("searching in all rows from what was found");
         studied(problem, &all, options, Some((&found, before.1)), true, watch)?
     } else {
+        watch.stage("fitting what was found to all rows");
         over(problem, &all, found, before.1)?
     };
     over.built.notices.push(told(&over, &part, goes_on));

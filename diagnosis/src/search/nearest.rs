@@ -194,42 +194,80 @@ fn likened(run: &Linearised, column: usize, unlisted: &Disturbance, scales: &[f6
     (0..run.rows().saturating_sub(1)).map(of).collect()
 }
 
-/// Forward selection of the columns.
-fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> bool) -> Option<Nearest> {
-    let whole = dot(course, course);
-    let taken = |chosen: &[usize]| -> Option<(f64, Vec<f64>)> {
-        let of = |place: usize| &columns[chosen[place]].values;
-        let gram = DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| dot(of(i), of(j)));
-        let score = DVector::from_fn(chosen.len(), |i, _| dot(of(i), course));
+/// Columns held against a course.
+struct Held<'a> {
+    columns: &'a [Column],
+    /// Their products with each other, below the diagonal.
+    gram: Vec<Vec<f64>>,
+    /// Their products with the course.
+    along: Vec<f64>,
+    /// The course's square.
+    whole: f64,
+    within: &'a dyn Fn(usize, f64) -> bool,
+}
+
+impl<'a> Held<'a> {
+    fn new(columns: &'a [Column], course: &[f64], within: &'a dyn Fn(usize, f64) -> bool) -> Self {
+        let below =
+            |i: usize| columns[..=i].iter().map(|other| dot(&columns[i].values, &other.values)).collect();
+        let gram = (0..columns.len()).into_par_iter().map(below).collect();
+        let along = columns.iter().map(|column| dot(&column.values, course)).collect();
+        Self { columns, gram, along, whole: dot(course, course), within }
+    }
+
+    fn product(&self, i: usize, j: usize) -> f64 {
+        self.gram[i.max(j)][i.min(j)]
+    }
+
+    /// The share that one takes away by itself.
+    fn alone(&self, place: usize) -> f64 {
+        self.along[place].powi(2) / (self.product(place, place) * self.whole)
+    }
+
+    /// What a set of columns takes away; nothing for two of one parameter, and where a value leaves its range.
+    fn taken(&self, chosen: &[usize]) -> Option<Nearest> {
+        let parameter = |place: usize| self.columns[place].chord.parameter;
+        let twice = |(at, place): (usize, &usize)| {
+            chosen[..at].iter().any(|one| parameter(*one) == parameter(*place))
+        };
+        if chosen.iter().enumerate().any(twice) {
+            return None;
+        }
+        let gram = DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| self.product(chosen[i], chosen[j]));
+        let score = DVector::from_fn(chosen.len(), |i, _| self.along[chosen[i]]);
         let amounts = solve(&gram, &score)?;
-        let values: Vec<f64> =
-            chosen.iter().zip(amounts.iter()).map(|(place, by)| columns[*place].value(*by)).collect();
-        let mut both = chosen.iter().zip(&values);
-        let allowed = both.all(|(place, value)| within(columns[*place].chord.parameter, *value));
-        allowed.then(|| (amounts.dot(&score) / whole, values))
-    };
-    let (mut chosen, mut share, mut values) = (Vec::new(), 0.0, Vec::new());
+        let value = |(place, by): (&usize, &f64)| (parameter(*place), self.columns[*place].value(*by));
+        let effects: Vec<(usize, f64)> = chosen.iter().zip(amounts.iter()).map(value).collect();
+        let allowed = effects.iter().all(|(parameter, value)| (self.within)(*parameter, *value));
+        allowed.then(|| Nearest { effects, share: amounts.dot(&score) / self.whole })
+    }
+
+    /// The best of these sets.
+    fn best(&self, sets: impl Iterator<Item = Vec<usize>>) -> Option<(Nearest, Vec<usize>)> {
+        let found = sets.filter_map(|set| Some((self.taken(&set)?, set)));
+        found.max_by(|a, b| a.0.share.total_cmp(&b.0.share))
+    }
+}
+
+/// The best one or two of the columns, then forward selection: two that only together tell a course (a gain, and a place of rest) are found
+/// in no other way.
+fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> bool) -> Option<Nearest> {
+    let held = Held::new(columns, course, within);
+    let all = || 0..columns.len();
+    let single = held.best(all().map(|place| vec![place]));
+    let larger = |i: usize, j: usize| if held.alone(i) >= held.alone(j) { vec![i, j] } else { vec![j, i] };
+    let pair = held.best(all().flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| larger(i, j)));
+    let alone = single.as_ref().map_or(0.0, |(near, _)| near.share);
+    let both = pair.filter(|(near, _)| near.share >= FURTHER + alone.max(FOLLOWS));
+    let (mut near, mut chosen) = both.or(single.filter(|_| alone >= FOLLOWS))?;
     while chosen.len() < TERMS {
-        let free = |place: &usize| {
-            let parameter = columns[*place].chord.parameter;
-            chosen.iter().all(|known: &usize| columns[*known].chord.parameter != parameter)
-        };
-        let with = |place: usize| {
-            let with: Vec<usize> = chosen.iter().copied().chain([place]).collect();
-            Some((taken(&with)?, with))
-        };
-        let best = (0..columns.len()).filter(free).filter_map(with).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
-        match best {
-            Some(((more, found), with)) if more - share >= needed => {
-                (chosen, share, values) = (with, more, found);
-            }
+        let further = held.best(all().map(|place| chosen.iter().copied().chain([place]).collect()));
+        match further {
+            Some((more, with)) if more.share - near.share >= FURTHER => (near, chosen) = (more, with),
             _ => break,
         }
     }
-    let effects: Vec<(usize, f64)> =
-        chosen.iter().map(|place| columns[*place].chord.parameter).zip(values).collect();
-    (!effects.is_empty()).then_some(Nearest { effects, share })
+    Some(near)
 }
 
 #[cfg(test)]
@@ -278,6 +316,18 @@ mod tests {
         // a further one needs a twentieth
         let count = |by: f64| found([1.0, by, 0.0], 0.0).map_or(0, |near| near.effects.len());
         assert_eq!((count(0.21), count(0.25)), (1, 2));
+    }
+
+    #[test]
+    fn value_two_that_only_together_tell_a_course_are_found() {
+        // the first two cancel but for a little, and of the third a tenth is the course
+        let nearly = |time: f64| libm::sin(time) + 0.1 * libm::cos(time);
+        let other = |time: f64| libm::cos(time) + 3.0 * libm::sin(7.0 * time);
+        let all = [column(0, libm::sin), column(1, nearly), column(2, other)];
+        let course: Vec<f64> = (0..200).map(|row| libm::cos(0.1 * f64::from(row))).collect();
+        let near = selected(&all, &course, &|_, value| value.abs() < 20.0).expect("two of them");
+        assert_eq!(near.effects.iter().map(|(place, _)| *place).collect::<Vec<_>>(), [1, 0]);
+        assert!((near.share - 1.0).abs() < 1e-9, "{near:?}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub mod statistics;
 pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
 pub use error::{Error, Notice};
 pub use general::diagnose;
-pub use import::{Imported, import};
+pub use import::{Clock, Imported, import};
 pub use options::{Budget, Options};
 pub use overlay::Channel;
 pub use provenance::{Provenance, Used};

@@ -178,7 +178,7 @@ def test_what_fits_nothing_is_told(motor, tmp_path):
     heads = {"u": ("voltage at plug", 1, 0), "i": ("n1", 1, 0), "w": ("n2", 1, 0)}
     file = log(tmp_path / "a.csv", ALL["motor"], heads)
     said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
-    assert "no column is an output of motor (i, w, phi)" in said
+    assert 'no column ("voltage at plug", "n1", "n2") is an output of motor (i, w, phi)' in said
 
 
 def test_the_tutorials_commands(tmp_path):
@@ -192,3 +192,34 @@ def test_the_tutorials_commands(tmp_path):
         done = subprocess.run(words.split(), cwd=ROOT, capture_output=True, text=True, check=False, env=os.environ)
         assert done.returncode == 0, f"{command}\n{done.stderr}"
     assert "\nscale = -0.0174" in (tmp_path / "motor" / "dataset.toml").read_text()
+
+
+def test_what_loggers_write(tmp_path, motor):
+    """Names in a comment, blanks between cells, no column of time, and heads that are no variable's name."""
+    heads = {"u": ("Supply/V", 1.0, 0.0), "i": ("Shunt/A", 1.0, 0.0), "w": ("Encoder/rpm", 2 * np.pi / 60, 0.0)}
+    path = log(tmp_path / "log.csv", ALL["motor"], heads)
+    head, *rows = path.read_text().splitlines()
+    times = [float(row.split(",")[0]) for row in rows]
+    bare = [row.split(",")[1:] for row in rows]
+    text = "% bench 7\n# " + "  ".join(head.split(",")[1:]) + "\n" + "\n".join("  ".join(row) for row in bare) + "\n"
+    path = tmp_path / "log.txt"
+    path.write_text(text)
+    refused = run("import", path, "--fmu", motor, "--out", tmp_path / "ds", status=2)
+    assert "--rate HZ" in refused and not (tmp_path / "ds").exists()
+    rate = round(1 / (times[1] - times[0]))
+    told = run("import", path, "--fmu", motor, "--rate", rate, "--start", 2, "--out", tmp_path / "ds")
+    assert f"{rate} rows a second, as asked for" in told and "separated by blanks" in told
+    found, _ = channels(tmp_path / "ds")
+    assert {name: entry["column"] for name, entry in found.items()} == {
+        "motor.u": "Supply/V", "motor.i": "Shunt/A", "motor.w": "Encoder/rpm"}  # fmt: skip
+    assert "is the only one in a unit that converts to rad/s" in told
+    first = (tmp_path / "ds" / "run-01.csv").read_text().splitlines()
+    assert first[0].startswith("time,") and [float(row.split(",")[0]) for row in first[1:3]] == [2.0, 2.0 + 1 / rate]
+    for rate, wrong in [("0", "--rate 0: expected rows a second, above 0"), ("nan", "--rate NaN"), ("-5", "--rate -5")]:
+        assert wrong in run("import", path, "--fmu", motor, "--rate", rate, "--out", tmp_path / "other", status=2)
+    assert "without --rate its times are taken" in run(
+        "import", tmp_path / "log.csv", "--fmu", motor, "--rate", 10, "--out", tmp_path / "other", status=2)  # fmt: skip
+    nameless = tmp_path / "nameless.csv"
+    nameless.write_text("\n".join(rows))
+    assert "numbers where the names of columns belong" in run("import", nameless, "--fmu", motor, "--out", tmp_path / "other", status=2)
+    assert not (tmp_path / "other").exists()

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 /// `acroscope import`
 #[derive(Debug, Args)]
 #[command(
-    override_usage = "acroscope import LOG.csv... --fmu FILE.fmu --out DATASET\n       acroscope import --frames DIR... (--times FILE.csv | --rate HZ) --out DATASET",
-    after_help = "Examples:\n  acroscope import log-1.csv log-2.csv --fmu heater.fmu --out out/heater\n  acroscope import --frames camera/run-1 --rate 30 --out out/rig\n  acroscope import --frames camera/run-1 --times stamps.csv --stamp exposure-start --set camera.width=640 --set camera.height=480 --out out/rig"
+    override_usage = "acroscope import LOG.csv... --fmu FILE.fmu [--rate HZ] --out DATASET\n       acroscope import --frames DIR... (--times FILE.csv | --rate HZ) --out DATASET",
+    after_help = "Examples:\n  acroscope import log-1.csv log-2.csv --fmu heater.fmu --out out/heater\n  acroscope import daq.txt --fmu motor.fmu --rate 1000 --out out/motor\n  acroscope import --frames camera/run-1 --rate 30 --out out/rig\n  acroscope import --frames camera/run-1 --times stamps.csv --stamp exposure-start --set camera.width=640 --set camera.height=480 --out out/rig"
 )]
 pub struct Import {
-    /// Logs, one CSV file a run.
+    /// Logs, one file a run: cells separated by commas, semicolons, tabs or blanks, below a line of names.
     #[arg(required_unless_present = "frames", value_name = "LOG.csv")]
     pub logs: Vec<PathBuf>,
     /// The unit that models what was measured.
@@ -22,10 +22,10 @@ pub struct Import {
     /// When the frames were taken: a CSV file with a column time in s, and a column file where rows are in another order; one for each --frames.
     #[arg(long, value_name = "FILE.csv", requires = "frames", conflicts_with = "rate")]
     pub times: Vec<PathBuf>,
-    /// Frames per second; the last number in a file's name counts them.
-    #[arg(long, value_name = "HZ", requires = "frames", allow_negative_numbers = true)]
+    /// Frames per second, which the last number in a file's name counts; or rows per second of logs without a column of time.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
-    /// Time of the first frame in s, with --rate.
+    /// Time of the first frame or row in s, with --rate.
     #[arg(long, value_name = "S", requires = "rate", allow_negative_numbers = true, default_value_t = 0.0)]
     pub start: f64,
     /// What the times are times of; those of the shutter are turned into times of delivery by E_t, omega_cam and T_delay of the scenario.

@@ -24,7 +24,8 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
         )));
     }
     let units = scenarios::unit_path();
-    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units)?;
+    let clock = arguments.rate.map(|rate| diagnosis::Clock { rate, start: arguments.start });
+    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units, clock)?;
     if quiet {
         return Ok(());
     }

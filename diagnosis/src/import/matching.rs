@@ -27,7 +27,8 @@ pub(super) fn columns(
     for (column, header) in sheet.columns.iter().enumerate().filter(|(column, _)| *column != time) {
         for (place, variable) in description.variables.iter().enumerate() {
             let Some(rank) = rank(variable) else { continue };
-            let Some((score, why)) = likeness(header, variable, fmu) else { continue };
+            let alike = likeness(header, variable, fmu).or_else(|| only(header, variable, sheet, time, fmu));
+            let Some((score, why)) = alike else { continue };
             pairs.push((score + rank, column, place, why));
         }
     }
@@ -71,8 +72,11 @@ pub(super) fn columns(
     if matches.iter().all(|known| known.fed) {
         let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
         let outputs: Vec<&str> = outputs.map(|variable| variable.name.as_str()).take(8).collect();
+        let columns = sheet.columns.iter().enumerate().filter(|(column, _)| *column != time);
+        let columns: Vec<String> = columns.map(|(_, head)| format!("{:?}", head.text)).collect();
         let problem = format!(
-            "no column is an output of {} ({}): name a column after the variable that it measures",
+            "no column ({}) is an output of {} ({}): name a column after the variable that it measures",
+            columns.join(", "),
             instance(fmu),
             outputs.join(", ")
         );
@@ -96,6 +100,35 @@ fn rank(variable: &Variable) -> Option<f64> {
         (_, Causality::Local) => Some(0.0),
         _ => None,
     }
+}
+
+/// Whether a column and a variable are the only ones of what they measure, in a log and among a unit's inputs and outputs, and why.
+fn only(
+    header: &Header,
+    variable: &Variable,
+    sheet: &Sheet,
+    time: usize,
+    fmu: &Fmu,
+) -> Option<(f64, String)> {
+    let description = fmu.description();
+    let is_one = |head: &Header, variable: &Variable| {
+        let port = matches!(variable.causality, Causality::Input | Causality::Output);
+        let base = head.unit.as_deref().and_then(measure::named);
+        // shares and counts measure anything
+        let measures = base.is_some_and(|base| base.exponents.iter().any(|exponent| *exponent != 0));
+        let converts = |unit| measure::conversion(unit, variable, description).is_ok();
+        port && variable.kind == Kind::Real && measures && head.unit.as_deref().is_some_and(converts)
+    };
+    let columns = sheet.columns.iter().enumerate().filter(|(column, _)| *column != time);
+    let alone = is_one(header, variable)
+        && columns.filter(|(_, other)| is_one(other, variable)).count() == 1
+        && description.variables.iter().filter(|other| is_one(header, other)).count() == 1;
+    let (unit, own) = (header.unit.as_deref()?, variable.unit.as_deref()?);
+    let why = format!(
+        "column {:?} is the only one in a unit that converts to {own}, and no other input or output is in {unit}",
+        header.text
+    );
+    alone.then_some((ALIKE, why))
 }
 
 /// How alike a column and a variable are, and why; `None` where they can't be one.

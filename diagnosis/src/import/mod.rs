@@ -1,7 +1,8 @@
 //! From logs and a unit to a data set (`acroscope import`): columns are matched to variables by name and unit of
 //! measurement, and tried against the model; every guess is written beside its evidence.
 //!
-//! - `sheet.rs`: a CSV file as people's loggers write it
+//! - `text.rs`: a log's encoding, comments and separators
+//! - `sheet.rs`: its columns, with names, units and numbers
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
@@ -16,6 +17,7 @@ mod line;
 mod matching;
 mod sheet;
 mod starts;
+mod text;
 mod trial;
 mod write;
 
@@ -51,15 +53,49 @@ struct Match {
     fed: bool,
 }
 
-/// Makes a data set of logs and a unit.
+/// When the rows of logs without a column of time were written: from a time on, in s, at a rate, in Hz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// Rows a second, above 0.
+    pub rate: f64,
+    /// Time of the first row, s.
+    pub start: f64,
+}
+
+impl Clock {
+    fn checked(self) -> Result<(), Error> {
+        let wrong = |option, given: f64, wanted: &str| {
+            Err(Error::Option { option, given: given.to_string(), problem: format!("expected {wanted}") })
+        };
+        if !(self.rate > 0.0 && self.rate.is_finite()) {
+            return wrong("--rate", self.rate, "rows a second, above 0");
+        }
+        if !self.start.is_finite() {
+            return wrong("--start", self.start, "the time of the first row in s");
+        }
+        Ok(())
+    }
+}
+
+/// Makes a data set of logs and a unit; `clock` is for logs without a column of time.
 ///
 /// # Errors
 /// A log or the unit can't be read, no column is an output of the unit, or the folder can't be written.
-pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Result<Imported, Error> {
+pub fn import(
+    logs: &[PathBuf],
+    fmu: &Path,
+    out: &Path,
+    units: &UnitPath,
+    clock: Option<Clock>,
+) -> Result<Imported, Error> {
+    clock.map_or(Ok(()), Clock::checked)?;
     let unit = units.open(fmu).map_err(crate::opened::model)?;
     let mut sheets = Vec::new();
     for log in logs {
         let mut sheet = Sheet::read(log)?;
+        if let Some(Clock { rate, start }) = clock {
+            sheet.timed(rate, start)?;
+        }
         sheet.with_names(&|text| {
             let own = text.strip_prefix(&instance(&unit)).and_then(|rest| rest.strip_prefix('.'));
             unit.description().place(own.unwrap_or(text)).is_some()
@@ -80,6 +116,7 @@ pub fn import(logs: &[PathBuf], fmu: &Path, out: &Path, units: &UnitPath) -> Res
         }
     }
     let (time, told) = first.time_column(unit.description())?;
+    let told = clock.map_or(told, |clock| format!("{} rows a second, as asked for", clock.rate));
     let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
     let starts = starts::of(&unit, &measured);

@@ -1,7 +1,7 @@
-//! A CSV file as loggers and spreadsheets write it: commas, semicolons or tabs; decimal commas; units in the header or in a
-//! line of their own.
+//! A log as loggers and spreadsheets write it: decimal commas; units in the header or in a line of their own; columns of words.
 
 use super::Time;
+use super::text::{Separator, Text};
 use crate::error::Error;
 use crate::observe::EPOCH;
 use crate::observe::measure;
@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// Rows further apart than this many usual distances have a gap between them.
 pub(super) const GAP: f64 = SEVERAL;
+/// What a column of time is called.
+const TIME: &str = "time";
 const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];
 
 /// One log.
@@ -39,7 +41,7 @@ pub(super) struct Header {
 
 /// How many cells of a column are numbers and words, and the first word with its line.
 #[derive(Debug, Clone, Default)]
-struct Text {
+struct Cells {
     numbers: usize,
     words: usize,
     first: Option<(usize, String)>,
@@ -50,30 +52,27 @@ impl Sheet {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        // spreadsheets still write Latin-1, where a degree sign is one byte
-        let text = String::from_utf8(bytes)
-            .unwrap_or_else(|error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect());
-        let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
-        let head = text.lines().next().unwrap_or("");
-        let separator = [';', '\t', ','].into_iter().find(|letter| head.contains(*letter));
-        let Some(separator) = separator else {
-            return Err(wrong(1, "one column only: wanted is a line of names, separated by commas".into()));
-        };
+        let Text { separator, table, above } = Text::of(&bytes, path)?;
+        let comma = separator != Separator::Comma;
         let mut reader = csv::ReaderBuilder::new()
-            .delimiter(separator as u8)
+            .delimiter(separator.byte())
             .flexible(true)
             .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let headers = reader.headers().map_err(|error| wrong(1, format!("not CSV: {error}")))?.clone();
+            .from_reader(table.as_bytes());
+        let headers =
+            reader.headers().map_err(|error| wrong(above + 1, format!("not CSV: {error}")))?.clone();
         let mut columns: Vec<Header> = headers.iter().map(header).collect();
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let mut decimal = false;
-        let mut texts: Vec<Text> = vec![Text::default(); columns.len()];
+        let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
         for record in reader.records() {
             let record = record.map_err(|error| {
-                wrong(error.position().map_or(1, |at| at.line() as usize), format!("not CSV: {error}"))
+                wrong(
+                    above + error.position().map_or(1, |at| at.line() as usize),
+                    format!("not CSV: {error}"),
+                )
             })?;
-            let line = record.position().map_or(0, |position| position.line() as usize);
+            let line = above + record.position().map_or(0, |position| position.line() as usize);
             if rows.is_empty()
                 && record.iter().any(|cell| !cell.is_empty())
                 && record.iter().all(|cell| number(cell, true).is_none())
@@ -84,19 +83,18 @@ impl Sheet {
                 });
                 continue;
             }
-            let comma = separator != ',';
             decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
             let mut row: Vec<f64> = Vec::with_capacity(columns.len());
             for (place, cell) in record.iter().take(columns.len()).enumerate() {
                 row.push(match (cell, number(cell, comma)) {
                     ("", _) => f64::NAN,
                     (_, Some(value)) => {
-                        texts[place].numbers += 1;
+                        kinds[place].numbers += 1;
                         value
                     }
                     (cell, None) => {
-                        texts[place].words += 1;
-                        texts[place].first.get_or_insert_with(|| (line, cell.to_owned()));
+                        kinds[place].words += 1;
+                        kinds[place].first.get_or_insert_with(|| (line, cell.to_owned()));
                         f64::NAN
                     }
                 });
@@ -104,32 +102,51 @@ impl Sheet {
             row.resize(columns.len(), f64::NAN);
             rows.push(row);
         }
-        let mut left_out = Vec::new();
-        for (place, text) in texts.iter().enumerate().rev() {
-            let Some((line, cell)) = &text.first else { continue };
-            let name = &columns[place].text;
-            // another column would pass for the time
-            let is_time = TIME_NAMES.contains(&columns[place].name.to_lowercase().as_str());
-            if is_time || text.words <= text.numbers {
-                return Err(wrong(*line, format!("column {name:?}: {cell:?} is no number")));
-            }
-            left_out.push(format!("column {name:?} holds words (line {line}: {cell:?}) and is left out"));
-            columns.remove(place);
-            for row in &mut rows {
-                row.remove(place);
-            }
+        let mut sheet = Self { path: path.to_owned(), columns, rows, dialect: None, left_out: Vec::new() };
+        sheet.without_words(&kinds)?;
+        if sheet.rows.len() < 3 {
+            return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
         }
-        if rows.len() < 3 {
-            return Err(wrong(1, format!("{} rows: too few to compare", rows.len())));
-        }
-        let dialect = (separator != ',').then(|| {
-            let name = if separator == ';' { "semicolons" } else { "tabs" };
+        sheet.dialect = separator.told().map(|name| {
             format!(
                 "columns were separated by {name}{}",
                 if decimal { ", numbers had decimal commas" } else { "" }
             )
         });
-        Ok(Self { path: path.to_owned(), columns, rows, dialect, left_out })
+        Ok(sheet)
+    }
+
+    /// Leaves out columns that hold words. One of numbers with a word in it is an error, as is one of time: another would pass for it.
+    fn without_words(&mut self, kinds: &[Cells]) -> Result<(), Error> {
+        for (place, cells) in kinds.iter().enumerate().rev() {
+            let Some((line, cell)) = &cells.first else { continue };
+            let Header { text, name, .. } = &self.columns[place];
+            if TIME_NAMES.contains(&name.to_lowercase().as_str()) || cells.words <= cells.numbers {
+                let problem = format!("column {text:?}: {cell:?} is no number");
+                return Err(Error::Manifest { path: self.path.clone(), line: *line, problem });
+            }
+            self.left_out
+                .push(format!("column {text:?} holds words (line {line}: {cell:?}) and is left out"));
+            self.columns.remove(place);
+            for row in &mut self.rows {
+                row.remove(place);
+            }
+        }
+        Ok(())
+    }
+
+    /// With a column of time, for rows that were written at a rate.
+    pub(super) fn timed(&mut self, rate: f64, start: f64) -> Result<(), Error> {
+        let is_time = |column: &&Header| column.text.eq_ignore_ascii_case(TIME);
+        if let Some(column) = self.columns.iter().find(is_time) {
+            let problem = format!("there is a column {:?}: without --rate its times are taken", column.text);
+            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
+        }
+        self.columns.insert(0, Header { text: TIME.into(), name: TIME.into(), unit: Some("s".into()) });
+        for (count, row) in self.rows.iter_mut().enumerate() {
+            row.insert(0, start + count as f64 / rate);
+        }
+        Ok(())
     }
 
     /// The heads as written.
@@ -174,7 +191,7 @@ impl Sheet {
         let Some((place, why)) = found
             .or_else(|| places().next().map(|place| (place, "the first column that rises from row to row")))
         else {
-            let wanted = "no column rises from row to row: wanted is one with the time as a number";
+            let wanted = "no column rises from row to row: wanted is one with the time as a number, or --rate HZ for rows at a rate";
             let problem =
                 [wanted.to_owned()].into_iter().chain(self.left_out.clone()).collect::<Vec<_>>().join("; ");
             return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
@@ -198,7 +215,7 @@ impl Sheet {
                 return (unit.into(), format!("taken as {unit} since 1970, by its size"));
             }
         }
-        if self.columns[place].name == "time" {
+        if self.columns[place].name == TIME {
             return ("s".into(), "taken as s, as everywhere where a column is called time".into());
         }
         let own = description.default_experiment.step_size.filter(|step| *step > 0.0);
@@ -270,7 +287,8 @@ fn header(text: &str) -> Header {
     whole(text, None)
 }
 
-fn number(cell: &str, comma: bool) -> Option<f64> {
+/// A number, with a decimal comma where commas don't separate cells.
+pub(super) fn number(cell: &str, comma: bool) -> Option<f64> {
     match cell {
         "true" | "True" | "TRUE" => return Some(1.0),
         "false" | "False" | "FALSE" => return Some(0.0),

@@ -31,7 +31,7 @@ pub(super) fn problem(
         nominal::pace(&mut model, runs.iter().flat_map(|run| &run.series));
     }
     let unlogged = unlogged::unlogged(&model, &channels, &mut notices)?;
-    let states = states(&model, &channels, file)?;
+    let states = states(&model, &channels, file, &mut notices)?;
     let candidates = candidates::resolve(&model, &states, file, &mut notices)?;
     let ports = ports(&file.raw.ports, file)?;
     let reading = Reading::After;
@@ -269,7 +269,21 @@ fn seconds(raw: &raw::Run, file: &File) -> Result<f64, Error> {
     }
 }
 
-fn states(model: &Nominal, channels: &[Channel], file: &File) -> Result<Vec<State>, Error> {
+/// Variables that are states where no `[[state]]` says otherwise.
+fn states_by_default(model: &Nominal) -> impl Iterator<Item = VariableId> {
+    let every = (0..model.fmus.len()).flat_map(|unit| {
+        let places = 0..model.description(unit).variables.len();
+        places.map(move |place| VariableId { unit, place })
+    });
+    every.filter(|id| shows_its_start(model.variable(*id)))
+}
+
+fn states(
+    model: &Nominal,
+    channels: &[Channel],
+    file: &File,
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<State>, Error> {
     let measured = |shows: Option<VariableId>| {
         let shows = shows?;
         channels.iter().position(|channel| channel.variable == shows && channel.role == Role::Compared)
@@ -281,12 +295,7 @@ fn states(model: &Nominal, channels: &[Channel], file: &File) -> Result<Vec<Stat
         channel: measured(shows),
     };
     if file.raw.state.is_empty() {
-        let every = (0..model.fmus.len()).flat_map(|unit| {
-            let places = 0..model.description(unit).variables.len();
-            places.map(move |place| VariableId { unit, place })
-        });
-        let starts = every.filter(|id| shows_its_start(model.variable(*id)));
-        return Ok(starts.map(|id| entry(id, Some(id))).collect());
+        return Ok(states_by_default(model).map(|id| entry(id, Some(id))).collect());
     }
     let mut states: Vec<State> = Vec::new();
     for raw in file.raw.state.iter().map(Spanned::get_ref) {
@@ -309,6 +318,19 @@ fn states(model: &Nominal, channels: &[Channel], file: &File) -> Result<Vec<Stat
         }
         let shows = raw.shows.as_ref().map(|name| variable(model, name, file)).transpose()?;
         states.push(entry(start, shows.or((!parameter).then_some(start))));
+    }
+    let is_listed =
+        |id: &VariableId| states.iter().any(|state| state.start == *id || state.shows == Some(*id));
+    let left: Vec<String> =
+        states_by_default(model).filter(|id| !is_listed(id)).map(|id| model.name(id)).collect();
+    if !left.is_empty() {
+        let message = format!(
+            "{} would be a state if no [[state]] were written, and is none now: each row begins with it where the unit starts; add a \
+             [[state]] for what moves",
+            left.join(", ")
+        );
+        let line = file.raw.state.first().map_or(0, |first| file.line(&first.span()));
+        notices.push(Notice { file: "dataset.toml".into(), line, message });
     }
     Ok(states)
 }

@@ -7,7 +7,7 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
-use crate::search::nearest::{FOLLOWS, FURTHER, TERMS};
+use crate::search::SEARCHING;
 use crate::search::trials::interval;
 use crate::statistics::levels::PART;
 use crate::statistics::linear::solve;
@@ -234,7 +234,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
         solve(&gram, &score).map_or(f64::INFINITY, |shift| dot(course, course) - shift.dot(&score))
     };
     let (mut chosen, mut rest) = (Vec::new(), whole);
-    while chosen.len() < TERMS {
+    while chosen.len() < SEARCHING.terms {
         let best = (0..terms.len())
             .filter(|term| !chosen.contains(term))
             .map(|term| {
@@ -244,7 +244,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((after, term)) = best else { break };
-        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
+        let needed = if chosen.is_empty() { SEARCHING.follows } else { SEARCHING.further };
         if rest - after < needed * whole {
             break;
         }

@@ -4,6 +4,7 @@
 //! What an effect does to a state within an interval (∂F/∂θ, or a chord) is held against what the unlisted input does there (G d), and
 //! its smoothed course is told by few of them, by forward selection.
 
+use super::policy::SEARCHING;
 use super::trials::trials;
 use super::{Policy, Search};
 use crate::dynamics::Engine;
@@ -12,18 +13,11 @@ use crate::dynamics::machine::Role;
 use crate::error::Error;
 use crate::infer::{Disturbance, Fit, Linearised, smooth};
 use crate::observe::InputEffect;
-use crate::statistics::levels::{FEW, HALF};
+use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// A course follows a variable, or an effect, when that takes away at least this share of its square.
-pub const FOLLOWS: f64 = 0.25;
-/// Each further term must take away at least this share.
-pub const FURTHER: f64 = 0.05;
-/// Terms, at most.
-pub const TERMS: usize = FEW;
 
 /// What comes nearest to an unlisted input.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +157,7 @@ fn turned(engine: &Engine, columns: &[Column], course: &[f64]) -> Option<Near> {
         let (along, square) = (dot(&column.values, course), dot(&column.values, &column.values));
         let share = along * along / (square * dot(course, course));
         let gain = column.value(along / square);
-        (share >= FOLLOWS && (-HALF.recip()..=-HALF).contains(&gain))
+        (share >= SEARCHING.follows && (-HALF.recip()..=-HALF).contains(&gain))
             .then_some(Near::Turned(column.chord.parameter, share))
     };
     columns.iter().filter(is_gain).find_map(of)
@@ -209,7 +203,7 @@ fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> b
         allowed.then(|| (amounts.dot(&score) / whole, values))
     };
     let (mut chosen, mut share, mut values) = (Vec::new(), 0.0, Vec::new());
-    while chosen.len() < TERMS {
+    while chosen.len() < SEARCHING.terms {
         let free = |place: &usize| {
             let parameter = columns[*place].chord.parameter;
             chosen.iter().all(|known: &usize| columns[*known].chord.parameter != parameter)
@@ -219,7 +213,7 @@ fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> b
             Some((taken(&with)?, with))
         };
         let best = (0..columns.len()).filter(free).filter_map(with).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
+        let needed = if chosen.is_empty() { SEARCHING.follows } else { SEARCHING.further };
         match best {
             Some(((more, found), with)) if more - share >= needed => {
                 (chosen, share, values) = (with, more, found);

@@ -2,7 +2,7 @@
 
 use super::policy::DOUBTS;
 use crate::observe::{Affine, Channel, Problem, Role, measure};
-use crate::ports::GAIN;
+use crate::ports::PORTS;
 use crate::statistics::levels::ROUNDING;
 use std::f64::consts::PI;
 
@@ -71,7 +71,7 @@ impl Way {
         match &self.change {
             Change::Time(_) | Change::Exchanged(..) => true,
             Change::Values(by) => {
-                by.iter().any(|(_, affine)| !(GAIN.0..=GAIN.1).contains(&affine.scale.abs()))
+                by.iter().any(|(_, affine)| !(PORTS.gain.0..=PORTS.gain.1).contains(&affine.scale.abs()))
             }
         }
     }

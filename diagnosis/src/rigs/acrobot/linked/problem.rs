@@ -9,7 +9,7 @@ use crate::observe::{
     Affine, Candidate as Listed, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading,
     Role, Run as Logged, Scale, Series, State, VariableId,
 };
-use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side, ZEROS};
+use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::model::Model;
@@ -90,7 +90,7 @@ pub(super) fn stretches(
     if spans.is_empty() {
         return Ok(None);
     }
-    let moved = list.iter().zip(point).any(|(one, x)| ZEROS.contains(&one.name) && *x != 0.0);
+    let moved = list.iter().zip(point).any(|(one, x)| one.side == Side::Zero && *x != 0.0);
     let problem = Problem {
         path: data.path.clone(),
         channels,

@@ -129,9 +129,9 @@ def motor(folder):
 
 
 def chance(_docs):
-    """What the best of so many candidates gains by chance in one of 1/FALSE_ALARM searches: chi squared, each candidate at its share of that."""
-    source = (ROOT / "diagnosis" / "src" / "search" / "mod.rs").read_text()
-    rate, twice = (float(re.search(rf"{name}: f64 = ([\d.e-]+)", source).group(1)) for name in ("FALSE_ALARM", "INTEGRATORS"))
+    """What the best of so many candidates gains by chance in one of 1/false_alarm searches: chi squared, each candidate at its share of that."""
+    source = (ROOT / "diagnosis" / "src" / "search" / "policy.rs").read_text()
+    rate, twice = (float(re.search(rf"{name}: ([\d.e-]+)", source).group(1)) for name in ("false_alarm", "integrators"))
     least = lambda count, freedom: chi2.isf(rate / count, freedom)  # noqa: E731
     names = {f"of-{count}": f"{least(count, 1):.1f}" for count in (5, 20, 60)}
     return names | {"one-in": f"{1 / rate:,.0f}".replace(",", " "), "equations": f"{twice * least(3, 2):.1f}"}

@@ -1,12 +1,10 @@
 //! The next experiment as a picture: what drives it, and what would be measured if each member of the class were the truth.
 
-pub use crate::design::MEMBERS;
+use crate::design::EXPERIMENTS;
 use crate::error::Error;
 use report::thin::thin;
 use report::{Axis, Graph, Line, Page, Style};
 
-/// Signals that are drawn at most: more lines than those of the members nobody tells apart.
-const SIGNALS: usize = MEMBERS;
 /// Columns of a picture.
 const COLUMNS: usize = 600;
 
@@ -73,7 +71,7 @@ pub fn show(planned: &Planned, page: &mut Page) -> Result<(), Error> {
     let mut told: Vec<&Predicted> =
         planned.outputs.iter().filter(|output| output.members.len() > 1).collect();
     told.sort_by(|a, b| b.tells().total_cmp(&a.tells()));
-    told.truncate(SIGNALS);
+    told.truncate(EXPERIMENTS.members);
     let mut graphs: Vec<(Graph, String)> = planned.inputs.iter().map(driven).collect();
     for output in told {
         graphs.push(predicted(output));

@@ -7,12 +7,15 @@
 //! - `stuck.rs`: a sensor that stood still: the log alone tells
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
 //! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
+//! - `policy.rs`: the numbers that decide, with their reasons
 
+mod policy;
 mod readings;
 mod stuck;
 mod ways;
 
-pub(crate) use readings::{STRETCH, Signs, signs};
+pub(crate) use policy::STRETCH;
+pub(crate) use readings::{Signs, signs};
 
 use crate::error::Error;
 use crate::observe::Problem;

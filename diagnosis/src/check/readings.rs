@@ -4,60 +4,14 @@
 //! leaves as much in any other way: none of them is near to what it lacks.
 
 use super::Doubt;
+use super::policy::DOUBTS;
 use super::ways::{self, Way};
 use crate::dynamics::Engine;
 use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
-use crate::statistics::levels::{FAR, HALF, MORE, SEVERAL, SLIGHT, SMALL};
+use crate::statistics::levels::{HALF, SEVERAL, SLIGHT};
 use std::time::Instant;
-
-/// Numbers of this file.
-struct Policy {
-    /// A channel tells where motion or error are so many times its sensor's variance: five standard deviations.
-    tells: f64,
-    /// A stated noise counts up to so many times what the log scatters by.
-    stated: f64,
-    /// As they are read the model leaves at least this share of a telling channel's motion.
-    wrong: f64,
-    /// Read otherwise at most this share, of every telling channel.
-    right: f64,
-    /// And at most this share of what it leaves as they are read.
-    less: f64,
-    /// Another unit of time, factors beyond all gains, exchanged columns: the same two, where neither a gain nor what a machine lacks
-    /// comes near.
-    extreme: (f64, f64),
-    /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain.
-    exact: f64,
-    /// The same of a shorter unit of time, which must do without a look at the logs as they are read.
-    slower: f64,
-    /// And so many variances of the sensors, all in all.
-    clear: f64,
-    /// Ways that leave at most so many times what the best one leaves can't be told from it.
-    same: f64,
-    /// To choose ways by.
-    short: Glance,
-    /// To judge by.
-    long: Glance,
-}
-
-/// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
-pub(crate) const STRETCH: usize = 100;
-
-const POLICY: Policy = Policy {
-    tells: 25.0,
-    stated: MORE,
-    wrong: SLIGHT,
-    right: SMALL,
-    less: SMALL,
-    extreme: (HALF, SLIGHT),
-    exact: 2.0,
-    slower: 2.0,
-    clear: FAR * FAR,
-    same: MORE,
-    short: Glance { stretches: 2, rows: 60, rounds: 3 },
-    long: Glance { stretches: 8, rows: STRETCH, rounds: 5 },
-};
 
 /// What the model leaves of all channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +28,7 @@ impl Rest {
 
     fn of(left: &[Left]) -> Self {
         let beyond = |sum: f64, one: &Left| (sum - one.count * one.variance).max(0.0);
-        let tells = |one: &&Left| one.error.max(one.motion) > POLICY.tells * one.count * one.variance;
+        let tells = |one: &&Left| one.error.max(one.motion) > DOUBTS.tells * one.count * one.variance;
         let share =
             |one: &Left| beyond(one.error, one) / beyond(one.motion, one).max(one.count * one.variance);
         Self {
@@ -89,7 +43,7 @@ impl Rest {
 
     /// Whether the model follows all channels in this way.
     fn is_right(&self, way: &Way) -> bool {
-        let most = if way.is_extreme() { POLICY.extreme.0 } else { POLICY.right };
+        let most = if way.is_extreme() { DOUBTS.extreme.0 } else { DOUBTS.right };
         self.share.is_some_and(|share| share < most)
     }
 }
@@ -101,7 +55,7 @@ fn rest(problem: &Problem, glance: &Glance) -> Rest {
     let engine = &mut built.engine;
     // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
-        *sd = sd.min(POLICY.stated * scatter.noise);
+        *sd = sd.min(DOUBTS.stated * scatter.noise);
     }
     let look = |engine: &Engine| engine.followed(glance).map_or(Rest::ALL, |left| Rest::of(&left));
     let after = look(engine);
@@ -129,24 +83,24 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     // the logs as they are read, since no model that moves within rows follows both
     for way in &ways::times(problem, true) {
         let read = way.read(problem);
-        if !tried(&read, &POLICY.short)?.is_right(way) {
+        if !tried(&read, &DOUBTS.short)?.is_right(way) {
             continue;
         }
-        let rest = tried(&read, &POLICY.long)?;
-        if rest.is_right(way) && is_exact(way, problem, &rest, POLICY.slower) {
+        let rest = tried(&read, &DOUBTS.long)?;
+        if rest.is_right(way) && is_exact(way, problem, &rest, DOUBTS.slower) {
             return Some(told(way, &[], None));
         }
     }
-    let own = tried(problem, &POLICY.long)?;
-    if own.share.is_none_or(|share| share < POLICY.wrong) {
+    let own = tried(problem, &DOUBTS.long)?;
+    if own.share.is_none_or(|share| share < DOUBTS.wrong) {
         return None;
     }
     let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
-    let fits = |way: &&Way| rest(&way.read(problem), &POLICY.short).is_right(way);
-    let judged = ways.iter().filter(fits).map(|way| (rest(&way.read(problem), &POLICY.long), way));
+    let fits = |way: &&Way| rest(&way.read(problem), &DOUBTS.short).is_right(way);
+    let judged = ways.iter().filter(fits).map(|way| (rest(&way.read(problem), &DOUBTS.long), way));
     let mut found: Vec<(Rest, &Way)> = judged.filter(|(rest, way)| is_it(way, problem, rest, &own)).collect();
     let least = found.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    found.retain(|(rest, _)| rest.excess <= POLICY.same * least);
+    found.retain(|(rest, _)| rest.excess <= DOUBTS.same * least);
     let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
     Some(told(found[0].1, &others, Some((found[0].0, own))))
 }
@@ -154,22 +108,22 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
 /// Whether the model follows the logs in this way and not as they are read.
 fn is_it(way: &Way, problem: &Problem, rest: &Rest, own: &Rest) -> bool {
     let extreme = way.is_extreme();
-    let most = if extreme { POLICY.extreme.1 } else { POLICY.less };
+    let most = if extreme { DOUBTS.extreme.1 } else { DOUBTS.less };
     let near = rest.is_right(way) && rest.excess <= most * own.excess;
     near && (extreme
         || way.is_sign() && turns(way, problem, own)
-        || is_exact(way, problem, rest, POLICY.exact))
+        || is_exact(way, problem, rest, DOUBTS.exact))
 }
 
 /// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
 fn turns(way: &Way, problem: &Problem, own: &Rest) -> bool {
-    way.beside(problem).iter().all(|beside| rest(beside, &POLICY.long).excess <= HALF * own.excess)
+    way.beside(problem).iter().all(|beside| rest(beside, &DOUBTS.long).excess <= HALF * own.excess)
 }
 
 /// Whether the model follows the logs clearly worse a little beside this way.
 fn is_exact(way: &Way, problem: &Problem, rest: &Rest, times: f64) -> bool {
     let worse =
-        |beside: &Problem| self::rest(beside, &POLICY.long).excess >= times * rest.excess + POLICY.clear;
+        |beside: &Problem| self::rest(beside, &DOUBTS.long).excess >= times * rest.excess + DOUBTS.clear;
     way.beside(problem).iter().all(worse)
 }
 
@@ -186,17 +140,17 @@ pub(crate) struct Signs {
 /// within a whole log is followed through stretches of it. Nothing where none is followed, or another sign of a single channel, of those that the
 /// stretches see, is followed nearly as well: they are too short for it.
 pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
-    let own = tried(problem, &POLICY.long)?;
+    let own = tried(problem, &DOUBTS.long)?;
     let turns = ways::signs(problem).into_iter();
     let mut all: Vec<(Rest, Vec<String>)> = turns
-        .map(|way| (rest(&way.read(problem), &POLICY.long), way.channels(problem)))
+        .map(|way| (rest(&way.read(problem), &DOUBTS.long), way.channels(problem)))
         .filter(|(rest, _)| (rest.excess - own.excess).abs() > SLIGHT * own.excess)
         .collect();
     all.push((own, Vec::new()));
     let least = all.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    let near = all.iter().filter(|(rest, _)| rest.excess <= POLICY.same * least);
+    let near = all.iter().filter(|(rest, _)| rest.excess <= DOUBTS.same * least);
     let (rest, turned) = near.min_by_key(|(_, turned)| turned.len())?;
-    let left = rest.share.filter(|share| *share < POLICY.extreme.0)?;
+    let left = rest.share.filter(|share| *share < DOUBTS.extreme.0)?;
     let is_worse = |other: &Rest| other.excess >= SEVERAL * rest.excess;
     let mut others = all.iter().filter(|(_, other)| other.len() < 2 && other != turned);
     (all.len() > 1 && others.all(|(other, _)| is_worse(other)))

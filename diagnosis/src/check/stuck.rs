@@ -1,21 +1,9 @@
 //! A sensor that stood still: a stretch of one value in a log whose noise hardly ever repeats a value elsewhere.
 
 use super::Doubt;
+use super::policy::DOUBTS;
 use crate::nuisance::scatter;
 use crate::observe::{Problem, Role, Series};
-
-/// Rows of one value, at least.
-const ROWS: usize = 20;
-/// Elsewhere at most this share of neighbouring rows are the same: a log that is rounded coarsely, that repeats what a slower sensor
-/// said, or of a machine at rest, repeats its values anyway. Of noise as large as a quantum 28 % are the same.
-const SAME: f64 = 0.35;
-/// Elsewhere third differences change their sign from row to row at least so often: noise does so in 77 of 100 rows
-/// (arccos(-15/20)/π), a smooth course without noise seldom, and that may well stand still.
-const ALTERNATES: f64 = 0.65;
-/// Rows outside of the stretch that must be there to say so.
-const OTHERS: usize = 40;
-/// At zero, or at the end of its range, a sensor may well stay: there it must have jumped to it by so many times its noise.
-const JUMP: f64 = 8.0;
 
 /// A compared channel of a run that stood still for a while.
 pub(super) fn still(problem: &Problem) -> Option<Doubt> {
@@ -57,7 +45,7 @@ fn stretch(series: &Series) -> Option<(usize, usize)> {
         }
     }
     let (from, to) = longest;
-    if to - from < ROWS {
+    if to - from < DOUBTS.still_rows {
         return None;
     }
     let elsewhere = [&values[..from], &values[to..]];
@@ -72,7 +60,8 @@ fn stretch(series: &Series) -> Option<(usize, usize)> {
     let alternates = turns().filter(|turns| *turns).count() as f64 / turns().count().max(1) as f64;
     let noise = scatter(&elsewhere);
     let noisy = noise.noise >= noise.quantum && noise.noise > 0.0;
-    let told = others >= OTHERS && same <= SAME && alternates >= ALTERNATES && noisy;
+    let told =
+        others >= DOUBTS.other_rows && same <= DOUBTS.repeats && alternates >= DOUBTS.alternates && noisy;
     (told && !stays(values, from, to, noise.noise)).then_some((from, to - 1))
 }
 
@@ -81,7 +70,7 @@ fn stays(values: &[f64], from: usize, to: usize, noise: f64) -> bool {
     let value = values[from];
     let end = values.iter().all(|other| *other <= value) || values.iter().all(|other| *other >= value);
     let jumps = |row: Option<usize>| {
-        row.and_then(|row| values.get(row)).is_none_or(|near| (near - value).abs() > JUMP * noise)
+        row.and_then(|row| values.get(row)).is_none_or(|near| (near - value).abs() > DOUBTS.jump * noise)
     };
     (value == 0.0 || end) && !(jumps(from.checked_sub(1)) && jumps(Some(to)))
 }

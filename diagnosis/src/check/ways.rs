@@ -1,7 +1,8 @@
 //! How else logs can be read: the other unit of time, of measurement, the other sign, the other column.
 
+use super::policy::DOUBTS;
 use crate::observe::{Affine, Channel, Problem, Role, measure};
-use crate::ports::GAIN;
+use crate::ports::PORTS;
 use crate::statistics::levels::ROUNDING;
 use std::f64::consts::PI;
 
@@ -30,12 +31,6 @@ pub(super) struct Way {
 /// Units of time that loggers write, and their length in s.
 const TIMES: [(&str, f64); 6] =
     [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
-/// Rows as near as this are none of a logger's, s.
-const NEAREST: f64 = ROUNDING;
-/// Rows as far apart as this are none of a machine's: so many steps of the unit, or so long, s.
-const FARTHEST: (f64, f64) = (300.0, 3600.0);
-/// Pairs of columns that are tried; of more ports, names tell.
-const PAIRS: usize = 28;
 /// Units that logs are written in, beside the model's own and those with a prefix.
 const USUAL: [&str; 16] = [
     "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
@@ -45,8 +40,6 @@ const USUAL: [&str; 16] = [
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
 /// Factors of a variable whose description names no unit.
 const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI];
-/// Conversions nearer than this are the same.
-const SAME: f64 = ROUNDING;
 
 impl Way {
     /// The data set read in this way.
@@ -78,7 +71,7 @@ impl Way {
         match &self.change {
             Change::Time(_) | Change::Exchanged(..) => true,
             Change::Values(by) => {
-                by.iter().any(|(_, affine)| !(GAIN.0..=GAIN.1).contains(&affine.scale.abs()))
+                by.iter().any(|(_, affine)| !(PORTS.gain.0..=PORTS.gain.1).contains(&affine.scale.abs()))
             }
         }
     }
@@ -96,7 +89,7 @@ impl Way {
             Change::Values(list) => Some(Change::Values(
                 list.iter()
                     .map(|(place, affine)| {
-                        let shifted = (affine.scale - 1.0).abs() < SAME && affine.offset != 0.0;
+                        let shifted = (affine.scale - 1.0).abs() < ROUNDING && affine.offset != 0.0;
                         let offset = affine.offset * if shifted { 1.0 + (by - 1.0) / 7.0 } else { 1.0 };
                         (*place, Affine { scale: affine.scale * if shifted { 1.0 } else { by }, offset })
                     })
@@ -142,13 +135,13 @@ pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
     let row = problem.row();
     let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
     let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let farthest = if step.is_finite() { FARTHEST.0 * step } else { FARTHEST.1 };
+    let farthest = if step.is_finite() { DOUBTS.farthest.0 * step } else { DOUBTS.farthest.1 };
     let way = |(unit, seconds): &(&str, f64)| {
         let factor = seconds / run.seconds;
         let fits = if shorter {
-            factor < 1.0 - SAME && factor * row >= NEAREST
+            factor < 1.0 - ROUNDING && factor * row >= DOUBTS.nearest
         } else {
-            factor > 1.0 + SAME && factor * row <= farthest
+            factor > 1.0 + ROUNDING && factor * row <= farthest
         };
         fits.then(|| Way {
             change: Change::Time(factor),
@@ -169,7 +162,7 @@ pub(super) fn others(problem: &Problem) -> Vec<Way> {
     ways.extend(together(problem, &["deg", "deg/s"]));
     ways.extend(together(problem, &["degC"]));
     ways.extend(together(problem, &["K"]));
-    ways.extend(pairs(&all).into_iter().take(PAIRS).map(|(a, b)| columns(problem, a, b)));
+    ways.extend(pairs(&all).into_iter().take(DOUBTS.pairs).map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
     ways
 }
@@ -180,7 +173,7 @@ pub(super) fn signs(problem: &Problem) -> Vec<Way> {
     let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
     let (inputs, outputs): (Vec<usize>, Vec<usize>) = (0..problem.channels.len()).partition(fed);
     let mut ways: Vec<Way> = inputs.iter().chain(&outputs).map(|place| turned(problem, &[*place])).collect();
-    ways.extend(pairs(&outputs).into_iter().take(PAIRS).map(|(a, b)| turned(problem, &[a, b])));
+    ways.extend(pairs(&outputs).into_iter().take(DOUBTS.pairs).map(|(a, b)| turned(problem, &[a, b])));
     ways.extend(
         [&inputs, &outputs].into_iter().filter(|list| list.len() > 2).map(|list| turned(problem, list)),
     );
@@ -254,7 +247,7 @@ fn to_unit(problem: &Problem, place: usize, unit: &str) -> Option<Affine> {
         scale: found.scale / own.scale,
         offset: found.offset - found.scale / own.scale * own.offset,
     };
-    let same = (by.scale - 1.0).abs() < SAME && by.offset.abs() < SAME * own.scale.abs();
+    let same = (by.scale - 1.0).abs() < ROUNDING && by.offset.abs() < ROUNDING * own.scale.abs();
     (!same).then_some(by)
 }
 
@@ -296,7 +289,7 @@ fn units(problem: &Problem, place: usize) -> Vec<Way> {
     for name in names {
         let Some(by) = to_unit(problem, place, name) else { continue };
         let same = |(_, known, _): &(usize, Affine, &str)| {
-            (known.scale / by.scale - 1.0).abs() < SAME && (known.offset - by.offset).abs() < SAME
+            (known.scale / by.scale - 1.0).abs() < ROUNDING && (known.offset - by.offset).abs() < ROUNDING
         };
         if !found.iter().any(same) {
             found.push((place, by, name));
@@ -304,7 +297,7 @@ fn units(problem: &Problem, place: usize) -> Vec<Way> {
     }
     let is_known = |factor: &&f64| {
         let same = |by: &Affine| by.offset == times_log(channel, **factor).offset;
-        found.iter().any(|(_, by, _)| (by.scale / **factor - 1.0).abs() < SAME && same(by))
+        found.iter().any(|(_, by, _)| (by.scale / **factor - 1.0).abs() < ROUNDING && same(by))
     };
     let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
     found.iter().map(|one| in_unit(problem, std::slice::from_ref(one))).chain(bare).collect()

@@ -1,9 +1,11 @@
 //! The next experiment: inputs within their declared range that would tell the members of an open class apart.
 //!
 //! - `waves.rs`: holds, steps, sines, chirps
+//! - `policy.rs`: the numbers that decide, with their reasons
 //! - here: each is screened by the Fisher information of the model: of one member's effect, what no other member, no effect
 //!   found and no start state imitates. The best are then simulated with each member as the truth and fitted with the others.
 
+mod policy;
 mod waves;
 
 use crate::diagnosis::{NextExperiment, Separation};
@@ -19,21 +21,13 @@ use crate::infer::likelihood::reduced;
 use crate::observe::{Hold, Problem, Scale};
 use crate::planned::{self, Planned, Predicted};
 use crate::search::class::Alternative;
-use crate::statistics::levels::{DOUBTED, SLIGHT};
+use crate::statistics::levels::SLIGHT;
 use crate::statistics::linear::{inverse, submatrix};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Simulation, UnitPath};
+pub(crate) use policy::EXPERIMENTS;
 use rayon::prelude::*;
 use waves::{Wave, brief, waves};
-
-/// Most rows of a simulated run.
-const ROWS: usize = 400;
-/// Most members of a class that are told apart.
-pub const MEMBERS: usize = 4;
-/// Experiments that are simulated with every member as the truth.
-const FINALISTS: usize = 2;
-/// Expected loss of deviance above which two members count as told apart: the class's own threshold.
-const TOLD: f64 = DOUBTED * DOUBTED;
 
 /// What was found: the engine that found it, all parameters, noises, and the open class.
 pub struct Question<'a> {
@@ -83,10 +77,10 @@ impl Question<'_> {
 /// Looks for an experiment that tells a class apart; nothing where no input can be driven.
 pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Option<Proposal> {
     let mut question = Question { class: question.class.clone(), ..*question };
-    question.class.truncate(MEMBERS);
+    question.class.truncate(EXPERIMENTS.members);
     let engine = question.engine;
     let all = &engine.grids[0].time;
-    let time: Vec<f64> = all[..all.len().min(ROWS)].to_vec();
+    let time: Vec<f64> = all[..all.len().min(EXPERIMENTS.rows)].to_vec();
     let waves = waves(problem, engine, &time);
     let screened: Vec<Option<f64>> =
         waves.par_iter().map(|wave| screen(&question, wave, &time).ok()).collect();
@@ -95,14 +89,14 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
     let tried: Vec<(usize, Losses)> = order
         .par_iter()
-        .take(FINALISTS)
+        .take(EXPERIMENTS.finalists)
         .filter_map(|place| Some((*place, losses(&question, &waves[*place], &time).ok()?)))
         .collect();
     let (best, losses) =
         tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
     let pairs = (0..separates.len()).flat_map(|a| (a + 1..separates.len()).map(move |b| (a, b)));
-    let open = pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < TOLD);
+    let open = pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told);
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
     let separation = order.iter().map(|place| {
@@ -118,12 +112,12 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         }
     });
     let (one, other, loss) = worst(losses);
-    let too_little = if loss < SLIGHT * TOLD {
+    let too_little = if loss < SLIGHT * EXPERIMENTS.told {
         format!(
             ": nothing that can be driven here tells {} and {} apart. Measure another variable, or strike out one of them",
             separates[one], separates[other]
         )
-    } else if loss < TOLD {
+    } else if loss < EXPERIMENTS.told {
         ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
     } else {
         String::new()

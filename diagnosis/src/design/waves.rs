@@ -1,5 +1,6 @@
 //! Inputs that a lab can apply, within the range that the unit declares, or that the logs have seen where it declares none.
 
+use super::policy::EXPERIMENTS;
 use crate::dynamics::Engine;
 use crate::observe::Problem;
 
@@ -34,8 +35,6 @@ const SHAPES: [Shape; 6] = [
 ];
 /// Levels of the steps, as shares of the amplitude: both signs, large and small, neighbours far and near.
 const LEVELS: [f64; 12] = [0.0, 1.0, -0.4, 0.6, -1.0, 0.2, 0.9, -0.7, -0.2, 0.4, -0.9, 0.7];
-/// Share of a range that is used.
-const USED: f64 = 0.95;
 
 /// One experiment: what each input does.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +61,7 @@ fn ranges(problem: &Problem, engine: &Engine) -> Vec<(f64, f64)> {
             (_, Some(max)) if max.is_finite() => (low.min(max), max),
             _ => (low, high),
         };
-        (0.5 * (low + high), 0.5 * USED * (high - low))
+        (0.5 * (low + high), 0.5 * EXPERIMENTS.used * (high - low))
     };
     engine.machine.inputs.iter().enumerate().map(of).collect()
 }

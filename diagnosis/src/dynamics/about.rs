@@ -1,8 +1,9 @@
 //! One interval about a state: what it gives, and its derivatives by the states.
 
 use super::grid::Grid;
-use super::linearise::{Engine, MOVE};
+use super::linearise::Engine;
 use super::machine::Reference;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
@@ -54,7 +55,7 @@ impl Along<'_> {
         self.from(worker, row, &at, &mut base)?;
         let mut columns = DMatrix::zeros(base.len(), at.len());
         for i in 0..at.len() {
-            let step = MOVE * self.engine.scales[i];
+            let step = DYNAMICS.state_step * self.engine.scales[i];
             at[i] += step;
             self.from(worker, row, &at, &mut out)?;
             at[i] = states[i];

@@ -3,18 +3,12 @@
 
 use super::linearise::Engine;
 use super::machine::Machine;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
 use crate::observe::Hold;
-use crate::statistics::levels::{ROWS, SMALL, STEP};
-
-/// Rows that are tried.
-const PROBES: usize = ROWS;
-/// An input moves by this share of its size.
-const MOVE: f64 = STEP;
-/// An output follows where it moves by more than this share of its noise for the input's whole size.
-const TELLS: f64 = SMALL;
+use crate::statistics::levels::{SMALL, STEP};
 
 impl Engine {
     /// The first output that shows something else where the unit is begun than after the step that ends in the same states.
@@ -32,7 +26,9 @@ impl Engine {
         let ahead = Machine { first_step: machine.short_step(&grid.time), ..machine.clone() };
         self.with_worker(|worker| {
             let (mut step, mut begun) = (Vec::new(), Vec::new());
-            for row in (0..PROBES).map(|probe| probe * grid.time.len().saturating_sub(2) / PROBES) {
+            for row in
+                (0..DYNAMICS.probes).map(|probe| probe * grid.time.len().saturating_sub(2) / DYNAMICS.probes)
+            {
                 let states = self.nominal_states(grid, row);
                 let job = schedule.job(grid.time[row], row, 1, &states);
                 worker.interval(machine, &Job { probe: true, ..job }, &mut step)?;
@@ -40,7 +36,8 @@ impl Engine {
                 worker.interval(machine, &next, &mut begun)?;
                 let ends = &step[step.len() - channels..];
                 let off = |begun: &[f64], place: usize| (ends[place] - begun[n + place]).abs();
-                let late = (0..channels).find(|place| off(&begun, *place) > TELLS * self.sensors[*place]);
+                let late =
+                    (0..channels).find(|place| off(&begun, *place) > DYNAMICS.follows * self.sensors[*place]);
                 let Some(place) = late else { continue };
                 // what the unit remembers beyond its states shows, too, and no step brings that back; some make a whole step of their own
                 let before = off(&begun, place);
@@ -68,16 +65,17 @@ impl Engine {
             .collect();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            for row in (0..PROBES).map(|probe| probe * (grid.time.len() - 1) / PROBES) {
+            for row in (0..DYNAMICS.probes).map(|probe| probe * (grid.time.len() - 1) / DYNAMICS.probes) {
                 let states = self.nominal_states(grid, row);
                 let job = self.job(grid, &schedule, row, &states);
                 worker.interval(machine, &job, &mut base)?;
                 for input in &held {
                     let mut at_row = job.at_row.to_vec();
-                    at_row[*input] += MOVE * self.input_scales[*input];
+                    at_row[*input] += STEP * self.input_scales[*input];
                     worker.interval(machine, &Job { at_row: &at_row, ..job }, &mut out)?;
                     let follows = (0..machine.channels.len()).find(|channel| {
-                        (out[n + channel] - base[n + channel]).abs() > MOVE * TELLS * self.sensors[*channel]
+                        (out[n + channel] - base[n + channel]).abs()
+                            > STEP * DYNAMICS.follows * self.sensors[*channel]
                     });
                     if let Some(channel) = follows {
                         let names = (&machine.channels[channel].name, &machine.inputs[*input].name);

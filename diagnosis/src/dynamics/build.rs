@@ -5,6 +5,7 @@ use super::first_path::Trails;
 use super::grid::{Grid, usual};
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Role};
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
@@ -13,28 +14,11 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
-use crate::statistics::levels::{FAR, FINE, PART, ROUNDING, ROWS, STEP};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Rows of a run from which a span of time follows.
 pub type Span = (f64, f64);
-
-/// A parameter's first step, as a share of its nominal value or of its range.
-const FIRST: f64 = FINE;
-/// What a step should change in a row, as a share of a channel's noise: far above rounding, far below where models bend.
-const TELLING: f64 = STEP;
-/// The prior of a start state is so many times wider than its motion.
-const WIDE: f64 = FAR;
-/// Least process noise, as a share of the motion over one run: below it the sweep can't tell it from none.
-const LEAST: f64 = ROUNDING;
-/// A stated noise of 0 or a channel without scatter has at least this share of its size.
-const EXACT: f64 = 1e-7;
-/// Timestamps scatter by at most this share of the usual interval.
-const JITTER: f64 = PART;
-
-/// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
-const BEGIN: [f64; 6] = [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 /// What the build found.
 pub struct Built {
@@ -64,7 +48,7 @@ impl Built {
             let process = self.noise.process.iter().map(|size| share * size).collect();
             maximise(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes)
         };
-        let best = BEGIN.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
+        let best = DYNAMICS.first_process.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
         let noise = best.map_or(self.noise.clone(), |(noise, _)| noise);
         Ok((At { theta: theta.to_vec(), paths, noise }, runs))
     }
@@ -122,15 +106,24 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let measured_scale = |state: usize| {
         let channel = machine.states[state].channel?;
         let size = scatters[channel].size;
-        Some(if size > 0.0 { size } else { machine.states[state].nominal.abs().max(1.0) * FIRST })
+        Some(if size > 0.0 {
+            size
+        } else {
+            machine.states[state].nominal.abs().max(1.0) * DYNAMICS.first_step
+        })
     };
     let scales: Vec<f64> = (0..n)
-        .map(|state| measured_scale(state).unwrap_or(machine.states[state].nominal.abs().max(FIRST)))
+        .map(|state| {
+            measured_scale(state).unwrap_or(machine.states[state].nominal.abs().max(DYNAMICS.first_step))
+        })
         .collect();
     let interval = usual(&first.time);
     let sensors: Vec<f64> = (machine.channels.iter().zip(&scatters))
         .map(|(output, scatter)| {
-            output.noise.filter(|sd| *sd > 0.0).unwrap_or(scatter.noise.max(EXACT * scatter.size.max(1e-300)))
+            output
+                .noise
+                .filter(|sd| *sd > 0.0)
+                .unwrap_or(scatter.noise.max(DYNAMICS.exact_sensor * scatter.size.max(1e-300)))
         })
         .collect();
     let mut engine = Engine {
@@ -175,20 +168,25 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         Some(sd) if sd > 0.0 => None,
         // rounding is uniform: its standard deviation is a quantum over √12
         _ => Some(
-            (scatter.quantum / 12f64.sqrt()).max(EXACT * scatter.size).max(1e-300).max(0.02 * scatter.noise),
+            (scatter.quantum / 12f64.sqrt())
+                .max(DYNAMICS.exact_sensor * scatter.size)
+                .max(1e-300)
+                .max(0.02 * scatter.noise),
         ),
     };
     let span = engine.grids.iter().map(Grid::span).fold(0.0, f64::max).max(interval);
     let process: Vec<(f64, f64)> = engine
         .scales
         .iter()
-        .map(|scale| (LEAST * scale / span.sqrt(), WIDE * scale / interval.sqrt()))
+        .map(|scale| {
+            (DYNAMICS.least_process * scale / span.sqrt(), DYNAMICS.widest * scale / interval.sqrt())
+        })
         .collect();
     let sizes = Sizes {
         channels: engine.machine.channels.iter().zip(&scatters).map(least).collect(),
         process,
         pinned: Vec::new(),
-        jitter: JITTER * interval,
+        jitter: DYNAMICS.most_jitter * interval,
     };
     let noise = Noise {
         channels: sensors,
@@ -207,7 +205,7 @@ fn first_step(parameter: &Parameter) -> f64 {
         _ if (most - least).is_finite() => most - least,
         _ => 1.0,
     };
-    let step = FIRST * size;
+    let step = DYNAMICS.first_step * size;
     if parameter.neutral + step > most { -step } else { step }
 }
 
@@ -250,13 +248,13 @@ impl Engine {
             // the rest begins at none: an offset is an effect
             return (
                 vec![0.0; self.machine.order()],
-                self.scales.iter().map(|scale| LEAST * scale).collect(),
+                self.scales.iter().map(|scale| DYNAMICS.least_process * scale).collect(),
             );
         }
         let mean = self.nominal_states(grid, 0);
         let size = |(state, scale): (&super::machine::State, &f64)| match state.channel {
-            Some(_) => WIDE * scale,
-            None => WIDE * scale.max(state.nominal.abs()),
+            Some(_) => DYNAMICS.widest * scale,
+            None => DYNAMICS.widest * scale.max(state.nominal.abs()),
         };
         (mean, self.machine.states.iter().zip(&self.scales).map(size).collect())
     }
@@ -315,7 +313,7 @@ impl Engine {
                 if told > 0.0 {
                     let (least, most) = self.machine.parameters[*place].range;
                     let room = f64::max(most - theta[*place], theta[*place] - least);
-                    let step = self.steps[*place].abs() * (TELLING / told).clamp(1e-4, 1e4);
+                    let step = self.steps[*place].abs() * (DYNAMICS.telling_step / told).clamp(1e-4, 1e4);
                     // a share of the nominal value at most: beyond it models bend
                     let most = if theta[*place] != 0.0 { 0.01 * theta[*place].abs() } else { 0.01 * room };
                     self.steps[*place] = step.min(most).max(1e-9 * theta[*place].abs());
@@ -343,7 +341,8 @@ impl Engine {
             return which.par_iter().map(one).collect();
         }
         let schedule = Schedule::new(&self.machine, grid, theta);
-        let rows: Vec<usize> = (0..PROBES).map(|probe| probe * (grid.time.len() - 1) / PROBES).collect();
+        let rows: Vec<usize> =
+            (0..DYNAMICS.probes).map(|probe| probe * (grid.time.len() - 1) / DYNAMICS.probes).collect();
         which
             .par_iter()
             .map(|place| {
@@ -373,6 +372,3 @@ impl Engine {
             .collect()
     }
 }
-
-/// Rows that are tried for a parameter's step.
-const PROBES: usize = ROWS;

@@ -2,13 +2,11 @@
 //! units that make steps of one size and as many as it takes to come by the end. Both are common among generated code.
 
 use super::linearise::Engine;
+use super::policy::DYNAMICS;
 use super::schedule::{Piece, Schedule};
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::statistics::levels::{ROUNDING, SMALL, STEP};
-
-/// Two lengths of a step, as shares of it: a unit that makes less than ten steps of its own within one ends both at the same.
-const LENGTHS: (f64, f64) = (1.0 - SMALL, 1.0 - STEP);
+use crate::statistics::levels::ROUNDING;
 
 /// What is shown where a stretch begins and where it ends.
 type Shown = (Vec<f64>, Vec<f64>);
@@ -60,7 +58,7 @@ impl<'a> Trial<'a> {
 
     /// Steps of different lengths lead to the same bits, though the model moves.
     fn makes_own_steps(&self, worker: &mut Worker) -> Option<bool> {
-        let lengths = (LENGTHS.0 * self.span(), LENGTHS.1 * self.span());
+        let lengths = (DYNAMICS.lengths.0 * self.span(), DYNAMICS.lengths.1 * self.span());
         let (short, long) = (self.stepped(worker, 0.0, lengths.0)?, self.stepped(worker, 0.0, lengths.1)?);
         let states = self.engine.machine.order();
         let moved = short.1[states..] != short.0[..] || short.1[..states] != self.states[..];

@@ -3,14 +3,11 @@
 use super::grid::Grid;
 use super::linearise::Engine;
 use super::machine::Machine;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use crate::error::Notice;
 use crate::infer::{Linearised, Noise, smooth};
 use crate::nuisance::{outliers, scatter};
-use crate::statistics::levels::HALF;
-
-/// A value comes back where the model leaves less than this share of its distance from its neighbours.
-const EXPLAINED: f64 = HALF;
 
 fn of_channel(grid: &Grid, channel: usize) -> Vec<usize> {
     (0..grid.samples.len()).filter(|place| grid.samples[*place].channel == channel).collect()
@@ -59,7 +56,7 @@ impl Engine {
                     let by: f64 =
                         (0..n).map(|i| linearised.observe[value * n + i] * state[row * n + i]).sum();
                     let left = linearised.measured[value].residual - by;
-                    if left.abs() < EXPLAINED * self.away(run, sample) {
+                    if left.abs() < DYNAMICS.explained * self.away(run, sample) {
                         back.push((run, sample));
                     }
                 }

@@ -1,8 +1,9 @@
 //! The rows of a run: every time at which a compared channel has a value.
 
 use super::machine::Machine;
+use super::policy::DYNAMICS;
 use crate::observe::{Hold, Reading, Run};
-use crate::statistics::levels::{FINE, HALF, MORE, SEVERAL, SMALL};
+use crate::statistics::levels::{HALF, MORE};
 use std::ops::Range;
 
 /// A value of a compared channel.
@@ -42,9 +43,6 @@ impl Course {
     }
 }
 
-/// A held input jumps where it changes by more than so many times its usual change.
-const JUMP: f64 = SEVERAL;
-
 impl Course {
     /// Times at which it jumps: at all where it seldom moves, by more than usual where it always does.
     pub fn jumps(&self) -> Vec<f64> {
@@ -53,7 +51,7 @@ impl Course {
         sorted.sort_by(f64::total_cmp);
         let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let times = self.time.iter().skip(1).zip(&moves);
-        times.filter(|(_, by)| **by > JUMP * usual).map(|(time, _)| *time).collect()
+        times.filter(|(_, by)| **by > DYNAMICS.jump * usual).map(|(time, _)| *time).collect()
     }
 }
 
@@ -75,15 +73,6 @@ pub struct Grid {
     /// Where nobody knows what was fed.
     pub lost: Vec<Lost>,
 }
-
-/// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
-const SAME: f64 = FINE;
-
-/// Rows of an input that are so many times as far apart as usual lack some between them, if a held input is another after it; twice as far
-/// in any case.
-const MISSING: f64 = 1.8;
-/// Where more than this share of an input's rows would lack some, it is logged irregularly by intent and none is.
-const SELDOM: f64 = SMALL;
 
 /// A stretch in which nobody knows what a fed input was: rows of the log are missing, or its cells are empty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,16 +122,16 @@ fn lost(time: &[f64], inputs: &[(bool, &Course)]) -> Vec<Lost> {
     let row = usual(time);
     let of = |(input, (logged, course)): (usize, &(bool, &Course))| {
         let own = usual(&course.time);
-        if !logged || own >= MISSING * row {
+        if !logged || own >= DYNAMICS.missing * row {
             return Vec::new();
         }
         let lacks = |place: &usize| {
             let long = (course.time[place + 1] - course.time[*place]) / own;
             let other = course.hold == Hold::Zero && course.values[*place] != course.values[place + 1];
-            long > MISSING && (other || long > 2.0 * MISSING)
+            long > DYNAMICS.missing && (other || long > 2.0 * DYNAMICS.missing)
         };
         let places: Vec<usize> = (0..course.time.len() - 1).filter(lacks).collect();
-        if places.len() as f64 > SELDOM * course.time.len() as f64 {
+        if places.len() as f64 > DYNAMICS.seldom * course.time.len() as f64 {
             return Vec::new();
         }
         let one =
@@ -164,7 +153,7 @@ impl Grid {
         samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
         let mut time: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
         let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
-        let near = SAME * span / time.len().max(1) as f64;
+        let near = DYNAMICS.same_row * span / time.len().max(1) as f64;
         time.dedup_by(|later, earlier| *later - *earlier <= near);
         let mut row = 0;
         for sample in &mut samples {

@@ -9,10 +9,6 @@ use super::schedule::{Placed, Schedule};
 use crate::infer::{Linearised, Measured};
 use crate::observe::{OutputEffect, Reading};
 use crate::ports::output;
-use crate::statistics::levels::FEW;
-
-/// Reads of a lagged channel within an interval: y may bend there.
-pub(super) const INNER: usize = FEW;
 
 /// ℓ after a line from y₀ to y₁: a ℓ + b₀ y₀ + b₁ y₁.
 pub(super) fn weights(span: f64, time: f64) -> (f64, f64, f64) {

@@ -7,6 +7,7 @@
 use super::grid::Grid;
 use super::lag;
 use super::machine::{Machine, Reference, Role};
+use super::policy::DYNAMICS;
 use super::schedule::{Schedule, output_effects};
 use super::through::Followed;
 use super::worker::{Job, Worker};
@@ -15,7 +16,7 @@ use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
 use crate::observe::OutputEffect;
-use crate::statistics::levels;
+use crate::statistics::levels::TASK;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -56,12 +57,6 @@ pub struct Engine {
     /// Parameters with which a whole run failed: their value and what the unit said.
     pub(crate) refused: Mutex<BTreeMap<usize, (f64, String)>>,
 }
-
-/// Share of a scale by which a state is moved: rounding of a unit that answers to 1e-12 stays below 1e-7 of a column, bending
-/// over so small a move, too.
-pub(super) const MOVE: f64 = 1e-4;
-/// Rows of a task: enough to pay for handing it out.
-pub(super) const TASK: usize = levels::TASK;
 
 /// Differences of one row: a vector for the base and one for each direction.
 pub(super) struct RowParts {
@@ -193,14 +188,14 @@ impl Engine {
         let mut parts = RowParts { base, states: Vec::new(), inputs: Vec::new(), units: Vec::new() };
         let mut out = Vec::new();
         for state in 0..n {
-            let step = MOVE * self.scales[state];
+            let step = DYNAMICS.state_step * self.scales[state];
             beside[state] += step;
             worker.interval(machine, &Job { states: &beside, ..job }, &mut out)?;
             beside[state] = states[state];
             parts.states.push(difference(&out, &parts.base, step));
         }
         for input in moved {
-            let step = MOVE * 10.0 * self.input_scales[*input];
+            let step = DYNAMICS.state_step * 10.0 * self.input_scales[*input];
             // over this interval only: what follows shows the state at its end
             let own = job.first.get(1).map_or(0, |end| end - job.first[0]) * width;
             let shifted = |values: &[f64], until: usize| -> Vec<f64> {

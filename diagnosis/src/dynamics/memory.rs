@@ -5,14 +5,12 @@
 
 use super::grid::Grid;
 use super::linearise::Engine;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::stretch::Glance;
 use super::worker::Job;
 use crate::error::Notice;
-use crate::statistics::levels::{FEW, SAMPLE, STEP};
-
-/// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
-const APART: f64 = STEP;
+use crate::statistics::levels::{FEW, SAMPLE};
 
 /// Stretches that are begun anew in what the model itself does; the search for their states ends long before when it finds them.
 const GLANCE: Glance = Glance { stretches: FEW, rows: SAMPLE, rounds: SAMPLE };
@@ -21,9 +19,9 @@ impl Engine {
     /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated
     /// through, it does again in stretches that begin anew in some such states.
     pub fn begins_by_its_states(mut self) -> bool {
-        self.replayed()
-            .and_then(|()| self.followed(&GLANCE))
-            .is_some_and(|left| left.iter().all(|channel| channel.error <= APART * APART * channel.motion))
+        self.replayed().and_then(|()| self.followed(&GLANCE)).is_some_and(|left| {
+            left.iter().all(|channel| channel.error <= DYNAMICS.apart * DYNAMICS.apart * channel.motion)
+        })
     }
 
     /// Puts what the nominal model does in the longest run in the place of all logs.
@@ -76,7 +74,7 @@ impl Engine {
                     .max_by(|a, b| (off(*a).abs() / size(*a)).total_cmp(&(off(*b).abs() / size(*b))));
                 apart.extend(
                     worst
-                        .filter(|state| off(*state).abs() > APART * size(*state))
+                        .filter(|state| off(*state).abs() > DYNAMICS.apart * size(*state))
                         .map(|state| (row, state, off(state))),
                 );
             }

@@ -21,6 +21,7 @@
 //! - `at_once.rs`: outputs that follow an input without a state between them
 //! - `about.rs`: one interval about a state, with its derivatives
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
+//! - `policy.rs`: the numbers that decide, with their reasons
 
 mod about;
 mod at_once;
@@ -35,6 +36,7 @@ mod lag_begin;
 pub mod linearise;
 pub mod machine;
 mod memory;
+mod policy;
 mod scales;
 pub mod schedule;
 pub mod stretch;

@@ -1,13 +1,10 @@
 //! Sizes of what no log tells: states that nobody measures, inputs that nobody feeds.
 
 use super::linearise::Engine;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
-use crate::statistics::levels::SAMPLE;
-
-/// Rows over which they are expected to show.
-const STRETCH: usize = SAMPLE;
 
 impl Engine {
     /// The size of a state that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
@@ -19,7 +16,7 @@ impl Engine {
         let mut scales = self.scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, STRETCH, &here) };
+            let job = Job { probe: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
                 let step = 1e-4 * of.nominal.abs().max(1e-2);
@@ -50,7 +47,7 @@ impl Engine {
         let mut scales = self.input_scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, STRETCH, &here) };
+            let job = Job { probe: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
                 let step = 1e-3 * scales[input];

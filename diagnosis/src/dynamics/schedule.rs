@@ -3,10 +3,11 @@
 use super::grid::Grid;
 use super::lag;
 use super::machine::{Machine, Role};
+use super::policy::DYNAMICS;
 use super::worker::Job;
 use crate::observe::{Hold, InputEffect, OutputEffect, Reading};
 use crate::ports::{input, output};
-use crate::statistics::levels::{FINE, ROUNDING};
+use crate::statistics::levels::ROUNDING;
 
 /// A value and where in the run the model gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,9 +93,6 @@ pub fn output_effects(machine: &Machine, theta: &[f64]) -> Vec<output::Effects> 
     effects
 }
 
-/// A break this close to another, as a share of the interval, is the same.
-const SAME: f64 = ROUNDING;
-
 impl Schedule {
     /// Of a run with these parameters.
     pub fn new(machine: &Machine, grid: &Grid, theta: &[f64]) -> Self {
@@ -162,7 +160,7 @@ impl Schedule {
         let whole = to - from;
         ends.push(to);
         ends.sort_by(f64::total_cmp);
-        ends.dedup_by(|later, earlier| *later - *earlier < SAME * whole);
+        ends.dedup_by(|later, earlier| *later - *earlier < ROUNDING * whole);
         // the interval's end is exact, whatever fell on it
         if let Some(last) = ends.last_mut() {
             *last = to;
@@ -170,7 +168,7 @@ impl Schedule {
         let mut begin = from;
         let mut reads = moments.iter().peekable();
         for end in ends {
-            let parts = ((end - begin) / machine.longest - 1e-6).ceil().clamp(1.0, MOST_PARTS);
+            let parts = ((end - begin) / machine.longest - ROUNDING).ceil().clamp(1.0, DYNAMICS.most_parts);
             let span = (end - begin) / parts;
             for part in 0..parts as usize {
                 let at = begin + part as f64 * span;
@@ -179,7 +177,7 @@ impl Schedule {
                 );
                 let last = part + 1 == parts as usize;
                 let mut count = 0;
-                while last && reads.peek().is_some_and(|(time, _)| *time <= end + SAME * whole) {
+                while last && reads.peek().is_some_and(|(time, _)| *time <= end + ROUNDING * whole) {
                     reads.next();
                     count += 1;
                 }
@@ -207,9 +205,6 @@ impl Schedule {
     }
 }
 
-/// An interval is cut into at most so many steps of a unit.
-const MOST_PARTS: f64 = 1.0 / FINE;
-
 /// For each row the times and channels that are read within its interval.
 type Moments = Vec<Vec<(f64, usize)>>;
 
@@ -232,7 +227,7 @@ fn placed(machine: &Machine, grid: &Grid, theta: &[f64]) -> (Vec<Placed>, Moment
         }
         let length = grid.time.get(row + 1).map_or(1.0, |next| next - grid.time[row]);
         let mut read = None;
-        if !early && machine.any_step && time - grid.time[row] > SAME * length {
+        if !early && machine.any_step && time - grid.time[row] > ROUNDING * length {
             read = Some(moments[row].len());
             moments[row].push((time, grid.samples[sample].channel));
         }
@@ -257,10 +252,10 @@ fn bend(
     placed: &mut [Placed],
 ) -> Vec<Vec<(f64, usize)>> {
     let (from, span) = (grid.time[row], grid.time[row + 1] - grid.time[row]);
-    let at = |part: usize| from + span * (part + 1) as f64 / (lag::INNER + 1) as f64;
+    let at = |part: usize| from + span * (part + 1) as f64 / (DYNAMICS.lag_reads + 1) as f64;
     let own = (0..moments.len()).map(|place| (moments[place].0, moments[place].1, Some(place), 0));
     let new = lags.iter().enumerate().flat_map(|(slot, lag)| {
-        (0..lag::INNER)
+        (0..DYNAMICS.lag_reads)
             .map(move |part| (part, slot, lag.channel))
             .map(|(part, slot, channel)| (at(part), channel, None, slot))
     });

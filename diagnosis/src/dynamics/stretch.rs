@@ -2,8 +2,9 @@
 //! noise. Nothing else is fitted.
 
 use super::grid::Grid;
-use super::linearise::{Engine, MOVE};
+use super::linearise::Engine;
 use super::machine::Machine;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
@@ -33,9 +34,6 @@ pub struct Left {
     /// Variance of the sensor.
     pub variance: f64,
 }
-
-/// Damping of a step that made it worse, and what it grows by.
-const DAMPING: (f64, f64) = (0.1, 10.0);
 
 /// One stretch of a run.
 struct Stretch<'a> {
@@ -129,12 +127,12 @@ impl Engine {
                 Ok(rest) if square(&rest) <= square(&here.1) => {
                     let settled = square(&here.1) - square(&rest) < 1e-3 * square(&rest);
                     here = (to, rest);
-                    damping /= DAMPING.1;
+                    damping /= DYNAMICS.damping.1;
                     if settled {
                         break;
                     }
                 }
-                _ => damping = f64::max(DAMPING.0, damping) * DAMPING.1,
+                _ => damping = f64::max(DYNAMICS.damping.0, damping) * DYNAMICS.damping.1,
             }
         }
         Ok(self.summed(stretch, &here.1))
@@ -153,13 +151,13 @@ impl Engine {
         let mut beside = states.clone();
         let mut columns = DMatrix::zeros(rest.len(), n);
         for state in 0..n {
-            let step = MOVE * self.scales[state];
+            let step = DYNAMICS.state_step * self.scales[state];
             beside[state] += step;
             let there = self.apart(worker, stretch, &beside)?;
             beside[state] = states[state];
             // in units of the states' scales
             for (row, (there, here)) in there.iter().zip(rest).enumerate() {
-                columns[(row, state)] = (here - there) / MOVE;
+                columns[(row, state)] = (here - there) / DYNAMICS.state_step;
             }
         }
         let mut gram = columns.tr_mul(&columns);

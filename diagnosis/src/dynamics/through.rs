@@ -6,27 +6,19 @@
 
 use super::about::{About, Along};
 use super::grid::Grid;
-use super::linearise::{Chord, Engine, MOVE, RowParts, TASK, difference};
+use super::linearise::{Chord, Engine, RowParts, difference};
 use super::machine::Role;
+use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::infer::fit::Path;
-use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SAMPLE};
+use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, TASK};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Directions of the states that show less than this share of the clearest are left as they are, and a state within this share of its
-/// scale counts as the path's own: differences are good to 1e-6.
-const CLEAR: f64 = ROUNDING;
-/// A horizon is long enough when a small move of all states is read back to this share.
-const ENOUGH: f64 = FINE;
-/// Longest horizon, rows.
-const FARTHEST: usize = SAMPLE;
-/// Rounds of reading a state anew, at most.
-const ROUNDS: usize = FEW;
-
-/// Pseudo-inverse of ∂O/∂x, rows weighed by the sensors, columns by the states' scales.
+/// Pseudo-inverse of ∂O/∂x, rows weighed by the sensors, columns by the states' scales. Directions that show less than rounding are left
+/// as they are.
 fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> DMatrix<f64> {
     let weighed = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| {
         jacobian[(i, j)] * scales[j] / sensors[i % sensors.len()]
@@ -34,7 +26,7 @@ fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> DMatrix<f
     let svd = weighed.svd(true, true);
     let most = svd.singular_values.amax();
     let inverse = svd
-        .pseudo_inverse(CLEAR * most)
+        .pseudo_inverse(ROUNDING * most)
         .unwrap_or_else(|_| DMatrix::zeros(jacobian.ncols(), jacobian.nrows()));
     DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| {
         inverse[(i, j)] * scales[i] / sensors[j % sensors.len()]
@@ -50,17 +42,17 @@ impl Engine {
         let (n, outputs) = (self.machine.order(), self.machine.channels.len());
         let mut tried: Vec<(usize, f64)> = Vec::new();
         let mut horizon = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
-        while tried.is_empty() || horizon <= FARTHEST.min(self.grids[0].time.len() / 2) {
+        while tried.is_empty() || horizon <= DYNAMICS.farthest.min(self.grids[0].time.len() / 2) {
             self.machine.horizon = horizon;
             let misread = self.misread()?;
             tried.push((horizon, misread));
-            if misread < ENOUGH {
+            if misread < DYNAMICS.read_back {
                 break;
             }
             horizon *= 2;
         }
         let least = tried.iter().map(|(_, misread)| *misread).fold(f64::INFINITY, f64::min);
-        let first = tried.iter().find(|(_, misread)| *misread <= (MORE * least).max(ENOUGH));
+        let first = tried.iter().find(|(_, misread)| *misread <= (MORE * least).max(DYNAMICS.read_back));
         self.machine.horizon = first.map_or(horizon, |(horizon, _)| *horizon);
         Ok(self.machine.horizon)
     }
@@ -70,8 +62,10 @@ impl Engine {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let along = Along { engine: self, grid, schedule: &schedule, set: &[] };
-        let moves =
-            DVector::from_iterator(self.machine.order(), self.scales.iter().map(|scale| -MOVE * scale));
+        let moves = DVector::from_iterator(
+            self.machine.order(),
+            self.scales.iter().map(|scale| -DYNAMICS.state_step * scale),
+        );
         let mut largest = 0.0;
         self.with_worker(|worker| {
             for part in 0..FEW {
@@ -144,7 +138,7 @@ impl Along<'_> {
         let inverse = self.reader(row + 1, &following);
         let mut moved = by(&inverse, &following.base);
         let mut next = &guess + &moved;
-        for _ in 0..ROUNDS {
+        for _ in 0..FEW {
             if moved.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < FINE * scale) {
                 break;
             }
@@ -208,7 +202,7 @@ impl Followed<'_> {
         let base = engine.shown(&there.base, next_reads);
         let following = engine.following(&here.base, reads);
         let by = &inverse * DVector::from_fn(base.len(), |i, _| following[i] - base[i]);
-        let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < CLEAR * scale);
+        let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < ROUNDING * scale);
         let mut shown = None;
         if !near && !*refused && there.units.iter().any(|column| !column.is_empty()) {
             let state: Vec<f64> = (0..n).map(|i| self.path[(row + 1) * n + i] + by[i]).collect();

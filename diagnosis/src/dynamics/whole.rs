@@ -13,6 +13,7 @@ use super::excluded::excluded;
 use super::grid::{Course, Grid, Lost};
 use super::linearise::{Chord, Engine};
 use super::machine::{Machine, Parameter, Reference, Role, State};
+use super::policy::DYNAMICS;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;
 use crate::error::{Error, Notice};
@@ -20,11 +21,8 @@ use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
 use crate::observe::{Hold, Run};
-use crate::statistics::levels::{FEW, FINE, ROUNDING, SAMPLE, STEP};
+use crate::statistics::levels::{FINE, ROUNDING, STEP};
 use rayon::prelude::*;
-
-/// Rows over which a unit is watched after a fresh start.
-const WATCHED: usize = SAMPLE;
 
 /// One state for each channel: what it shows beyond the model.
 pub(super) fn states(machine: &Machine) -> Vec<State> {
@@ -38,14 +36,10 @@ pub(super) fn states(machine: &Machine) -> Vec<State> {
     machine.channels.iter().enumerate().map(own).collect()
 }
 
-/// A stretch in which an input is unknown is so many pieces at most, in each of which it may have been another: more than most units
-/// have states that remember it.
-const PIECES: usize = FEW;
-
 /// Times between which each piece of a stretch lies: from where what was logged last no longer holds.
 fn pieces(lost: &Lost) -> Vec<(f64, f64)> {
     let from = lost.from + lost.usual;
-    let count = (((lost.to - from) / lost.usual).round() as usize).clamp(1, PIECES);
+    let count = (((lost.to - from) / lost.usual).round() as usize).clamp(1, DYNAMICS.lost_pieces);
     let at = |piece: usize| from + (lost.to - from) * piece as f64 / count as f64;
     (0..count).map(|piece| (at(piece), at(piece + 1))).collect()
 }
@@ -103,8 +97,8 @@ impl Engine {
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
         // what moves slowly shows over the whole log only
         let half = (self.grids[0].time.len() - 1) / 2;
-        Ok(self.remembers_over(WATCHED.min(half), sizes)?
-            || half > WATCHED && self.remembers_over(half, sizes)?)
+        Ok(self.remembers_over(DYNAMICS.watched.min(half), sizes)?
+            || half > DYNAMICS.watched && self.remembers_over(half, sizes)?)
     }
 
     fn remembers_over(&self, watched: usize, sizes: &[f64]) -> Result<bool, Error> {

@@ -6,12 +6,12 @@
 //! a finer interval, of which the delay is as nearly as can be a multiple.
 
 use super::equivalent::equivalent;
+use super::policy::GENERAL;
 use super::study::Studied;
 use super::table::{self, Feed};
 use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
-use crate::statistics::levels::FEW;
 use orchestrator::fmu::Causality;
 use orchestrator::scenario::UnitEntry;
 use orchestrator::time::Rational;
@@ -21,10 +21,6 @@ use std::fmt::Write as _;
 
 /// The unit that stands between ports.
 const SIGNAL_EFFECTS: &str = "signal_effects.fmu";
-/// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
-const FINE: f64 = 20.0;
-/// So many times as fine at most, for the delay to be a multiple of the step.
-const FINEST: i64 = FEW as i64;
 
 /// Effects of one port: name of the parameter in the signal unit, and value.
 type AtPort = BTreeMap<&'static str, f64>;
@@ -196,13 +192,13 @@ fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts) -> Rational {
         return interval;
     }
     let own = interval.to_f64();
-    let least = (own * FINE / problem.row()).ceil().max(1.0) as i64;
+    let least = (own * GENERAL.steps_a_row / problem.row()).ceil().max(1.0) as i64;
     let delays: Vec<f64> = inputs.values().filter_map(|effects| effects.get("delay").copied()).collect();
     let off = |parts: i64| {
         let step = own / parts as f64;
         delays.iter().map(|delay| (delay / step - (delay / step).round()).abs() * step).sum::<f64>()
     };
-    let parts = (least..=FINEST * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least);
+    let parts = (least..=GENERAL.finest * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least);
     Rational::new(i128::from(interval.numerator()), i128::from(interval.denominator()) * i128::from(parts))
         .unwrap_or(interval)
 }

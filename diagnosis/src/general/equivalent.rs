@@ -5,7 +5,7 @@
 //! Its column is the one of a bias of that input. Of all inputs the likeliest is taken, if it does nearly as much as the unlisted
 //! input at its equation does; about its smoothed course the run is linearised anew.
 
-use super::rest::MEMORIES;
+use super::policy::GENERAL;
 use super::study::Studied;
 use crate::dynamics::Engine;
 use crate::dynamics::grid::{Course, Grid};
@@ -19,15 +19,8 @@ use crate::infer::{Linearised, Noise, Sizes, smooth};
 use crate::observe::{Hold, InputEffect, Scale};
 use crate::ports::input::Effects;
 use crate::search::trials::interval;
-use crate::statistics::levels::{FINE, HALF};
+use crate::statistics::levels::FINE;
 use orchestrator::Kind;
-
-/// An input stands for the unlisted one where it gains at least this share of its deviance.
-const ENOUGH: f64 = HALF;
-/// Linearisations about the course.
-const ROUNDS: usize = 4;
-/// Step of an input, as a share of its size.
-const STEP: f64 = FINE;
 
 /// The unlisted input at a declared one.
 #[derive(Debug, Clone)]
@@ -72,7 +65,8 @@ pub fn equivalent(
     let (engine, theta, chords) = biased(own, &studied.fit.at.theta, &inputs);
     let runs = engine.chords(&theta, &studied.fit.at.paths, &chords)?;
     let row = interval(&engine);
-    let tries = inputs.iter().enumerate().flat_map(|(place, _)| MEMORIES.map(|memory| (place, memory * row)));
+    let tries =
+        inputs.iter().enumerate().flat_map(|(place, _)| GENERAL.memories.map(|memory| (place, memory * row)));
     let best = tries
         .map(|(place, memory)| {
             let size = own.input_scales[inputs[place]];
@@ -86,7 +80,7 @@ pub fn equivalent(
     let Some((deviance, place, memory, noise)) = best else { return Ok((None, None)) };
     let name = &own.machine.inputs[inputs[place]].name;
     let share = (studied.rest.none - deviance) / studied.rest.evidence;
-    if share < ENOUGH {
+    if share < GENERAL.stands_for {
         let text = format!(
             "no declared input does what the unlisted one did (the best, {name}, gains {:.0} % of its deviance): the amended \
              scenario leaves it out",
@@ -110,7 +104,7 @@ fn biased(own: &Engine, theta: &[f64], inputs: &[usize]) -> (Engine, Vec<f64>, V
     let mut machine = own.machine.clone();
     let (mut theta, mut chords) = (theta.to_vec(), Vec::new());
     for input in inputs {
-        let step = STEP * own.input_scales[*input];
+        let step = FINE * own.input_scales[*input];
         chords.push(Chord { parameter: machine.parameters.len(), to: step, per: step });
         machine.parameters.push(Parameter {
             name: String::new(),
@@ -185,7 +179,7 @@ fn followed(
     let mut path: Path = studied.fit.at.paths[0].clone();
     let mut course = vec![0.0; first.time.len()];
     let mut held = course.clone();
-    for _ in 0..ROUNDS {
+    for _ in 0..GENERAL.linearisations {
         let about = engine.beside(engine.machine.clone(), vec![with_course(first, input, &course)]);
         let run = about.run(0, theta, &path, &[chord])?;
         let smoothed = smooth(&augmented(&run, 0, memory, size, Some(&course)), noise);

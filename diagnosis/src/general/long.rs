@@ -2,6 +2,7 @@
 //! goes on in all rows from what was found, for small effects need every row. Where something without a name is left, that is what limits
 //! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
 
+use super::policy::GENERAL;
 use super::rest;
 use super::study::{Rows, Studied, nominal, studied};
 use crate::dynamics::Machine;
@@ -12,14 +13,8 @@ use crate::infer::fit::{At, Options as FitOptions, fit};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::class::Alternative;
-use crate::statistics::levels::{MORE, ROWS, SAMPLE};
+use crate::statistics::levels::MORE;
 use crate::watch::Watch;
-
-/// Rows times parameters that a search takes at once: what two cores do in half a minute with a unit of some microseconds a step. What
-/// more rows would tell grows with their root only, and the values are fitted to all of them in the end.
-const SEARCHED: usize = 200_000;
-/// Rows of a stretch: each begins at a state of its own, which takes a thirtieth of them.
-const STRETCH: usize = SAMPLE * ROWS;
 
 /// One stretch of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,17 +45,17 @@ pub fn stretches<'a>(
     }
     let mut list = Vec::new();
     for (run, ((_, (from, to)), rows)) in rows.iter().zip(&counts).enumerate() {
-        let parts = (rows / STRETCH).max(1);
+        let parts = (rows / GENERAL.stretch).max(1);
         let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
         list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
     }
-    let joined = joined(&spread(&list, (most / STRETCH).max(rows.len())));
+    let joined = joined(&spread(&list, (most / GENERAL.stretch).max(rows.len())));
     Ok(Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect()))
 }
 
 /// Rows that are searched at once.
 fn most(machine: &Machine) -> usize {
-    SEARCHED / machine.parameters.len().max(1)
+    GENERAL.searched / machine.parameters.len().max(1)
 }
 
 /// Rows of a run between two times.

@@ -2,6 +2,7 @@
 //! The same windows give the page its courses of measured, nominal and amended.
 
 use super::courses::courses;
+use super::policy::GENERAL;
 use super::study::Studied;
 use crate::diagnosis::{Gap, Unknown, Where};
 use crate::dynamics::Engine;
@@ -11,15 +12,8 @@ use crate::error::{Error, Notice};
 use crate::infer::fit::{At, Options, Path, fit};
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
-use crate::statistics::levels::{DOUBTED, HALF, MORE, ROWS};
+use crate::statistics::levels::{HALF, MORE};
 use rayon::prelude::*;
-
-/// Rows of a window at first; halved where a window can't be followed.
-const WINDOW: usize = 200;
-/// Windows shorter than this say nothing of a model.
-const SHORTEST: usize = ROWS;
-/// A window is as good as followed when this many values for each start state are compared.
-const ENOUGH: f64 = DOUBTED;
 
 /// Sums of one channel over windows.
 #[derive(Debug, Clone, Copy, Default)]
@@ -186,7 +180,7 @@ fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<
     for (run, grid) in engine.grids.iter().enumerate() {
         let rows = grid.time.len();
         // what begins nowhere but at its start is one window
-        let count = if engine.machine.whole { 1 } else { rows.div_ceil(WINDOW).max(1) };
+        let count = if engine.machine.whole { 1 } else { rows.div_ceil(GENERAL.window).max(1) };
         list.extend((0..count).map(|part| (run, part * rows / count, (part + 1) * rows / count)));
     }
     // no process noise: the least that the sweep takes
@@ -210,7 +204,7 @@ fn followed(
     noise: &crate::infer::Noise,
     n: usize,
 ) -> Vec<Vec<Window>> {
-    if to - from < SHORTEST {
+    if to - from < GENERAL.shortest_window {
         return Vec::new();
     }
     let of = |(theta, paths): &Model<'_>| window(engine, theta, run, &paths[run], (from, to), noise, n);
@@ -279,7 +273,7 @@ fn window(
         }
     }
     let all: f64 = sums.iter().map(|sum| sum.count).sum();
-    if all < ENOUGH * n as f64 {
+    if all < GENERAL.compared * n as f64 {
         return None;
     }
     // each start state takes a value's worth of the residual away

@@ -11,6 +11,7 @@
 //! - `told.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
+//! - `policy.rs`: the numbers that decide, with their reasons
 
 mod amended;
 mod begun;
@@ -18,6 +19,7 @@ mod courses;
 mod equivalent;
 mod long;
 mod mismatch;
+mod policy;
 mod reading;
 mod rest;
 mod sensor;

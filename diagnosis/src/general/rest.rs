@@ -1,5 +1,6 @@
 //! Whether process noise stays above its floor, at which equation, and what its smoothed course follows.
 
+use super::policy::GENERAL;
 use super::study::Studied;
 use crate::diagnosis::Unknown;
 use crate::dynamics::Engine;
@@ -7,19 +8,11 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
 use crate::observe::Problem;
 use crate::search::Policy;
-use crate::search::nearest::{FOLLOWS, FURTHER, TERMS};
+use crate::search::SEARCHING;
 use crate::search::trials::interval;
-use crate::statistics::levels::PART;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// Correlation times with which an unlisted input is begun, in rows; an input that stands for it may have the last, too.
-pub(super) const MEMORIES: [f64; 3] = [5.0, 60.0, 1000.0];
-/// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
-const ABOVE: f64 = 1e4;
-/// An event is a stretch where the course is above this share of its largest value.
-const EVENT: f64 = PART;
 
 /// What process noise says.
 #[derive(Debug, Clone)]
@@ -46,13 +39,13 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
     let without = maximise(&fit.runs, &columns, &none, &exact).1;
     let row = interval(engine);
     let tried: Vec<(usize, f64)> = (0..order)
-        .flat_map(|equation| MEMORIES[..2].iter().map(move |memory| (equation, memory * row)))
+        .flat_map(|equation| GENERAL.memories[..2].iter().map(move |memory| (equation, memory * row)))
         .collect();
     let best = tried
         .par_iter()
         .map(|(equation, memory)| {
-            let size =
-                fit.at.noise.process[*equation].max(ABOVE * sizes.process[*equation].0) / memory.sqrt();
+            let size = fit.at.noise.process[*equation].max(GENERAL.above_least * sizes.process[*equation].0)
+                / memory.sqrt();
             let disturbance = Some(Disturbance { equation: *equation, size, memory: *memory });
             maximise(&fit.runs, &columns, &Noise { disturbance, ..none.clone() }, &exact)
         })
@@ -87,7 +80,7 @@ fn freed(
                 left[*equation] = false;
                 let own = sizes.with_pinned(left);
                 let mut begun = noise.clone();
-                let least = ABOVE * sizes.process[*equation].0;
+                let least = GENERAL.above_least * sizes.process[*equation].0;
                 begun.process[*equation] = fit.at.noise.process[*equation].max(least);
                 let (noise, deviance) = maximise(&fit.runs, &columns, &begun, &own);
                 (noise, deviance, own)
@@ -160,9 +153,6 @@ fn unit_of(problem: &Problem, name: &str) -> String {
 /// A term that a course may follow: name of the variable, words, columns.
 type Term = (String, String, Vec<Vec<f64>>);
 
-/// Highest number of waves in a turn that is tried of an angle.
-const WAVES: usize = 24;
-
 /// Whether a variable of this unit may be an angle in rad.
 fn is_angle(unit: &str) -> bool {
     matches!(unit, "rad" | "" | "1")
@@ -207,7 +197,8 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         let (low, high) =
             values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
         let turned = if *is_angle { high - low } else { 0.0 };
-        for waves in (1..=WAVES).filter(|waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
+        for waves in
+            (1..=GENERAL.waves).filter(|waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
         {
             let wave =
                 |of: fn(f64) -> f64| -> Vec<f64> { values.iter().map(|v| of(waves as f64 * v)).collect() };
@@ -234,7 +225,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
         solve(&gram, &score).map_or(f64::INFINITY, |shift| dot(course, course) - shift.dot(&score))
     };
     let (mut chosen, mut rest) = (Vec::new(), whole);
-    while chosen.len() < TERMS {
+    while chosen.len() < SEARCHING.terms {
         let best = (0..terms.len())
             .filter(|term| !chosen.contains(term))
             .map(|term| {
@@ -244,7 +235,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((after, term)) = best else { break };
-        let needed = if chosen.is_empty() { FOLLOWS } else { FURTHER };
+        let needed = if chosen.is_empty() { SEARCHING.follows } else { SEARCHING.further };
         if rest - after < needed * whole {
             break;
         }
@@ -270,7 +261,7 @@ fn events(course: &[f64], time: &[f64]) -> Option<String> {
     let mut begins = Vec::new();
     let (mut inside, mut rows) = (false, 0);
     for (value, time) in course.iter().zip(time) {
-        let out = (value - quiet).abs() > EVENT * most;
+        let out = (value - quiet).abs() > GENERAL.event * most;
         if out && !inside {
             begins.push(format!("{time:.4}"));
         }

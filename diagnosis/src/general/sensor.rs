@@ -4,18 +4,12 @@
 //! Two things give it away: the noise is larger than what neighbouring rows of the log scatter by, without any model; and neighbouring
 //! residuals resemble each other, as noise's don't.
 
+use super::policy::GENERAL;
 use super::rest::follows;
 use super::study::Studied;
 use crate::diagnosis::Unknown;
 use crate::infer::smooth;
 use crate::observe::Problem;
-use crate::statistics::levels::{CERTAIN, MORE};
-
-/// The noise is so many times the scatter of neighbouring rows: in 335 channels of sets whose sensors are listed it was 1.2 at most, and as
-/// many times what neighbouring residuals differ by.
-const LARGER: f64 = MORE;
-/// Standard deviations by which neighbouring residuals resemble each other.
-const ALIKE: f64 = CERTAIN;
 
 /// Residuals of a channel, row by row: time, and value where the row has one.
 type Residuals = Vec<Vec<(f64, Option<f64>)>>;
@@ -28,7 +22,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
         let least = scatter.noise.max(scatter.quantum);
         let times = studied.fit.at.noise.channels[channel] / least;
         // a stated noise takes up nothing
-        let free = studied.built.sizes.channels[channel].is_some() && least > 0.0 && times > LARGER;
+        let free = studied.built.sizes.channels[channel].is_some() && least > 0.0 && times > GENERAL.larger;
         let residuals = free.then(|| residuals(studied, channel))?;
         systematic(&residuals).then_some((channel, times, residuals))
     });
@@ -82,7 +76,7 @@ fn systematic(residuals: &Residuals) -> bool {
     let (_, apart) = squares(&mut runs.iter().flat_map(|run| run.windows(2).map(|pair| pair[1] - pair[0])));
     let share = 0.5 * apart / variance;
     // of white noise the share is 1, with a variance of 1/count
-    variance > 0.0 && share.sqrt() * LARGER < 1.0 && (1.0 - share) * count.sqrt() > ALIKE
+    variance > 0.0 && share.sqrt() * GENERAL.larger < 1.0 && (1.0 - share) * count.sqrt() > GENERAL.resembles
 }
 
 #[cfg(test)]

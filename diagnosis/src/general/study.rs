@@ -1,5 +1,6 @@
 //! From a problem to a diagnosis.
 
+use super::policy::GENERAL;
 use super::rest::{self, Rest};
 use super::{amended, begun, long, mismatch, reading, sensor, told};
 use crate::design::Question;
@@ -16,13 +17,10 @@ use crate::search::class::Alternative;
 use crate::search::screen::Last;
 use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
-use crate::statistics::levels::{HALF, PART};
+use crate::statistics::levels::HALF;
 use crate::watch::{Listener, Watch};
 use orchestrator::{UnitPath, nearest};
 use std::time::Instant;
-
-/// Of a single run the last share is left out.
-const LAST: f64 = PART;
 
 /// What a search over some rows found.
 pub struct Studied {
@@ -215,7 +213,7 @@ fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
     match problem.runs.as_slice() {
         [one] => {
             let (from, to) = one.span();
-            let cut = to - LAST * (to - from);
+            let cut = to - GENERAL.left_out * (to - from);
             (vec![(one, (from, cut))], vec![(one, (cut, to))])
         }
         [first @ .., last] => {

@@ -1,5 +1,6 @@
 //! Effects with their classes and intervals, what the data would show, and the story.
 
+use super::policy::GENERAL;
 use super::study::Studied;
 use crate::diagnosis::{Effect, Member};
 use crate::error::Error;
@@ -7,20 +8,14 @@ use crate::infer::fit::Linearise;
 use crate::infer::likelihood::reduced;
 use crate::observe::{Problem, Scale};
 use crate::provenance::{Provenance, Used};
-use crate::statistics::levels::{HALF, WITHIN};
+use crate::statistics::levels::WITHIN;
 use crate::statistics::linear::{inverse, submatrix};
 use std::collections::BTreeMap;
-
-/// No name is worth more.
-const SURE: f64 = 0.999;
-/// Most that a name is worth beside an unlisted input: what that imitates is not told apart. Of the maker's first set with pulses
-/// that nobody lists, two of two names beside them were wrong.
-const BESIDE: f64 = HALF;
 
 /// What was found, in the order found; beside something unnamed no name is sure.
 pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effect> {
     let units = units(problem);
-    let most_sure = if unnamed { BESIDE } else { SURE };
+    let most_sure = if unnamed { GENERAL.beside } else { GENERAL.sure };
     let policy = studied.policy;
     let parameters = &studied.built.engine.machine.parameters;
     let mut list = Vec::new();

@@ -5,17 +5,13 @@
 //! take ten times as long as with its own values: nobody tried these before, and with some a solver never ends. A diagnosis would not end
 //! with them either, so they are struck out as well.
 
+use super::policy::IMPORT;
 use super::trial::{Trial, name};
 use crate::options::GIVEN_UP;
-use crate::statistics::levels::{FAR, HALF, ROUNDING, SMALL};
+use crate::statistics::levels::{FAR, ROUNDING};
 use orchestrator::fmu::Variable;
 use orchestrator::{Kind, MemoryRecorder, Value};
 use std::time::{Duration, Instant};
-
-/// What a number is multiplied by; one that is 0 is set to these and to their opposites.
-const MOVES: [f64; 4] = [SMALL, HALF, 2.0, FAR];
-/// Real time that a run may take in any case: to start a process takes some of it.
-const LEAST: Duration = Duration::from_secs(1);
 
 /// What was found of parameters, by their places.
 #[derive(Default)]
@@ -33,7 +29,7 @@ pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else {
         return Found { untried: parameters.len(), ..found };
     };
-    let limit = began.elapsed().mul_f64(FAR) + LEAST;
+    let limit = began.elapsed().mul_f64(FAR) + IMPORT.idle_least;
     for place in parameters {
         if began.elapsed().as_secs_f64() > GIVEN_UP {
             found.untried += 1;
@@ -78,7 +74,10 @@ fn moves(variable: &Variable) -> Vec<String> {
             .collect(),
         (Kind::Real, _) => {
             let zero = number == 0.0;
-            let all = MOVES.into_iter().flat_map(|by| if zero { vec![by, -by] } else { vec![by * number] });
+            let all = IMPORT
+                .idle_moves
+                .into_iter()
+                .flat_map(|by| if zero { vec![by, -by] } else { vec![by * number] });
             let mut values: Vec<f64> = all.map(within).filter(|value| *value != number).collect();
             values.dedup();
             values.iter().map(|value| format!("{value:e}")).collect()

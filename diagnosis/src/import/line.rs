@@ -1,8 +1,6 @@
 //! What a log shows against what the model shows on its inputs: a straight line.
 
-/// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
-/// lacks something may well be off by a fifth, units of measurement differ by more.
-pub(super) const UNIT: (f64, f64) = (0.9, 0.3);
+use super::policy::IMPORT;
 
 /// Measured against simulated: measured = slope · simulated + offset.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +18,7 @@ pub(super) struct Line {
 impl Line {
     /// Whether the model does what the log does, its sign aside.
     pub fn fits(&self) -> bool {
-        self.correlation.abs() >= UNIT.0 && (self.slope.abs() - 1.0).abs() < UNIT.1
+        self.correlation.abs() >= IMPORT.unit.0 && (self.slope.abs() - 1.0).abs() < IMPORT.unit.1
     }
 }
 

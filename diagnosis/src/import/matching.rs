@@ -1,19 +1,12 @@
 //! Which column is which variable: by name and unit of measurement.
 
+use super::policy::IMPORT;
 use super::sheet::{Header, Sheet};
 use super::{Match, instance};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
-use crate::statistics::levels::{HALF, SMALL};
 use orchestrator::fmu::{Causality, Variable};
 use orchestrator::{Fmu, Kind};
-
-/// Least likeness of names.
-const ALIKE: f64 = HALF;
-/// What a fitting unit of measurement adds to it.
-const FITS: f64 = 0.2;
-/// What the same initial adds to the same number.
-const INITIAL: f64 = SMALL;
 
 /// Matches the columns of a log with inputs, outputs and local variables, the likeliest pair first.
 pub(super) fn columns(
@@ -128,7 +121,7 @@ fn only(
         "column {:?} is the only one in a unit that converts to {own}, and no other input or output is in {unit}",
         header.text
     );
-    alone.then_some((ALIKE, why))
+    alone.then_some((IMPORT.alike, why))
 }
 
 /// How alike a column and a variable are, and why; `None` where they can't be one.
@@ -153,7 +146,7 @@ fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, Str
         [(by_name, "name"), (by_text, "description"), (by_unit, "unit of measurement and number")]
             .into_iter()
             .reduce(|best, one| if one.0 > best.0 { one } else { best })?;
-    if best < ALIKE {
+    if best < IMPORT.alike {
         return None;
     }
     let exact = if best >= 1.0 || by_unit == best { "the same" } else { "a similar" };
@@ -162,7 +155,7 @@ fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, Str
         _ => String::new(),
     };
     Some((
-        best + if fits == Some(true) { FITS } else { 0.0 },
+        best + if fits == Some(true) { IMPORT.fitting_unit } else { 0.0 },
         format!("column {:?} by {exact} {why}{unit}", header.text),
     ))
 }
@@ -220,7 +213,7 @@ fn numbered(column: &str, variable: &str) -> f64 {
         return 0.0;
     }
     let begins = |word: &String| one.iter().any(|long| long.starts_with(word.as_str()));
-    if other.iter().any(begins) { ALIKE + INITIAL } else { ALIKE }
+    if other.iter().any(begins) { IMPORT.alike + IMPORT.same_initial } else { IMPORT.alike }
 }
 
 #[cfg(test)]
@@ -229,9 +222,9 @@ mod tests {
 
     #[test]
     fn value_names_with_a_number_are_alike_by_it() {
-        assert_eq!(numbered("Temperature 1", "T1"), ALIKE + INITIAL);
-        assert_eq!(numbered("Set Point 1", "T1"), ALIKE);
-        assert_eq!(numbered("Heater 1", "Q1"), ALIKE);
+        assert_eq!(numbered("Temperature 1", "T1"), IMPORT.alike + IMPORT.same_initial);
+        assert_eq!(numbered("Set Point 1", "T1"), IMPORT.alike);
+        assert_eq!(numbered("Heater 1", "Q1"), IMPORT.alike);
         assert_eq!(numbered("Heater 2", "Q1"), 0.0);
         assert_eq!(numbered("Heater", "Q"), 0.0);
     }
@@ -241,9 +234,9 @@ mod tests {
         let alike = |one: &str, other: &str| same(&words(one), &words(other));
         assert_eq!(alike("motor.phi", "motor_phi"), 1.0);
         assert_eq!(alike("boxTemperature", "box temperature"), 1.0);
-        assert!(alike("phi_cmd", "phi") > ALIKE);
+        assert!(alike("phi_cmd", "phi") > IMPORT.alike);
         // a word that stands twice is shared once: the input of the same name is nearer
         assert!(alike("valveControl", "tank.Valve.valveControl") < 1.0);
-        assert!(alike("T_box", "T_wall") < ALIKE && alike("phi", "psi") < ALIKE);
+        assert!(alike("T_box", "T_wall") < IMPORT.alike && alike("phi", "psi") < IMPORT.alike);
     }
 }

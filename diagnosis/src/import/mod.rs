@@ -10,11 +10,13 @@
 //! - `line.rs`: the straight line between measured and simulated
 //! - `idle.rs`: parameters that change nothing
 //! - `write.rs`: the folder
+//! - `policy.rs`: the numbers that decide, with their reasons
 
 mod draft;
 mod idle;
 mod line;
 mod matching;
+mod policy;
 mod sheet;
 mod starts;
 mod text;

@@ -1,16 +1,14 @@
 //! A log as loggers and spreadsheets write it: decimal commas; units in the header or in a line of their own; columns of words.
 
 use super::Time;
+use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use crate::error::Error;
 use crate::observe::EPOCH;
 use crate::observe::measure;
-use crate::statistics::levels::SEVERAL;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
 
-/// Rows further apart than this many usual distances have a gap between them.
-pub(super) const GAP: f64 = SEVERAL;
 /// What a column of time is called.
 const TIME: &str = "time";
 const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];
@@ -245,7 +243,7 @@ impl Sheet {
             return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
         };
         let usual = self.usual_gap(place);
-        let far = self.rows.windows(2).filter(|pair| pair[1][place] - pair[0][place] > GAP * usual);
+        let far = self.rows.windows(2).filter(|pair| pair[1][place] - pair[0][place] > IMPORT.gap * usual);
         let far: Vec<(f64, f64)> = far.map(|pair| (pair[0][place], pair[1][place])).collect();
         if let Some((from, to)) = far.first() {
             notices.push(format!(

@@ -3,8 +3,8 @@
 //! A parameter is tried where its name says so (`x_initial`, `initialPositionY`): variables that are there after initialisation, at two
 //! values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
 
+use super::policy::IMPORT;
 use crate::observe;
-use crate::statistics::levels::{ROUNDING, STEP};
 use orchestrator::fmu::{Begin, Causality, Description, Variable};
 use orchestrator::{Fmu, Kind, Value};
 
@@ -12,10 +12,6 @@ use orchestrator::{Fmu, Kind, Value};
 const BEHIND: [&str; 6] = ["_initial", "_start", "_init", "_0", ".start", "0"];
 /// How a word of a start's name begins.
 const WORDS: [&str; 2] = ["init", "start"];
-/// A start value is moved by this share of its size.
-const MOVED: f64 = STEP;
-/// And shown again to this share.
-const SHOWN: f64 = ROUNDING;
 
 /// A state with what sets it, by their places in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,8 +110,8 @@ fn follows(
     nominal: &[f64],
 ) -> Result<Vec<usize>, orchestrator::Error> {
     let value = parameter.start.as_ref().and_then(Value::as_f64).unwrap_or(0.0);
-    let by = MOVED * if value == 0.0 { 1.0 } else { value.abs() };
-    let is = |shown: f64, value: f64| (shown - value).abs() <= SHOWN * value.abs().max(by);
+    let by = IMPORT.start_move * if value == 0.0 { 1.0 } else { value.abs() };
+    let is = |shown: f64, value: f64| (shown - value).abs() <= IMPORT.start_shown * value.abs().max(by);
     let room = |value: f64| {
         parameter.max.is_none_or(|most| value <= most) && parameter.min.is_none_or(|least| value >= least)
     };

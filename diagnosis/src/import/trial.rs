@@ -1,28 +1,17 @@
 //! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
 
-use super::line::{Line, UNIT, line};
-use super::sheet::{GAP, Sheet};
+use super::line::{Line, line};
+use super::policy::IMPORT;
+use super::sheet::Sheet;
 use super::starts::{self, Start};
 use super::{Match, Time, instance};
 use crate::check::{STRETCH, Signs};
 use crate::observe::{Affine, measure};
-use crate::statistics::levels::{CERTAIN, STEP};
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, MemoryRecorder, Place, Progress, Quiet, Scenario, Simulation, UnitPath};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-
-/// Correlation below which model and log say nothing of each other.
-const TELLS: f64 = 0.6;
-/// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
-const TURN: f64 = STEP;
-/// Inputs whose signs are tried; beyond that all are taken as they are.
-const INPUTS: usize = 4;
-/// Rows that are tried.
-const ROWS: usize = 3000;
-/// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
-const OFFSET: f64 = CERTAIN;
 
 /// Units that logs are written in, beside the model's own.
 const USUAL: [&str; 22] = [
@@ -49,7 +38,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
     }
     let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
-    let turned = if signs.is_none() && fed.len() <= INPUTS { 1 << fed.len() } else { 1 };
+    let turned = if signs.is_none() && fed.len() <= IMPORT.turned_inputs { 1 << fed.len() } else { 1 };
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
     for turns in 0..turned {
@@ -72,7 +61,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
         let flips =
             (turns as u32).count_ones() as usize + known.iter().filter(|line| line.slope < 0.0).count();
         let mean = known.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / known.len().max(1) as f64;
-        let score = mean - TURN * flips as f64;
+        let score = mean - IMPORT.turn * flips as f64;
         if best.as_ref().is_none_or(|(before, ..)| score > *before) {
             best = Some((score, turns, lines));
         }
@@ -137,7 +126,7 @@ fn judge(
 ) {
     let variable = &description.variables[matched.variable];
     let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
-    if line.correlation.abs() < TELLS && known {
+    if line.correlation.abs() < IMPORT.tells && known {
         return;
     }
     let has_unit = matched.unit.is_none() && unit_of(line, variable, description).is_some();
@@ -147,7 +136,7 @@ fn judge(
         ));
         return;
     }
-    if line.correlation.abs() < TELLS || line.slope < 0.0 && !line.fits() {
+    if line.correlation.abs() < IMPORT.tells || line.slope < 0.0 && !line.fits() {
         matched.evidence.push(format!("the model alone says nothing of sign and unit ({said})"));
         notices.push(format!(
             "column {:?} and {} don't go together ({said}): look at unit and sign",
@@ -171,7 +160,8 @@ fn judge(
     // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
     let fits = line.fits();
     let apart = line.mean.1 - sign * line.mean.0;
-    let far = fits && starts::find(starts, matched.variable).is_none() && apart.abs() > OFFSET * line.spread;
+    let far =
+        fits && starts::find(starts, matched.variable).is_none() && apart.abs() > IMPORT.offset * line.spread;
     if sign < 0.0 || far {
         let offset = if far { -sign * apart } else { 0.0 };
         matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
@@ -184,7 +174,7 @@ fn judge(
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
-    let fits = if (size - 1.0).abs() < UNIT.1 {
+    let fits = if (size - 1.0).abs() < IMPORT.unit.1 {
         "sign and size fit"
     } else {
         "the sign fits, the size does not: look at the unit"
@@ -195,7 +185,7 @@ fn judge(
 /// The unit of measurement that explains a slope.
 fn unit_of(line: Line, variable: &Variable, description: &Description) -> Option<(&'static str, Affine)> {
     variable.unit.as_deref().filter(|unit| !unit.is_empty())?;
-    let near = |slope: f64| line.correlation.abs() >= UNIT.0 && (slope - 1.0).abs() < UNIT.1;
+    let near = |slope: f64| line.correlation.abs() >= IMPORT.unit.0 && (slope - 1.0).abs() < IMPORT.unit.1;
     USUAL.into_iter().find_map(|unit| {
         let found = measure::conversion(unit, variable, description).ok()?;
         // measured = slope · model + offset is scale · measured + shift = model
@@ -328,12 +318,12 @@ impl Progress for Within {
 
 /// The longest stretch of rows without a gap: what acted within one is not known.
 fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
-    let torn = |row: &usize| stamps[*row] - stamps[row - 1] > GAP * usual;
+    let torn = |row: &usize| stamps[*row] - stamps[row - 1] > IMPORT.gap * usual;
     let edges: Vec<usize> =
         [0].into_iter().chain((1..stamps.len()).filter(torn)).chain([stamps.len()]).collect();
     let longest = edges.windows(2).map(|pair| pair[0]..pair[1]).max_by_key(|stretch| stretch.len());
     let longest = longest.unwrap_or(0..stamps.len());
-    longest.start..longest.end.min(longest.start + ROWS)
+    longest.start..longest.end.min(longest.start + IMPORT.rows)
 }
 
 /// The unit alone, for the span of a log.

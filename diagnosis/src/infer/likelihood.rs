@@ -7,26 +7,12 @@
 use super::gradient::{Slope, gradient};
 use super::linearised::Linearised;
 use super::noise::Noise;
+use super::policy::INFER;
 use super::sweep::{Kept, sweep, sweep_columns};
-use crate::statistics::levels::{self, MORE, SLIGHT};
-use crate::statistics::linear::RANK_TOLERANCE;
+use crate::statistics::levels::STEP;
 use crate::statistics::linear::{Reduced, solve};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// Step of a difference in a logarithm. The deviance is smooth and exact to 1e-9, so this is far from rounding and short
-/// against 1, over which it bends.
-const STEP: f64 = levels::STEP;
-/// Least curvature that is believed: a size that tells of nothing moves by its gradient alone.
-const FLAT: f64 = 1.0;
-/// Shares of the process noise with which its search is begun, too.
-const LESS: [f64; 3] = [0.1, 1e-2, 1e-4];
-/// Longest move of a logarithm at once: a factor of 4.5.
-const LONGEST: f64 = MORE;
-/// A search ends when a round gains less deviance than this; an effect must gain hundreds of times that.
-const ENOUGH: f64 = SLIGHT;
-/// Rounds of a search. Six sizes settle in ten.
-const ROUNDS: usize = 30;
 
 /// Which sizes are free, and between what.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,9 +42,6 @@ enum Which {
     Disturbance,
     Memory,
 }
-
-/// A channel's noise is at most so much more than its least.
-const WIDEST: f64 = 1.0 / RANK_TOLERANCE;
 
 impl Sizes {
     /// Whether an equation's process noise stays at its least.
@@ -90,7 +73,7 @@ impl Sizes {
         };
         for (channel, least) in self.channels.iter().enumerate() {
             if let Some(least) = least {
-                slot(Which::Channel(channel), *least, least * WIDEST);
+                slot(Which::Channel(channel), *least, least * INFER.widest);
             }
         }
         for (equation, (least, most)) in self.process.iter().enumerate() {
@@ -182,7 +165,7 @@ pub fn informed(reduced: &Reduced) -> Vec<usize> {
 
 /// The most likely sizes from these on, and the deviance there. Columns are those of the parameters that are free.
 pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &Sizes) -> (Noise, f64) {
-    let (noise, deviance, _) = maximise_within(runs, columns, start, sizes, ROUNDS);
+    let (noise, deviance, _) = maximise_within(runs, columns, start, sizes, INFER.rounds);
     (noise, deviance)
 }
 
@@ -210,7 +193,7 @@ pub fn maximise_within(
     }
     let slopes = |here: &Swept| derivatives(runs, columns, here, &slots, &deviance);
     let (mut gradient, curvature) = slopes(&here);
-    let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(FLAT)));
+    let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(INFER.flat)));
     let mut ended = false;
     for round in 0..rounds {
         let direction = held(-&inverse * &gradient, &here.at, &gradient, &slots);
@@ -219,7 +202,7 @@ pub fn maximise_within(
             ended = true;
             break;
         }
-        let mut length = (LONGEST / longest).min(1.0);
+        let mut length = (INFER.longest_move / longest).min(1.0);
         let promised = -gradient.dot(&direction);
         let accepted = (0..8).find_map(|_| {
             let there = swept(clamped(&here.at + &direction * length));
@@ -232,7 +215,7 @@ pub fn maximise_within(
             ended = true;
             break;
         };
-        ended = here.value - there.value < ENOUGH;
+        ended = here.value - there.value < INFER.ends;
         if ended || round + 1 == rounds {
             here = there;
             break;
@@ -274,8 +257,8 @@ fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
         which.iter().for_each(|slot| to[*slot] += libm::log(share));
         to
     };
-    let all = LESS.iter().map(|share| by(&equations, *share));
-    let each = equations.iter().map(|slot| by(&[*slot], LESS[1]));
+    let all = INFER.less_process.iter().map(|share| by(&equations, *share));
+    let each = equations.iter().map(|slot| by(&[*slot], INFER.less_process[1]));
     if equations.is_empty() { Vec::new() } else { all.chain(each).collect() }
 }
 
@@ -298,6 +281,7 @@ fn derivatives(
             Which::Jitter => all.jitter,
             Which::Disturbance => all.disturbance,
             Which::Memory => {
+                // the deviance is smooth and exact to 1e-9: far from rounding, and short against 1, over which it bends
                 let step = if here.at[i] + STEP > slot.range.1 { -STEP } else { STEP };
                 let mut to = here.at.clone();
                 to[i] += step;

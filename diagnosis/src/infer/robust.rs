@@ -6,19 +6,16 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
+use super::policy::INFER;
 use super::sweep::sweep_scores;
-use crate::statistics::levels::SAMPLE;
 use crate::statistics::linear::inverse;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Stretches of all runs together: enough to know a deviation to a sixth, each long against what an input remembers.
-const STRETCHES: usize = SAMPLE;
-
 /// The covariance of parameters by their columns; nothing where the data say nothing of one.
 pub fn sandwich(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Option<DMatrix<f64>> {
     let p = columns.len();
-    let each = STRETCHES.div_ceil(runs.len().max(1)).max(2);
+    let each = INFER.stretches.div_ceil(runs.len().max(1)).max(2);
     let swept: Vec<_> = runs.par_iter().map(|run| sweep_scores(run, noise, columns)).collect();
     let mut gram = DMatrix::zeros(p, p);
     let mut meat = DMatrix::zeros(p, p);

@@ -1,9 +1,12 @@
 //! Parameters of the log that are nobody's fault: noise, quantisation, timestamps. Estimated with everything else, never
 //! candidates.
 
-use crate::statistics::levels::{self, MIDDLE};
+use crate::statistics::levels::MIDDLE;
 
 pub mod outliers;
+mod policy;
+
+use policy::NUISANCE;
 
 /// What the values of one channel say of its noise, without any model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,11 +23,6 @@ pub struct Scatter {
     pub size: f64,
 }
 
-/// Highest order of differences that is tried: beyond it they amplify noise as fast as they damp motion.
-const ORDERS: usize = 5;
-/// A log looks rounded where fewer of its values are different than this share.
-const ROUNDED: f64 = levels::HALF;
-
 /// Looks at all runs of one channel.
 pub fn scatter(runs: &[&[f64]]) -> Scatter {
     let all: Vec<f64> = runs.iter().flat_map(|run| run.iter().copied()).collect();
@@ -36,7 +34,7 @@ pub fn scatter(runs: &[&[f64]]) -> Scatter {
     let (mut noise, mut quiet) = (f64::INFINITY, f64::INFINITY);
     let mut weight = 1.0;
     let mut differences: Vec<Vec<f64>> = runs.iter().map(|run| run.to_vec()).collect();
-    for order in 1..=ORDERS {
+    for order in 1..=NUISANCE.orders {
         for run in &mut differences {
             *run = run.windows(2).map(|pair| pair[1] - pair[0]).collect();
         }
@@ -63,7 +61,7 @@ fn quantum(values: &[f64]) -> f64 {
     let span = sorted.last().zip(sorted.first()).map_or(0.0, |(last, first)| last - first);
     let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
     let real: Vec<f64> = gaps.filter(|gap| *gap > 1e-9 * span).collect();
-    if real.is_empty() || (real.len() + 1) as f64 > ROUNDED * sorted.len() as f64 {
+    if real.is_empty() || (real.len() + 1) as f64 > NUISANCE.rounded * sorted.len() as f64 {
         return 0.0;
     }
     real.into_iter().fold(f64::INFINITY, f64::min)

@@ -4,30 +4,20 @@
 //! differ and than the channel scatters. What an input did at the same time may have caused it, and stays.
 //! Rousseeuw, Croux, J. Am. Stat. Assoc. 88 (1993) 1273 (scales that outliers don't move).
 
-use crate::statistics::levels::{self, FEW, MIDDLE, SEVERAL, SLIGHT};
-
-/// So many robust deviations beyond its neighbours: of 1e6 values of normal noise none is.
-const FAR: f64 = levels::FAR;
-/// And so many times as far as the neighbours are from each other: an edge lies one time away.
-const ALONE: f64 = SEVERAL;
-/// Longest stretch.
-const LONGEST: usize = FEW;
-/// What an input did may show for so many rows.
-const RINGS: usize = 5;
-/// More than this share of a channel is no accident but the way it behaves.
-const SELDOM: f64 = SLIGHT;
+use super::policy::NUISANCE;
+use crate::statistics::levels::MIDDLE;
 
 /// Places of the outliers in one run of a channel. `scale` is [`scale`] of the channel; `driven` says whether an input moved
-/// between two times, [`RINGS`] rows before included.
+/// between two times, `NUISANCE.rings` rows before included.
 pub fn outliers(time: &[f64], values: &[f64], scale: f64, driven: impl Fn(f64, f64) -> bool) -> Vec<usize> {
     let mut found = Vec::new();
     let mut place = 1;
     while place + 1 < values.len() {
-        let fits = (1..=LONGEST).find(|length| {
+        let fits = (1..=NUISANCE.longest).find(|length| {
             let after = place + length;
             after < values.len()
                 && alone(&values[place - 1..=after], scale)
-                && !driven(time[place.saturating_sub(RINGS)], time[after])
+                && !driven(time[place.saturating_sub(NUISANCE.rings)], time[after])
         });
         match fits {
             Some(length) => {
@@ -37,13 +27,13 @@ pub fn outliers(time: &[f64], values: &[f64], scale: f64, driven: impl Fn(f64, f
             None => place += 1,
         }
     }
-    if found.len() as f64 > SELDOM * values.len() as f64 { Vec::new() } else { found }
+    if found.len() as f64 > NUISANCE.seldom * values.len() as f64 { Vec::new() } else { found }
 }
 
 /// Whether all but the ends lie beyond both ends, on the same side.
 fn alone(stretch: &[f64], scale: f64) -> bool {
     let (first, last) = (stretch[0], stretch[stretch.len() - 1]);
-    let needed = (FAR * scale).max(ALONE * (last - first).abs());
+    let needed = (NUISANCE.beyond * scale).max(NUISANCE.alone * (last - first).abs());
     let inner = &stretch[1..stretch.len() - 1];
     let beyond = |side: f64| {
         inner.iter().all(|value| side * (value - first) > needed && side * (value - last) > needed)

@@ -3,6 +3,7 @@
 //! A held log is a chain of straight lines with jumps; delay, saturation and rate limit turn lines into lines; a lag
 //! turns each into an exponential, which is cut into lines short against its time constant. Gain and bias act last.
 
+use super::policy::PORTS;
 use crate::dynamics::grid::Course;
 use crate::observe::Hold;
 
@@ -43,13 +44,6 @@ pub struct Line {
 /// A chain of lines; the last one holds for ever.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lines(pub Vec<Line>);
-
-/// An exponential is cut into so many lines over one time constant: off its mean by (1/8)²/12 of its height, 0.1 %.
-const CUTS: f64 = 8.0;
-/// Times that differ by less than this share are the same: a delay of whole rows, rounded.
-const SAME_TIME: f64 = 1e-12;
-/// After so many time constants a lag has settled to 1e-7.
-const SETTLED: f64 = 2.0 * CUTS;
 
 /// What reaches the unit.
 pub fn arriving(course: &Course, effects: &Effects) -> Lines {
@@ -160,8 +154,10 @@ fn limited(lines: &Lines, limit: f64) -> Lines {
 fn lagged(lines: &Lines, time: f64) -> Lines {
     let mut slow = Vec::with_capacity(2 * lines.0.len());
     let mut value = lines.0.first().map_or(0.0, |line| line.first);
+    // after so many time constants it is off by 1e-7
+    let settled = 2.0 * PORTS.cuts;
     each(lines, |line, span| {
-        let whole = span.min(SETTLED * time);
+        let whole = span.min(settled * time);
         let rate = if span.is_finite() && span > 0.0 { (line.last - line.first) / span } else { 0.0 };
         if rate == 0.0 && value == line.first {
             slow.push(Line { from: line.from, first: value, last: value });
@@ -171,7 +167,7 @@ fn lagged(lines: &Lines, time: f64) -> Lines {
         let at = |t: f64, y0: f64| {
             line.first + rate * (t - time) + (y0 - line.first + rate * time) * libm::exp(-t / time)
         };
-        let parts = (CUTS * whole / time).ceil().clamp(1.0, CUTS * SETTLED) as usize;
+        let parts = (PORTS.cuts * whole / time).ceil().clamp(1.0, PORTS.cuts * settled) as usize;
         let begin = value;
         for part in 0..parts {
             let (from, to) = (part as f64 / parts as f64 * whole, (part + 1) as f64 / parts as f64 * whole);
@@ -225,7 +221,7 @@ impl Lines {
         *near = self.place(time, *near);
         let line = self.0[*near];
         match near.checked_sub(1) {
-            Some(last) if time - line.from <= SAME_TIME * time.abs() => self.0[last].last,
+            Some(last) if time - line.from <= PORTS.same_time * time.abs() => self.0[last].last,
             _ => self.value(*near, time),
         }
     }

@@ -3,18 +3,15 @@
 //!
 //! - `input.rs`: the course of an input after its effects, in closed form
 //! - `output.rs`: gain, offset, drift and delay of a measured value; a lag is one more state
+//! - `policy.rs`: the numbers that decide, with their reasons
 
 pub mod input;
 pub mod output;
+mod policy;
 
 use crate::dynamics::machine::{Machine, Parameter, Role};
 use crate::observe::{InputEffect, OutputEffect, Problem, Scale};
-use crate::statistics::levels::SMALL;
-
-/// A delay or lag is looked for up to this share of the shortest run.
-const LATEST: f64 = SMALL;
-/// A gain of less than a twentieth or more than twenty is a broken wire or a wrong unit.
-pub const GAIN: (f64, f64) = (0.05, 20.0);
+pub(crate) use policy::PORTS;
 
 /// The parameters of all ports.
 pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
@@ -23,14 +20,14 @@ pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
         last - first
     };
     let shortest = problem.runs.iter().map(span).fold(f64::INFINITY, f64::min);
-    let latest = if shortest.is_finite() { LATEST * shortest } else { f64::INFINITY };
+    let latest = if shortest.is_finite() { PORTS.latest * shortest } else { f64::INFINITY };
     let mut list = Vec::new();
     for (place, input) in machine.inputs.iter().enumerate() {
         let open =
             |effect: &InputEffect| input.channel.is_some() || input.open && *effect == InputEffect::Bias;
         for effect in problem.ports.inputs.iter().copied().filter(open) {
             let (neutral, range, scale, words) = match effect {
-                InputEffect::Gain => (1.0, GAIN, Scale::Relative, "gain"),
+                InputEffect::Gain => (1.0, PORTS.gain, Scale::Relative, "gain"),
                 InputEffect::Bias => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "bias"),
                 InputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
                 InputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),
@@ -50,7 +47,7 @@ pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
     for (place, output) in machine.channels.iter().enumerate() {
         for effect in problem.ports.outputs.iter().copied() {
             let (neutral, range, scale, words) = match effect {
-                OutputEffect::Gain => (1.0, GAIN, Scale::Relative, "gain"),
+                OutputEffect::Gain => (1.0, PORTS.gain, Scale::Relative, "gain"),
                 OutputEffect::Offset => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "offset"),
                 OutputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
                 OutputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),

@@ -5,34 +5,23 @@
 //! - `walk.rs`: the search itself; every model on its way is fitted
 //! - `class.rs`: what else fits as well in an effect's place
 //! - `nearest.rs`: which listed effects do most of what an unlisted input did
+//! - `policy.rs`: the numbers that decide, with their reasons
 
 pub mod class;
 pub mod nearest;
+mod policy;
 pub mod screen;
 pub mod trials;
 pub mod walk;
 
-use crate::statistics::levels::DOUBTED;
+pub(crate) use policy::SEARCHING;
 pub use walk::{Search, Visited};
-
-/// One search in so many data sets of which the model lacks nothing may find something.
-const FALSE_ALARM: f64 = 1e-4;
-/// Beside an unlisted input an effect must be clear by so many times as many standard deviations: the input's form is a guess,
-/// and what it leaves passes for an effect.
-const GUESSED: f64 = 2.0;
-/// And it must gain at least this share of what the unlisted input gains: what a guessed form leaves is a share of what it takes.
-/// Pushes at a motor's load left 0.3 % that a gain of the current's sensor seemed to explain.
-const LEFT: f64 = 0.01;
-/// Process noise must gain so many times what chance gives: two honest integrators differ by what long logs show.
-const INTEGRATORS: f64 = 2.0;
-/// The truth fits worse than the best of its class by more than this in 0.27 % of data sets: three standard deviations, squared.
-const CLASS: f64 = DOUBTED * DOUBTED;
 
 /// Numbers of the search; `tests/policy_any.rs` holds them against the null distribution, and fails when one moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
     /// Deviance that a model must gain by one more effect: what the best of all candidates gains by chance (χ² with one degree of
-    /// freedom) in one of `FALSE_ALARM` searches.
+    /// freedom) in one of `SEARCHING.false_alarm` searches.
     pub gain: f64,
     /// The same, whatever `gain` is beside an unlisted input.
     pub sure: f64,
@@ -54,18 +43,18 @@ pub struct Policy {
 impl Policy {
     /// For a search among so many candidates, of a model with so many equations.
     pub fn of(candidates: usize, equations: usize) -> Self {
-        let sure = beyond(FALSE_ALARM / candidates.max(1) as f64);
+        let sure = beyond(SEARCHING.false_alarm / candidates.max(1) as f64);
         // of two degrees of freedom the tail is exp(-x/2)
-        let chance = -2.0 * libm::log(FALSE_ALARM / equations.max(1) as f64);
+        let chance = -2.0 * libm::log(SEARCHING.false_alarm / equations.max(1) as f64);
         Self {
             gain: sure,
             sure,
-            beside: GUESSED * GUESSED * sure,
-            class: CLASS,
+            beside: SEARCHING.guessed * SEARCHING.guessed * sure,
+            class: SEARCHING.class,
             looked: 10,
             fitted: 4,
             most: 5,
-            unknown: INTEGRATORS * chance,
+            unknown: SEARCHING.integrators * chance,
         }
     }
 }
@@ -73,7 +62,7 @@ impl Policy {
 impl Policy {
     /// The same beside an unlisted input that gains so much.
     pub fn beside(self, unlisted: f64) -> Self {
-        Self { gain: self.beside.max(LEFT * unlisted), ..self }
+        Self { gain: self.beside.max(SEARCHING.left * unlisted), ..self }
     }
 }
 

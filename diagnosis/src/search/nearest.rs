@@ -4,6 +4,7 @@
 //! What an effect does to a state within an interval (∂F/∂θ, or a chord) is held against what the unlisted input does there (G d), and
 //! its smoothed course is told by few of them, by forward selection.
 
+use super::policy::SEARCHING;
 use super::trials::trials;
 use super::{Policy, Search};
 use crate::dynamics::Engine;
@@ -12,18 +13,11 @@ use crate::dynamics::machine::Role;
 use crate::error::Error;
 use crate::infer::{Disturbance, Fit, Linearised, smooth};
 use crate::observe::InputEffect;
-use crate::statistics::levels::{FEW, HALF};
+use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// A course follows a variable, or an effect, when that takes away at least this share of its square.
-pub const FOLLOWS: f64 = 0.25;
-/// Each further term must take away at least this share.
-pub const FURTHER: f64 = 0.05;
-/// Terms, at most.
-pub const TERMS: usize = FEW;
 
 /// What comes nearest to an unlisted input.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +157,7 @@ fn turned(engine: &Engine, columns: &[Column], course: &[f64]) -> Option<Near> {
         let (along, square) = (dot(&column.values, course), dot(&column.values, &column.values));
         let share = along * along / (square * dot(course, course));
         let gain = column.value(along / square);
-        (share >= FOLLOWS && (-HALF.recip()..=-HALF).contains(&gain))
+        (share >= SEARCHING.follows && (-HALF.recip()..=-HALF).contains(&gain))
             .then_some(Near::Turned(column.chord.parameter, share))
     };
     columns.iter().filter(is_gain).find_map(of)
@@ -258,12 +252,14 @@ fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> b
     let larger = |i: usize, j: usize| if held.alone(i) >= held.alone(j) { vec![i, j] } else { vec![j, i] };
     let pair = held.best(all().flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| larger(i, j)));
     let alone = single.as_ref().map_or(0.0, |(near, _)| near.share);
-    let both = pair.filter(|(near, _)| near.share >= FURTHER + alone.max(FOLLOWS));
-    let (mut near, mut chosen) = both.or(single.filter(|_| alone >= FOLLOWS))?;
-    while chosen.len() < TERMS {
+    let both = pair.filter(|(near, _)| near.share >= SEARCHING.further + alone.max(SEARCHING.follows));
+    let (mut near, mut chosen) = both.or(single.filter(|_| alone >= SEARCHING.follows))?;
+    while chosen.len() < SEARCHING.terms {
         let further = held.best(all().map(|place| chosen.iter().copied().chain([place]).collect()));
         match further {
-            Some((more, with)) if more.share - near.share >= FURTHER => (near, chosen) = (more, with),
+            Some((more, with)) if more.share - near.share >= SEARCHING.further => {
+                (near, chosen) = (more, with)
+            }
             _ => break,
         }
     }

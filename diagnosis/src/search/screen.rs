@@ -1,6 +1,7 @@
 //! What each effect would gain beside a model, on one linearisation of it.
 
 use super::Policy;
+use super::policy::SEARCHING;
 use super::trials::trials;
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::error::Error;
@@ -10,9 +11,6 @@ use crate::infer::{Fit, Linearised, Sizes};
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-
-/// Rounds of the noises' search for a look: most of what an effect takes over from the process noise it takes at once.
-const LOOK: usize = 6;
 
 /// An effect that was screened.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,14 +128,15 @@ pub fn ranked(engine: &Engine, fit: &Fit, screen: &Screen, sizes: &Sizes, policy
         .filter(|(_, screened)| screened.gain > 0.0)
         .collect();
     list.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
-    let before = maximise_within(&screen.runs, &all[..own], &fit.at.noise, sizes, LOOK).1;
+    let before = maximise_within(&screen.runs, &all[..own], &fit.at.noise, sizes, SEARCHING.look_rounds).1;
     let looked: Vec<Screened> = list
         .par_iter()
         .take(policy.looked)
         .map(|(column, screened)| {
             let mut columns = all[..own].to_vec();
             columns.push(*column);
-            let after = maximise_within(&screen.runs, &columns, &fit.at.noise, sizes, LOOK).1;
+            let after =
+                maximise_within(&screen.runs, &columns, &fit.at.noise, sizes, SEARCHING.look_rounds).1;
             Screened { gain: before - after, ..*screened }
         })
         .collect();

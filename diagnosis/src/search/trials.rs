@@ -1,15 +1,9 @@
 //! From where an effect is tried.
 
+use super::policy::SEARCHING;
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::dynamics::machine::Role;
 use crate::observe::{InputEffect, OutputEffect, Scale};
-
-/// Shares of the largest magnitude at which a limit is tried.
-const LIMITS: [f64; 4] = [0.4, 0.6, 0.8, 0.92];
-/// Rows over which the largest jump is spread where a rate limit is tried.
-const RAMPS: [f64; 3] = [2.0, 6.0, 20.0];
-/// Rows by which a delay or lag is tried; less follows from the derivative.
-const LATE: [f64; 3] = [2.0, 5.0, 15.0];
 
 /// Chords of one parameter at its present value.
 pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
@@ -31,7 +25,7 @@ pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
                 Role::Input(_, InputEffect::Delay | InputEffect::Lag)
                     | Role::Output(_, OutputEffect::Delay | OutputEffect::Lag)
             );
-            let rows = if late && here == 0.0 { &LATE[..] } else { &[] };
+            let rows = if late && here == 0.0 { &SEARCHING.late[..] } else { &[] };
             let chords = rows.iter().map(|rows| rows * interval(engine)).filter(fits).map(whole);
             std::iter::once(local).chain(chords).collect()
         }
@@ -57,17 +51,21 @@ fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
     };
     match described.role {
         Role::Input(input, InputEffect::RateLimit) => {
-            RAMPS.iter().map(|rows| jump(input) / (rows * interval(engine))).collect::<Vec<f64>>()
+            SEARCHING.ramps.iter().map(|rows| jump(input) / (rows * interval(engine))).collect::<Vec<f64>>()
         }
-        Role::Input(input, _) => LIMITS.iter().map(|share| share * largest(input)).collect(),
+        Role::Input(input, _) => SEARCHING.limits.iter().map(|share| share * largest(input)).collect(),
         _ => {
             let (least, most) = described.range;
             if most.is_finite() && most > 0.0 {
-                return LIMITS.iter().map(|share| least.max(0.0) + share * (most - least.max(0.0))).collect();
+                return SEARCHING
+                    .limits
+                    .iter()
+                    .map(|share| least.max(0.0) + share * (most - least.max(0.0)))
+                    .collect();
             }
             let inputs = 0..engine.machine.inputs.len();
             inputs
-                .flat_map(|input| LIMITS.iter().step_by(2).map(move |share| share * largest(input)))
+                .flat_map(|input| SEARCHING.limits.iter().step_by(2).map(move |share| share * largest(input)))
                 .collect()
         }
     }

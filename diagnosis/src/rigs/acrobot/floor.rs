@@ -14,9 +14,6 @@ use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::bare;
 
-/// Below this share of its length a regressor depends on others.
-const DEPENDENT: f64 = ROUNDING;
-
 /// For each signal the standard deviation that noise gives a row. `nominal` is the model that nothing was fitted to; of `last` only
 /// the scatter within windows counts, in which everything is free.
 pub fn of(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> Vec<f64> {
@@ -99,7 +96,7 @@ fn fitted(rows: &[Row]) -> Option<(f64, f64)> {
             basis.iter().for_each(|known| take_out(known, &mut column));
         }
         let after = norm(&column);
-        if after > DEPENDENT * before {
+        if after > ROUNDING * before {
             basis.push(column.iter().map(|x| x / after).collect());
         }
     }

@@ -9,7 +9,8 @@ use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
-use crate::rigs::acrobot::selection::{Evaluation, STAMPS, Study, lacking};
+use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::rigs::acrobot::selection::{Evaluation, Study, lacking};
 use crate::statistics::linear::bare;
 
 /// For each signal, variance of the block means of a model's residual over what independent rows would give, and the rows of a block; beside
@@ -52,7 +53,7 @@ pub(super) fn doubt(found: &Found<'_>, _: Option<&Unknown>) -> Judgement {
 
 /// The residual in words, if it is more than noise.
 fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
-    let stamps = STAMPS * study.explained;
+    let stamps = SELECTION.stamps * study.explained;
     // what scattering timestamps of the torque do goes on from row to row, too
     let accounted = if study.last.discrepancy_sd <= stamps { study.last.discrepancy_sd } else { 0.0 };
     let nearest = nearest(study, candidates);

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::opened::open;
 use crate::rigs::acrobot::bench::Bench;
+use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::forced::Pair;
 use crate::rigs::acrobot::residual::trajectory::State;
 use orchestrator::{UnitPath, Value};
@@ -11,9 +12,6 @@ use std::path::Path;
 
 /// File of the residual unit.
 pub const UNIT: &str = "acrobot_residual.fmu";
-
-/// Rates over which a Stribeck term may fall, rad/s: what is seen from machine tools to balancing arms.
-const SLOW: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 
 /// Terms of an axis: stem of the coefficient, its unit, and a phrase.
 const TERMS: [(&str, &str, &str); 8] = [
@@ -54,7 +52,7 @@ pub fn entries() -> Vec<Entry> {
                 phrase: format!("torque {place} {phrase} ({of})"),
             };
             match stem {
-                "stribeck" => all.extend(SLOW.map(|slow| entry(Some(slow)))),
+                "stribeck" => all.extend(CORRECTION.slow.map(|slow| entry(Some(slow)))),
                 _ => all.push(entry(None)),
             }
         }

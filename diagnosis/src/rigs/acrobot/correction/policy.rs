@@ -13,7 +13,10 @@ pub struct Offered {
     /// Share of the first residual that a term must amount to: torques between rows are about as exact beside large ones, which are held over steps.
     /// A drag of 0.18 N·m came with a spring of 0.0015 N·m.
     pub exact: f64,
+    /// Rates over which a Stribeck term may fall, rad/s: what is seen from machine tools to balancing arms.
+    pub slow: [f64; 5],
 }
 
 /// Those in force.
-pub const CORRECTION: Offered = Offered { certain: DOUBTED, worth: SLIGHT, exact: STEP };
+pub const CORRECTION: Offered =
+    Offered { certain: DOUBTED, worth: SLIGHT, exact: STEP, slow: [0.05, 0.1, 0.2, 0.4, 0.8] };

@@ -3,7 +3,7 @@
 use super::angles::{far_apart, glitches, typical_gap, unwrapped};
 use super::images::{pictures, tells_poses};
 use super::timestamps::{self, Moved};
-use super::{Run, TORN, Table};
+use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
@@ -90,15 +90,16 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
             run.plant = None;
         } else if run.controller.is_none() {
-            let apart = typical_gap(plant).filter(|apart| *apart > TORN);
+            let apart = typical_gap(plant).filter(|apart| *apart > LOGS.torn);
             let message = without_torque(run, commanded);
             notices.push(Notice { file: file("plant.csv"), line: 0, message });
             if let Some(apart) =
                 apart.filter(|_| run.controller.is_none() && run.camera.as_ref().is_some_and(tells_poses))
             {
                 let message = format!(
-                    "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({TORN} s or less \
-                     are needed); file excluded, poses are read off the image"
+                    "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({} s or less \
+                     are needed); file excluded, poses are read off the image",
+                    LOGS.torn
                 );
                 notices.push(Notice { file: file("plant.csv"), line: 0, message });
                 run.plant = None;

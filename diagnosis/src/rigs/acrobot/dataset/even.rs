@@ -3,10 +3,6 @@
 use super::{DataSet, Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::statistics::levels::{PART, SLIGHT};
-
-/// Scatter about the ticks that is worth a test, as a share of the interval, and beyond which there are no ticks.
-const SCATTER: (f64, f64) = (SLIGHT, PART);
 
 /// Even times through timestamps that scatter about them, and by how much they do, s.
 fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
@@ -26,7 +22,7 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     let square: f64 = off.iter().map(|off| off * off).sum();
     let along: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let scatter = (square / n).sqrt();
-    let scatters = scatter > SCATTER.0 * interval && scatter < SCATTER.1 * interval;
+    let scatters = scatter > LOGS.tick_scatter.0 * interval && scatter < LOGS.tick_scatter.1 * interval;
     let known = scatter < LOGS.known * n.sqrt();
     let ticks = ticks.into_iter().map(|tick| first + tick).collect();
     (scatters && known && along.abs() < LOGS.wanders * square).then_some((ticks, scatter))

@@ -8,12 +8,11 @@ mod check;
 mod even;
 mod images;
 mod manifest;
-mod policy;
+pub(crate) mod policy;
 pub mod stated;
 mod table;
 mod timestamps;
 
-use crate::statistics::levels::FAR;
 pub use angles::{in_degrees, typical_gap};
 pub use images::angle_in_degrees;
 pub use manifest::Manifest;
@@ -27,10 +26,6 @@ use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
 use std::path::{Path, PathBuf};
 use timestamps::Moved;
-
-/// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine whose unstable pole is at 7 1/s goes where no
-/// cubic does.
-pub const TORN: f64 = FAR * POLICY.motion_step;
 
 /// One run: the logs that were measured. The start state is not given.
 #[derive(Debug, Clone)]

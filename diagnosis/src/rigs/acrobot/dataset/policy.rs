@@ -4,7 +4,7 @@ use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::plausibility::time::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
-use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL, SMALL};
+use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +52,13 @@ pub struct Logs {
     pub clearly: f64,
     /// So often a clock may have been set in a run.
     pub few: usize,
+    /// Scatter about the ticks that is worth a test, as a share of the interval, and beyond which there are no ticks.
+    pub tick_scatter: (f64, f64),
+    /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine whose unstable pole is at 7 1/s goes where no
+    /// cubic does.
+    pub torn: f64,
+    /// Images that are late by this much against the encoders are late, and not stamped by another clock, s.
+    pub late: (f64, f64),
 }
 
 /// Those in force.
@@ -78,4 +85,7 @@ pub const LOGS: Logs = Logs {
     agrees: PART,
     clearly: SEVERAL,
     few: FEW,
+    tick_scatter: (SLIGHT, PART),
+    torn: FAR * POLICY.motion_step,
+    late: (-0.05, 1.0),
 };

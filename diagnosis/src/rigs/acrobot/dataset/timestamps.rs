@@ -10,9 +10,6 @@ use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::SMALL;
 
-/// Images that are late by this much against the encoders are late, and not stamped by another clock, s.
-const LATE: (f64, f64) = (-0.05, 1.0);
-
 /// What was set right by the motion, and is known by it alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moved {
@@ -47,7 +44,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
         return None;
     }
     let (logged, seen) = (span(plant), span(camera));
-    let apart = logged.1 < seen.0 - LATE.1 || logged.0 > seen.1 - LATE.0;
+    let apart = logged.1 < seen.0 - LOGS.late.1 || logged.0 > seen.1 - LOGS.late.0;
     // a torque goes with the log that it began and ended with
     let torque = run.controller.as_ref().filter(|log| log.len() >= POLICY.rows).map(span);
     let beside = |log: (f64, f64), torque: (f64, f64)| (log.0 - torque.0).abs() + (log.1 - torque.1).abs();
@@ -98,7 +95,7 @@ fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
         let tries = (0..=((to - from) / step) as usize).map(|place| from + place as f64 * step);
         tries.map(|late| (left(&logged, rows, late), late)).min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let now = least(LATE.0, LATE.1, LOGS.step, &thin)?.0;
+    let now = least(LOGS.late.0, LOGS.late.1, LOGS.step, &thin)?.0;
     if now < LOGS.agrees {
         return Some(0.0);
     }

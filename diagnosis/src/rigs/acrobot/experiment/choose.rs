@@ -5,10 +5,6 @@ use super::catalogue::Experiment;
 use super::separation::Losses;
 use crate::diagnosis::Separation;
 use crate::rigs::acrobot::experiment::policy::DESIGN;
-use crate::statistics::levels::DOUBTED;
-
-/// Expected loss above which two members count as told apart: odds of 1 to 90.
-pub const TOLD: f64 = DOUBTED * DOUBTED;
 
 /// An experiment of the catalogue with what simulating it gave.
 pub struct Tried {
@@ -95,7 +91,7 @@ impl Tried {
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for member in 0..self.losses.len() {
-            let near = |group: &Vec<usize>| group.iter().any(|other| self.pair(member, *other) < TOLD);
+            let near = |group: &Vec<usize>| group.iter().any(|other| self.pair(member, *other) < DESIGN.told);
             let (mut joined, apart): (Vec<Vec<usize>>, Vec<Vec<usize>>) = groups.into_iter().partition(near);
             let mut group: Vec<usize> = joined.drain(..).flatten().collect();
             group.push(member);

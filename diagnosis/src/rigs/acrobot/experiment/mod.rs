@@ -17,6 +17,7 @@ mod simulate;
 #[cfg(test)]
 mod tests;
 
+use crate::design::EXPERIMENTS;
 use crate::diagnosis::{NextExperiment, Separation};
 use crate::error::Error;
 use crate::planned::{self, Planned, Predicted};
@@ -211,7 +212,7 @@ fn planned(question: &Question<'_>, entry: &'static Experiment) -> Result<Planne
     let prepared = prepare(question.data, question.model, entry)?;
     let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
     let bench = Bench::new(question, &prepared)?;
-    let members = 0..question.members.len().min(planned::MEMBERS);
+    let members = 0..question.members.len().min(EXPERIMENTS.members);
     let runs: Vec<(usize, Run)> =
         members.map(|truth| Ok((truth, bench.logged(truth)?))).collect::<Result<_, Error>>()?;
     let course = |table: Option<&Table>, name: &str| -> Option<Vec<(f64, f64)>> {

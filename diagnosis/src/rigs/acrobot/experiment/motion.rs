@@ -7,13 +7,9 @@ use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
-use crate::statistics::levels::{MORE, SMALL};
 use orchestrator::Scenario;
 use orchestrator::scenario::Shape;
 use std::f64::consts::{PI, TAU};
-
-/// Torque at the joint and at the first link, as shares of the second link's weight: swings of half a radian to one.
-const SHARES: [f64; 2] = [SMALL, MORE * SMALL];
 
 /// What the inputs get over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,8 +116,9 @@ pub fn hanging(data: &DataSet, model: &Model) -> Tables {
             })
             .collect()
     };
-    let joint = sines(SHARES[0] * weight, [0.23, 0.61, 1.13, 1.87, 2.9]);
-    let link = if shoulder { sines(SHARES[1] * weight, [0.31, 0.53, 0.97, 1.49, 2.1]) } else { Vec::new() };
+    let joint = sines(DESIGN.swings[0] * weight, [0.23, 0.61, 1.13, 1.87, 2.9]);
+    let link =
+        if shoulder { sines(DESIGN.swings[1] * weight, [0.31, 0.53, 0.97, 1.49, 2.1]) } else { Vec::new() };
     let start = Some([PI, PI, 0.0, 0.0]);
     Tables { desired: None, torques: Some([joint, link]), start, length: DESIGN.short, share: None }
 }

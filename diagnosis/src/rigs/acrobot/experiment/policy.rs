@@ -3,7 +3,7 @@
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::rigs::acrobot::selection::CLASS;
-use crate::statistics::levels::{FEW, SEVERAL, STEP};
+use crate::statistics::levels::{DOUBTED, FEW, MORE, SEVERAL, SMALL, STEP};
 use std::f64::consts::FRAC_PI_2;
 
 /// How much is enough.
@@ -40,6 +40,12 @@ pub struct Design {
     pub tangent: f64,
     /// Rows of the encoders per second where none were logged before.
     pub encoder_rate: f64,
+    /// Expected loss above which two members count as told apart: odds of 1 to 90.
+    pub told: f64,
+    /// Torque at the joint and at the first link, as shares of the second link's weight: swings of half a radian to one.
+    pub swings: [f64; 2],
+    /// A sweep is given in straight lines of this length, s.
+    pub sweep_step: f64,
 }
 
 /// Those in force.
@@ -59,4 +65,7 @@ pub const DESIGN: Design = Design {
     frames: 100,
     tangent: STEP,
     encoder_rate: 30.0,
+    told: DOUBTED * DOUBTED,
+    swings: [SMALL, MORE * SMALL],
+    sweep_step: SMALL,
 };

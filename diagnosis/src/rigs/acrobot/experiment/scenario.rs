@@ -6,9 +6,9 @@ use super::simulate::rate;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Entry, LIST, Motion, name};
 use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
-use crate::statistics::levels::SMALL;
 use orchestrator::scenario::{Placed, Shape, SignalEntry, SourceEntry};
 use orchestrator::{Place, Scenario};
 
@@ -127,12 +127,11 @@ fn here() -> Place {
 }
 
 fn points(profile: Profile) -> Vec<(f64, f64)> {
-    const STEP: f64 = SMALL;
     match profile {
         Profile::Points(points) => points.to_vec(),
-        Profile::Sweep { size, from, to } => (0..=(LENGTH / STEP) as usize)
+        Profile::Sweep { size, from, to } => (0..=(LENGTH / DESIGN.sweep_step) as usize)
             .map(|k| {
-                let t = k as f64 * STEP;
+                let t = k as f64 * DESIGN.sweep_step;
                 let phase = std::f64::consts::TAU * (from * t + 0.5 * (to - from) * t * t / LENGTH);
                 (t, size * libm::sin(phase))
             })

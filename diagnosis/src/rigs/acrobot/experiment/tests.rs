@@ -174,7 +174,7 @@ fn value_delays_without_encoders_ask_for_the_joint_angles() {
     assert!(next.what.contains("joint angles"), "{next:?}");
     // a camera that is late and an actuator that is late look the same in any image of any motion
     let of = |name: &str| next.separation.iter().find(|line| line.experiment == name).expect("simulated");
-    assert!(of("faster steps").loss.is_some_and(|loss| loss < choose::TOLD), "{next:?}");
+    assert!(of("faster steps").loss.is_some_and(|loss| loss < super::policy::DESIGN.told), "{next:?}");
     assert!(next.leaves_open.iter().flatten().all(|name| name != "camera.T_delay"), "{next:?}");
 }
 

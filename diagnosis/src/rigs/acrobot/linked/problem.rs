@@ -9,12 +9,12 @@ use crate::observe::{
     Affine, Candidate as Listed, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading,
     Role, Run as Logged, Scale, Series, State, VariableId,
 };
-use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side, ZEROS};
+use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
-use crate::rigs::acrobot::residual::trajectory::{DENSE, TOLERANCE};
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use orchestrator::Value;
 use orchestrator::time::Rational;
 
@@ -90,7 +90,7 @@ pub(super) fn stretches(
     if spans.is_empty() {
         return Ok(None);
     }
-    let moved = list.iter().zip(point).any(|(one, x)| ZEROS.contains(&one.name) && *x != 0.0);
+    let moved = list.iter().zip(point).any(|(one, x)| one.side == Side::Zero && *x != 0.0);
     let problem = Problem {
         path: data.path.clone(),
         channels,
@@ -137,7 +137,7 @@ fn nominal(model: &Model) -> Result<Nominal, Error> {
     let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
     let off =
         ACTUATOR.iter().map(|(name, effect)| (*name, if *effect == InputEffect::Gain { 1.0 } else { 0.0 }));
-    for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", TOLERANCE)]) {
+    for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", RESIDUAL.integrator)]) {
         let own = name.split_once('.').map_or(name, |(_, own)| own);
         if let Some(place) = nominal.description(0).place(own) {
             nominal.set.push((VariableId { unit: 0, place }, Value::Real(value)));
@@ -184,7 +184,7 @@ fn usable(run: &Run, plant: &Table, contact: f64) -> Vec<usize> {
     let told = |row: &usize| angle(*row, "q1") || angle(*row, "q2");
     let within = |row: &usize| (begin..=end).contains(&plant.time[*row]);
     let rows: Vec<usize> = (0..limit).filter(told).filter(within).collect();
-    let every = (DENSE / usual(&rows, plant) - 1e-9).ceil().max(1.0);
+    let every = (RESIDUAL.step / usual(&rows, plant) - 1e-9).ceil().max(1.0);
     rows.into_iter().step_by(every as usize).collect()
 }
 
@@ -192,7 +192,7 @@ fn usable(run: &Run, plant: &Table, contact: f64) -> Vec<usize> {
 fn usual(rows: &[usize], plant: &Table) -> f64 {
     let mut gaps: Vec<f64> = rows.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
     gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(DENSE)
+    gaps.get(gaps.len() / 2).copied().unwrap_or(RESIDUAL.step)
 }
 
 /// Stretches without a gap in which the torque is known.

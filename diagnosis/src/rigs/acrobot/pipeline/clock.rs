@@ -7,10 +7,6 @@ use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::steadiness;
-use crate::statistics::levels::DOUBTED;
-
-/// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
-pub(super) const MISSES: f64 = DOUBTED;
 
 /// The plant log's clock, s late, that explains what the image alone would have called a delay: logs of plant and torque know
 /// their clock to some ten microseconds only, an image its delay to some microseconds.
@@ -23,7 +19,7 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
         parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
     let (shift, blurred, alone) = known(plant, list, clock)?;
     let misses = (by + shift).abs() / error.hypot(blurred);
-    if blurred > PIPELINE.blurred * alone || misses > MISSES {
+    if blurred > PIPELINE.blurred * alone || misses > PIPELINE.misses {
         return None;
     }
     let weights = (error.powi(-2), blurred.powi(-2));
@@ -139,7 +135,7 @@ impl Clocks {
             gone.push(stamps);
         }
         if let Some((shown, by)) = early(list, point) {
-            // one that was found, that is: nothing is the same as a clock that is off by less than SAME
+            // one that was found, that is: nothing is the same as a clock that is off by less than `same`
             let found = |index: &usize| point[*index] != list[*index].off;
             let same = |index: &usize| {
                 found(index) && (point[*index] - by).abs() < PIPELINE.same + PIPELINE.close * by

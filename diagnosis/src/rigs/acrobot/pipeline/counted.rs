@@ -3,7 +3,7 @@
 use super::*;
 use crate::diagnosis::Effect;
 use crate::rigs::acrobot::counting::losses;
-use crate::rigs::acrobot::selection::ALPHA;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::WITHIN;
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub(super) fn noisy_sensor(
         smallest.insert(candidate.name.to_owned(), noise.detectable);
         if noise.clear {
             let ci95 = [(noise.value - WITHIN * noise.error).max(0.0), noise.value + WITHIN * noise.error];
-            effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - ALPHA));
+            effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - SELECTION.alpha));
         }
     }
 }
@@ -39,6 +39,6 @@ pub(super) fn counted(
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
     let outside = candidate.off < ci95[0] || candidate.off > ci95[1];
     if outside && losses.lost >= 2.0 {
-        effects.push(Effect::alone(candidate, share, ci95, 1.0 - ALPHA));
+        effects.push(Effect::alone(candidate, share, ci95, 1.0 - SELECTION.alpha));
     }
 }

@@ -3,8 +3,9 @@
 use super::effects::doubt;
 use super::*;
 use crate::rigs::acrobot::candidates::Motion;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::selection::ALPHA;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use std::collections::BTreeMap;
 
 /// Smallest size that would have been found, for each candidate of a part.
@@ -15,7 +16,7 @@ pub(super) fn detectable(
     doubts: &[(usize, f64)],
     into: &mut BTreeMap<String, f64>,
 ) {
-    let threshold = part.study.screen.null.threshold(ALPHA);
+    let threshold = part.study.screen.null.threshold(SELECTION.alpha);
     let last = &part.study.last;
     let covariance = last.covariance(free);
     let differs = last.systematic_beside(free, &part.signals);
@@ -46,7 +47,7 @@ pub(super) fn detectable(
             }
         };
         // a smaller one is taken for the log's clock
-        let size = size.map(|size| size.max(MISSES * doubt(doubts, *index).hypot(size / threshold)));
+        let size = size.map(|size| size.max(PIPELINE.misses * doubt(doubts, *index).hypot(size / threshold)));
         let size = match (candidate.is_discrete(), size) {
             (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
                 Some(size.ceil().max(1.0))

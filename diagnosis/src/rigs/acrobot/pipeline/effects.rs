@@ -4,7 +4,7 @@ use super::interval;
 use super::*;
 use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::selection::ALPHA;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::WITHIN;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
@@ -53,7 +53,8 @@ pub(super) fn part_effects(
             let kept = worth(*index).map_or(1.0, |worth| worth.share)
                 * interval::confirmed(&part.study, data, list, *index);
             members.iter_mut().for_each(|member| member.probability *= kept);
-            let probability = members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - ALPHA);
+            let probability =
+                members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - SELECTION.alpha);
             let effect = Effect {
                 name: candidate.name.to_owned(),
                 class: members.iter().map(|member| member.name.clone()).collect(),
@@ -99,12 +100,12 @@ fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candi
         .filter(|other| other.candidate == first || other.loss < CLASS)
         .map(|other| {
             let name = list[other.candidate].name.to_owned();
-            let probability = (weight(other) / all).min(1.0 - ALPHA);
+            let probability = (weight(other) / all).min(1.0 - SELECTION.alpha);
             (other.candidate != first, Member { name, probability })
         })
         .collect();
     if members.is_empty() {
-        members.push((false, Member { name: list[own].name.to_owned(), probability: 1.0 - ALPHA }));
+        members.push((false, Member { name: list[own].name.to_owned(), probability: 1.0 - SELECTION.alpha }));
     }
     members.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.probability.total_cmp(&a.1.probability)));
     members.into_iter().map(|(_, member)| member).collect()

@@ -34,7 +34,7 @@ use crate::rigs::acrobot::residual::{Cut, Signal, Tracked};
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, study};
 use crate::watch::{Listener, Watch};
 use camera::camera_part;
-use clock::{Clocks, MISSES, doubts};
+use clock::{Clocks, doubts};
 use conclude::conclude;
 use left_out::{First, left_out, told};
 use orchestrator::UnitPath;

@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::trajectory::PREROLL;
-use crate::statistics::levels::{FAR, FEW, HALF, MORE, PART, SLIGHT, SMALL, WITHIN};
+use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, MORE, PART, SLIGHT, SMALL, WITHIN};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +61,8 @@ pub struct Pipeline {
     pub parts: usize,
     /// Of each linearisation, so many of the screen's best are candidates again.
     pub screened: usize,
+    /// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
+    pub misses: f64,
 }
 
 /// Those in force.
@@ -91,4 +93,5 @@ pub const PIPELINE: Pipeline = Pipeline {
     ran_away: MORE,
     parts: 2,
     screened: FEW,
+    misses: DOUBTED,
 };

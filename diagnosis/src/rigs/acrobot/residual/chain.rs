@@ -5,7 +5,7 @@
 //! at the frames' times less the camera's delay, follow the plant that is driven with the logged torque (plant,
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
-use super::image::{ImageCut, Pose, READ_ANGLE, pose_shift};
+use super::image::{ImageCut, Pose, pose_shift};
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
@@ -67,7 +67,7 @@ impl Chain {
         let mut signals = image.signals().to_vec();
         signals.extend(plant.signals().iter().cloned());
         for signal in signals[image.signals().len()..].iter_mut().take(2) {
-            signal.tolerance = if image.read { READ_ANGLE } else { ANGLES_APART };
+            signal.tolerance = if image.read { RESIDUAL.place } else { ANGLES_APART };
         }
         let off: Vec<f64> = candidates.iter().map(|candidate| candidate.off).collect();
         let first = Nuisances { frames: Some(image.state()), ..plant.initial() };

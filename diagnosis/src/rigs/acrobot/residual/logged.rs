@@ -3,7 +3,8 @@
 //! A cubic spline through the rows: nothing is smoothed, so that what is known of the motion is what is known of a row.
 
 use super::trajectory::{Motion, State};
-use crate::rigs::acrobot::dataset::{Run, TORN};
+use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::levels::MIDDLE;
 
@@ -18,7 +19,7 @@ pub fn motion(run: &Run) -> Option<(Motion, f64)> {
     for row in rows {
         let (time, angles) = (log.time[row], [q1[row], q2[row]]);
         match stretches.last_mut() {
-            Some(last) if last.last().is_some_and(|before| time - before.0 <= TORN) => {
+            Some(last) if last.last().is_some_and(|before| time - before.0 <= LOGS.torn) => {
                 last.push((time, angles))
             }
             _ => stretches.push(vec![(time, angles)]),

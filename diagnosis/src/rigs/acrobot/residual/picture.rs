@@ -11,7 +11,7 @@ use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, n
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{self, FINE};
+use crate::statistics::levels::TASK;
 use orchestrator::Value;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -29,10 +29,6 @@ pub const CENTROIDS: Range<usize> = places(&CHANNELS, Measures::Centroid);
 pub const AREAS: Range<usize> = places(&CHANNELS, Measures::Area);
 /// And of the angles.
 pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
-/// Share of a frame's interval that the tiny step takes.
-const JUMP: f64 = FINE;
-/// Frames that one instance makes in a row.
-const CHUNK: usize = levels::TASK;
 
 /// A frame to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,7 +160,7 @@ impl Studio {
 
     fn shoot(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
         let chunks: Vec<_> =
-            shots.par_chunks(CHUNK).map(|chunk| self.chunk(settings, chunk)).collect::<Result<_, _>>()?;
+            shots.par_chunks(TASK).map(|chunk| self.chunk(settings, chunk)).collect::<Result<_, _>>()?;
         Ok(chunks.concat())
     }
 
@@ -187,7 +183,7 @@ impl Studio {
                     step(instance, time(number, 0.0), time(number + 1, 0.0) - time(number, 0.0))?;
                     number += 1;
                 }
-                let (from, jumped, to) = (time(number, 0.0), time(number, JUMP), time(number, 1.0));
+                let (from, jumped, to) = (time(number, 0.0), time(number, RESIDUAL.jump), time(number, 1.0));
                 number += 1;
                 instance.set_real(&self.inputs, &shot.before).map_err(failed)?;
                 step(instance, from, jumped - from)?;

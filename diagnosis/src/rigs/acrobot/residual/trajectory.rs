@@ -14,13 +14,6 @@ use orchestrator::fmu::Instance;
 /// Time before the scored rows of a window, s: longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
 
-/// A torque that is logged more often than this (s) is averaged.
-pub const DENSE: f64 = RESIDUAL.step;
-
-/// Tolerance of the plant's integrator, per second: after a second of a wild arm 1e-9 rad are wrong, far below any encoder. A
-/// tenth of it takes 1.2 times as long, and the unit's own, a hundredth, 1.8 times.
-pub const TOLERANCE: f64 = 1e-7;
-
 /// q1, q2, dq1, dq2.
 pub type State = [f64; 4];
 
@@ -65,7 +58,7 @@ pub struct Drive {
 
 impl Drive {
     /// From `start`, with the run's logged torque, to the last of `wanted` (increasing, not before `start`). Something
-    /// may change at each of `edges`. A torque logged faster than 1/`DENSE` is a line between wanted times, which keeps its impulse and
+    /// may change at each of `edges`. A torque logged faster than 1/`RESIDUAL.step` is a line between wanted times, which keeps its impulse and
     /// the way that this makes.
     pub fn new(run: &Run, start: f64, wanted: &[f64], edges: &[f64]) -> Self {
         let end = wanted.last().copied().unwrap_or(start);
@@ -76,7 +69,7 @@ impl Drive {
         if let Some(controller) = &run.controller {
             let from = controller.time.partition_point(|time| *time <= start);
             let to = controller.time.partition_point(|time| *time < end);
-            dense = to > from + 4 && (end - start) / ((to - from) as f64) < DENSE;
+            dense = to > from + 4 && (end - start) / ((to - from) as f64) < RESIDUAL.step;
             if !dense {
                 times.extend(controller.time[from..to.max(from)].iter().map(|time| (*time, false)));
             }
@@ -233,7 +226,7 @@ pub fn simulate(
     all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
     all.push(real(ports.bias, bias + first.1));
     all.push(real(ports.before, drive.before));
-    all.extend(ports.tolerance.map(|reference| real(reference, TOLERANCE)));
+    all.extend(ports.tolerance.map(|reference| real(reference, RESIDUAL.integrator)));
     // rows at which the links touch are not scored, and a trial state must not be held
     all.push(real(ports.contact, 1e9));
     plant.run(&all, drive.start(), |instance| {

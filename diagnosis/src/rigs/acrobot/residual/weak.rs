@@ -24,7 +24,7 @@ use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{self, FEW, HALF, MIDDLE};
+use crate::statistics::levels::{FEW, HALF, MIDDLE, TASK};
 use crate::statistics::linear::Cell;
 use crate::statistics::linear::RANK_TOLERANCE;
 use nalgebra::{DMatrix, Matrix2, Vector2};
@@ -33,8 +33,6 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Nodes that one instance is asked at after it was set up.
-const CHUNK: usize = levels::TASK;
 /// Torque for the unit's sensitivity, N·m: it is linear in it.
 const PUSH: f64 = 1.0;
 
@@ -191,7 +189,7 @@ impl Weak {
             all.into_iter().filter(|(reference, _)| !(driven && chain.contains(reference))).collect();
         let found: Vec<Vec<[f64; 2]>> = self
             .nodes
-            .par_chunks(CHUNK)
+            .par_chunks(TASK)
             .map(|nodes| match &applied {
                 None if zeros == [0.0; 2] => self.accelerations(&fixed, nodes),
                 applied => {
@@ -210,7 +208,7 @@ impl Weak {
             .collect::<Result<_, _>>()?;
         let sum = |stretch: &Stretch, axis: usize| {
             let weighed = stretch.nodes.iter().zip(&stretch.weights);
-            weighed.map(|(node, weight)| found[node / CHUNK][node % CHUNK][axis] * weight).sum()
+            weighed.map(|(node, weight)| found[node / TASK][node % TASK][axis] * weight).sum()
         };
         Ok(self.stretches.iter().map(|s| Vector2::new(sum(s, 0), sum(s, 1))).collect())
     }

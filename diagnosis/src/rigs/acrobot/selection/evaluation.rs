@@ -12,9 +12,6 @@ use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, subma
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Relative change of a standard deviation that ends the search for it: far below what any number of rows tells of one.
-const SAME: f64 = FINE;
-
 /// A point, judged.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
@@ -76,7 +73,7 @@ impl Evaluation {
                     None => seen.max(signal.least),
                 })
                 .collect();
-            let moved = |(before, after): (&f64, &f64)| (after / before - 1.0).abs() > SAME;
+            let moved = |(before, after): (&f64, &f64)| (after / before - 1.0).abs() > FINE;
             let done = !sigmas.iter().zip(&wanted).any(moved);
             rescale(&mut blocks, &sigmas, &wanted);
             sigmas = wanted;

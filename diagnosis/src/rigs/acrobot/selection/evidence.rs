@@ -6,11 +6,7 @@ use super::folds::Folds;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::statistics::levels::SEVERAL;
 use crate::statistics::linear::Sized;
-
-/// A lacking torque up to this many times what the timestamps' scatter gives is theirs: lateness has a long tail.
-pub const STAMPS: f64 = SEVERAL;
 
 /// Decrease of the deviance that a torque of its own in each part of each window brings.
 pub fn discrepancy(evaluation: &Evaluation) -> f64 {
@@ -30,7 +26,7 @@ pub fn lacking(evaluation: &Evaluation, folds: &Folds, explained: f64, pictured:
     } else {
         POLICY.evidence
     };
-    evaluation.discrepancy_sd > STAMPS * explained && discrepancy(evaluation) >= enough
+    evaluation.discrepancy_sd > SELECTION.stamps * explained && discrepancy(evaluation) >= enough
 }
 
 #[cfg(test)]

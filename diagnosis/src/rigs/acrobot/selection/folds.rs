@@ -17,7 +17,6 @@ pub struct Folds {
 impl Folds {
     /// Runs where there are two or more; else the run is divided.
     pub fn new(blocks: &[Block]) -> Self {
-        const PARTS: usize = FEW;
         let mut runs: Vec<usize> = blocks.iter().map(|block| block.run).collect();
         // a cut's signals may have blocks of their own, each over all runs
         runs.sort_unstable();
@@ -29,8 +28,8 @@ impl Folds {
                 .collect();
             return Self { of, count: runs.len(), runs };
         }
-        let of = (0..blocks.len()).map(|place| place * PARTS / blocks.len().max(1)).collect();
-        Self { of, count: PARTS, runs: Vec::new() }
+        let of = (0..blocks.len()).map(|place| place * FEW / blocks.len().max(1)).collect();
+        Self { of, count: FEW, runs: Vec::new() }
     }
 
     /// What was left out, each in turn, in words.

@@ -9,7 +9,7 @@ mod evidence;
 pub(crate) mod examples;
 mod folds;
 mod follow;
-mod policy;
+pub(crate) mod policy;
 mod refit;
 mod screen;
 mod search;
@@ -23,15 +23,12 @@ mod trials;
 
 pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
 pub use evaluation::{Evaluation, all_perturbations, discrepancies};
-pub use evidence::{STAMPS, discrepancy, lacking};
+pub use evidence::{discrepancy, lacking};
 pub use folds::Folds;
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
 pub use steady::{Steadiness, steadiness};
-
-/// Family-wise error of one screen; a cut is screened once where nothing is missing.
-pub const ALPHA: f64 = 0.005;
 
 /// One step of the search, as the story tells it.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use crate::infer::fit::Options;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::plant::PUSH;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, FINE, HALF, MORE, PART, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
@@ -107,6 +107,12 @@ pub struct Selection {
     /// Sizes of discrepancy among which the most likely is taken (0 first), in its own unit, for cells of inertia scale 1.
     pub sizes: usize,
     pub smallest: f64,
+    /// Family-wise error of one screen; a cut is screened once where nothing is missing.
+    pub alpha: f64,
+    /// A lacking torque up to this many times what the timestamps' scatter gives is theirs: lateness has a long tail.
+    pub stamps: f64,
+    /// Decrease of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
+    pub together: f64,
 }
 
 /// Those in force.
@@ -158,5 +164,8 @@ pub const SELECTION: Selection = Selection {
     pictured_evidence: FAR * CERTAIN * CERTAIN,
     pictured_each: HALF,
     sizes: 15,
-    smallest: PUSH,
+    smallest: WINDOWS.push,
+    alpha: 0.005,
+    stamps: SEVERAL,
+    together: POLICY.clear * POLICY.clear,
 };

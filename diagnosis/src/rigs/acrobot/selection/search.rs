@@ -8,7 +8,7 @@ use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
 use super::together::{Proposal, pays, together};
 use super::trials::{Accepted, Trials, shortlist};
-use super::{ALPHA, Alternative, Step, Study};
+use super::{Alternative, Step, Study};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::floor;
@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
     fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
         let cut: &mut Tracked = cut;
-        let threshold = found.null.threshold(ALPHA);
+        let threshold = found.null.threshold(SELECTION.alpha);
         let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().discrepancy_dominated);
         let switched = switched(cut, candidates, last, active, refused, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };

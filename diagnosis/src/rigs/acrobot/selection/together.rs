@@ -5,18 +5,11 @@
 
 use super::evaluation::Evaluation;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
-use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::RANK_TOLERANCE;
 use crate::statistics::linear::{inverse, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
-
-/// Decrease of the squares that each effect must bring over those of a search one by one, as one that is found alone must.
-const EACH: f64 = POLICY.clear * POLICY.clear;
-
-/// Share of a column's square by which two that do the same are told apart.
-const SINGULAR: f64 = RANK_TOLERANCE;
 
 /// Effects and a point for a fit to begin with.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +20,7 @@ pub(super) struct Proposal {
 
 /// Whether a decrease of the squares is worth so many more effects, beside so many that are left; of fewer, whether a rise is.
 pub(super) fn pays(decrease: f64, more: f64, left: f64) -> bool {
-    decrease > more * EACH + more.signum() * SELECTION.lattice * left
+    decrease > more * SELECTION.together + more.signum() * SELECTION.lattice * left
 }
 
 /// What all linear effects of the image say together, if those that are needed are others than the active ones.
@@ -82,8 +75,9 @@ impl Told {
         // about neutral: the model is linear
         let about = score + gram * DVector::from_column_slice(off);
         let mut spread = gram + offsets * offsets.transpose();
+        // by so much two are told apart that do the same
         for k in 0..off.len() {
-            spread[(k, k)] *= 1.0 + SINGULAR;
+            spread[(k, k)] *= 1.0 + RANK_TOLERANCE;
         }
         let weight = gram * inverse(&spread)?;
         Some(Self { information: &weight * gram, score: weight * about })
@@ -101,7 +95,7 @@ impl Told {
             let places: Vec<usize> = (0..held.len()).filter(is_in).collect();
             let score = subvector(&self.score, &places);
             let Some(sizes) = solve(&submatrix(&self.information, &places), &score) else { continue };
-            let worth = sizes.dot(&score) - EACH * places.len() as f64;
+            let worth = sizes.dot(&score) - SELECTION.together * places.len() as f64;
             if best.as_ref().is_none_or(|(known, _, _)| worth > *known) {
                 best = Some((worth, places, sizes.iter().copied().collect()));
             }

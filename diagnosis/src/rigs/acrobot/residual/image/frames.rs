@@ -2,6 +2,7 @@
 //! none was, two circles must tell a pose, or angles that the rig's own vision read.
 
 use super::*;
+use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS, CENTROIDS};
 use std::f64::consts::{PI, TAU};
 
@@ -59,7 +60,7 @@ pub(super) fn lattice(seen: &Seen, made: &Seen, signal: usize) -> usize {
     };
     let cell = |place: usize| {
         let at = if seen[place].is_finite() { seen[place] } else { made[place] };
-        ((at - at.floor()) * LATTICE as f64) as usize
+        ((at - at.floor()) * IMAGES.lattice as f64) as usize
     };
-    cell(2 * circle) * LATTICE + cell(2 * circle + 1)
+    cell(2 * circle) * IMAGES.lattice + cell(2 * circle + 1)
 }

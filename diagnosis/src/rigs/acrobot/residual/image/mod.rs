@@ -17,8 +17,8 @@ use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
-use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -41,11 +41,6 @@ pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses};
 pub use state::ImageState;
-
-/// And where no circle was logged: nobody knows its place on the lattice then, and a threshold puts it off by 0.03 px.
-pub const READ_ANGLE: f64 = POLICY.read;
-/// So many places a pixel and direction: the difference changes from one to the next.
-const LATTICE: usize = 20;
 
 /// A measured frame.
 #[derive(Debug, Clone)]
@@ -150,7 +145,8 @@ impl ImageCut {
                 let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
                 let noise = channel.noise.unwrap_or_default();
                 let unplaced = read && channel.measures == Measures::VisionAngle;
-                let tolerance = if unplaced { READ_ANGLE } else { noise.tolerance };
+                // nobody knows the circles' places on the lattice then, and a threshold puts them off by 0.03 px
+                let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
                 Signal {
                     name,
                     unit: channel.unit,

@@ -14,11 +14,9 @@ use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
-use crate::statistics::levels::{FINE, HALF, SMALL};
+use crate::statistics::levels::{FINE, HALF};
 use crate::statistics::random::Random;
 
-/// How far to either side of a noise the slope is taken that says how well it is known, times.
-const BESIDE: f64 = 1.0 + SMALL;
 /// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
 const CHANNELS: [(usize, f64); 3] = [
     (CENTROIDS.start, HALF * CENTROIDS_APART),
@@ -104,7 +102,7 @@ impl ImageCut {
             }));
         }
         // as far as the unit goes, and what is compared above it
-        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / BESIDE).max(from);
+        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / IMAGES.beside).max(from);
         let (mut low, mut high) = if apart.mean > 0.0 { (from, most) } else { (from / IMAGES.most, from) };
         while high > (1.0 + FINE) * low {
             let middle = (low * high).sqrt();
@@ -113,7 +111,7 @@ impl ImageCut {
         }
         let value = (low * high).sqrt();
         let (Some(mut there), Some(below), Some(above)) =
-            (predicted(value)?, predicted(value / BESIDE)?, predicted(value * BESIDE)?)
+            (predicted(value)?, predicted(value / IMAGES.beside)?, predicted(value * IMAGES.beside)?)
         else {
             return Ok(None);
         };
@@ -121,7 +119,7 @@ impl ImageCut {
         found[index] = value;
         self.unsure_lattice(&found, &clean, &mut there)?;
         let there = compare(&seen, &there);
-        let slope = compare(&above, &below).mean / (2.0 * libm::log(BESIDE));
+        let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
         let error = value * there.error / slope.max(0.1);
         Ok(Some(Noise { nominal, value, error, detectable, clear: true }))
     }

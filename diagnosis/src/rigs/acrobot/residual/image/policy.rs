@@ -62,6 +62,10 @@ pub struct Images {
     pub least: f64,
     /// Largest ratio to the nominal one, or to the least, that is tried.
     pub most: f64,
+    /// So many places a pixel and direction has: the difference of two renderers changes from one to the next.
+    pub lattice: usize,
+    /// How far to either side of a noise the slope is taken that says how well it is known, times.
+    pub beside: f64,
 }
 
 /// Those in force.
@@ -91,4 +95,6 @@ pub const IMAGES: Images = Images {
     known: SMALL,
     least: HALF,
     most: FAR * FAR,
+    lattice: 20,
+    beside: 1.0 + SMALL,
 };

@@ -11,9 +11,6 @@ use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 
-/// Ridge against terms that the poses don't tell apart, relative to a unit column: harmless at the poses themselves.
-const RIDGE: f64 = ROUNDING;
-
 /// On what a column depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Terms {
@@ -51,7 +48,8 @@ impl Surface {
             design.row_mut(place).copy_from_slice(&surface.row(state));
         }
         let mut normal = design.tr_mul(&design);
-        (0..count).for_each(|place| normal[(place, place)] += RIDGE * n);
+        // a ridge against terms that the poses don't tell apart, harmless at the poses themselves
+        (0..count).for_each(|place| normal[(place, place)] += ROUNDING * n);
         let fitted = |s: usize| {
             let values = DVector::from_iterator(samples.len(), samples.iter().map(|(_, seen)| seen[s]));
             let weights = solve(&normal, &design.tr_mul(&values))?;

@@ -1,6 +1,7 @@
 //! Fits a window: its start state and slack torques, by Gauss-Newton through the unit, and the columns that are left.
 
 use super::*;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
 /// A window, simulated.
 #[derive(Debug, Clone)]
@@ -119,7 +120,7 @@ impl PlantCut {
             fit.cell.hard = hard;
         }
         if soft && !soft_here {
-            let by = self.inertia_scale * PUSH;
+            let by = self.inertia_scale * WINDOWS.push;
             let mut columns = DMatrix::zeros(layout.len(), fit.slack.len());
             for place in 0..fit.slack.len() {
                 let mut more = pushes.clone();

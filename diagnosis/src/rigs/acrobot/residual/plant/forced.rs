@@ -4,9 +4,6 @@ use super::*;
 use crate::rigs::acrobot::residual::forced::{Forced, Pair};
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 
-/// Root mean square to which a torque is scaled for its column, N·m at an arm of inertia scale 1: as a slack torque's.
-const SIZE: f64 = PUSH;
-
 /// Edges of the pieces of a window, s.
 fn edges(window: &Window) -> Vec<f64> {
     let (from, to) = (window.drive.start(), window.drive.end());
@@ -23,7 +20,7 @@ impl PlantCut {
         torque: &[Pair],
     ) -> Result<(Vec<Row>, f64), Error> {
         let square: f64 = torque.iter().flatten().map(|x| x * x).sum::<f64>() / torque.len().max(1) as f64;
-        let by = if square > 0.0 { self.inertia_scale * SIZE / square.sqrt() } else { 0.0 };
+        let by = if square > 0.0 { self.inertia_scale * WINDOWS.push / square.sqrt() } else { 0.0 };
         let mut pushes = window.pushes(&window.slack);
         for (piece, pair) in edges(window).windows(2).zip(torque) {
             for (joint, size) in [(false, by * pair[0]), (true, by * pair[1])] {

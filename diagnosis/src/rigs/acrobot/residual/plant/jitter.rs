@@ -9,9 +9,6 @@ use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::MIDDLE;
 use crate::statistics::linear::Reduced;
 
-/// Size at which the columns are taken, at least.
-const UNIT: f64 = 1e-4;
-
 impl PlantCut {
     /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that. Answers where they are then.
     ///
@@ -23,7 +20,7 @@ impl PlantCut {
         let uneven = (self.runs.iter())
             .filter_map(|run| run.plant.as_ref())
             .map(|log| unevenness(&log.time))
-            .fold(UNIT, f64::max);
+            .fold(WINDOWS.jitter, f64::max);
         self.jitter = uneven;
         let unit = self.settle_all(point, &[], from.in_vain);
         self.jitter = 0.0;
@@ -59,10 +56,10 @@ impl PlantCut {
                 self.jitter = more_likely(size);
             }
         }
-        if uneven <= UNIT && self.jitter > WINDOWS.evenly * self.spacing() {
+        if uneven <= WINDOWS.jitter && self.jitter > WINDOWS.evenly * self.spacing() {
             self.jitter = 0.0;
         }
-        if self.jitter > 0.0 || uneven > UNIT {
+        if self.jitter > 0.0 || uneven > WINDOWS.jitter {
             in_vain = self.slacken_again(point, in_vain)?;
         }
         self.windows.iter_mut().for_each(|window| window.free = None);

@@ -2,9 +2,7 @@
 
 use super::settings::settings;
 pub use super::trajectory::MOTION;
-use super::trajectory::{
-    CHANNELS, COLUMNS, DENSE, Drive, PREROLL, Ports, Push, Row, State, simulate, state_of,
-};
+use super::trajectory::{CHANNELS, COLUMNS, Drive, PREROLL, Ports, Push, Row, State, simulate, state_of};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
@@ -47,7 +45,6 @@ const NUDGE: State = {
     let (angle, rate) = (HALF * POLICY.read, HALF * POLICY.read * FAR);
     [angle, angle, rate, rate]
 };
-pub(crate) const PUSH: f64 = 2e-4; // at an arm of inertia scale 1
 
 /// Torque in, motion out.
 #[derive(Clone)]

@@ -50,6 +50,11 @@ pub struct Windows {
     pub still: f64,
     /// Length of a piece, s: friction changes its sign within one or two of them.
     pub piece: f64,
+    /// Torque for derivatives, and root mean square to which one along a motion is scaled for its column, N·m at an arm of inertia scale 1: far
+    /// above the integrator's 1e-9, far below where the plant bends.
+    pub push: f64,
+    /// Scatter of timestamps at which their columns are taken, at least, s.
+    pub jitter: f64,
 }
 
 /// Those in force.
@@ -74,4 +79,6 @@ pub const WINDOWS: Windows = Windows {
     evenly: PART,
     still: HALF,
     piece: POLICY.motion_step,
+    push: 2e-4,
+    jitter: 1e-4,
 };

@@ -3,6 +3,7 @@
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
 
@@ -216,10 +217,10 @@ fn tumbles(time: &[f64], usable: &[usize], q2: &[f64]) -> bool {
     speeds.get(speeds.len() / 2).is_some_and(|typical| typical * WINDOWS.window > std::f64::consts::TAU)
 }
 
-/// Every so many of the rows that hold an angle, `each` s apart, so that `DENSE` lies between: two encoders may be logged in turn.
+/// Every so many of the rows that hold an angle, `each` s apart, so that `RESIDUAL.step` lies between: two encoders may be logged in turn.
 /// Counted, not timed, where rows are as near as usual: those chosen by timestamps that scatter would be the ones that are stamped late.
 fn thinned(each: f64, time: &[f64], angles: [&[f64]; 2], rows: impl Iterator<Item = usize>) -> Vec<usize> {
-    let every = (DENSE / each - 1e-9).ceil().max(1.0);
+    let every = (RESIDUAL.step / each - 1e-9).ceil().max(1.0);
     // rows and the time since the last that was kept
     let mut since = [(every, f64::NEG_INFINITY); 2];
     rows.filter(|row| {

@@ -1,0 +1,78 @@
+//! Numbers that logs are doubted by, each with its reason.
+
+use crate::dynamics::stretch::Glance;
+use crate::statistics::levels::{FAR, HALF, MORE, ROUNDING, SLIGHT, SMALL};
+
+/// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
+pub(crate) const STRETCH: usize = 100;
+
+/// How much is enough.
+pub(super) struct Doubts {
+    /// Rows of one value, at least, that a sensor which stood still has.
+    pub still_rows: usize,
+    /// Elsewhere at most this share of neighbouring rows are the same: a log that is rounded coarsely, that repeats what a slower sensor
+    /// said, or of a machine at rest, repeats its values anyway. Of noise as large as a quantum 28 % are the same.
+    pub repeats: f64,
+    /// Elsewhere third differences change their sign from row to row at least so often: noise does so in 77 of 100 rows
+    /// (arccos(-15/20)/π), a smooth course without noise seldom, and that may well stand still.
+    pub alternates: f64,
+    /// Rows outside of the stretch that must be there to say so.
+    pub other_rows: usize,
+    /// At zero, or at the end of its range, a sensor may well stay: there it must have jumped to it by so many times its noise.
+    pub jump: f64,
+    /// A channel tells where motion or error are so many times its sensor's variance: five standard deviations.
+    pub tells: f64,
+    /// A stated noise counts up to so many times what the log scatters by.
+    pub stated: f64,
+    /// As they are read the model leaves at least this share of a telling channel's motion.
+    pub wrong: f64,
+    /// Read otherwise at most this share, of every telling channel.
+    pub right: f64,
+    /// And at most this share of what it leaves as they are read.
+    pub less: f64,
+    /// Another unit of time, factors beyond all gains, exchanged columns: the same two, where neither a gain nor what a machine lacks
+    /// comes near.
+    pub extreme: (f64, f64),
+    /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain.
+    pub exact: f64,
+    /// The same of a shorter unit of time, which must do without a look at the logs as they are read.
+    pub slower: f64,
+    /// And so many variances of the sensors, all in all.
+    pub clear: f64,
+    /// Ways that leave at most so many times what the best one leaves can't be told from it.
+    pub same: f64,
+    /// To choose ways by.
+    pub short: Glance,
+    /// To judge by.
+    pub long: Glance,
+    /// Rows as near as this are none of a logger's, s.
+    pub nearest: f64,
+    /// Rows as far apart as this are none of a machine's: so many steps of the unit, or so long, s.
+    pub farthest: (f64, f64),
+    /// Pairs of columns that are tried; of more ports, names tell.
+    pub pairs: usize,
+}
+
+/// Those in force.
+pub(super) const DOUBTS: Doubts = Doubts {
+    still_rows: 20,
+    repeats: 0.35,
+    alternates: 0.65,
+    other_rows: 40,
+    jump: 8.0,
+    tells: 25.0,
+    stated: MORE,
+    wrong: SLIGHT,
+    right: SMALL,
+    less: SMALL,
+    extreme: (HALF, SLIGHT),
+    exact: 2.0,
+    slower: 2.0,
+    clear: FAR * FAR,
+    same: MORE,
+    short: Glance { stretches: 2, rows: 60, rounds: 3 },
+    long: Glance { stretches: 8, rows: STRETCH, rounds: 5 },
+    nearest: ROUNDING,
+    farthest: (300.0, 3600.0),
+    pairs: 28,
+};

@@ -1,0 +1,56 @@
+//! Numbers that logs and a unit are made a data set by, each with its reason.
+
+use crate::statistics::levels::{CERTAIN, FAR, HALF, ROUNDING, SEVERAL, SMALL, STEP};
+use std::time::Duration;
+
+/// How much is enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Import {
+    /// Rows further apart than this many usual distances have a gap between them.
+    pub gap: f64,
+    /// Least likeness of the names of a column and of its variable.
+    pub alike: f64,
+    /// What a fitting unit of measurement adds to it.
+    pub fitting_unit: f64,
+    /// What the same initial adds to the same number.
+    pub same_initial: f64,
+    /// A start value is moved by this share of its size.
+    pub start_move: f64,
+    /// And shown again to this share.
+    pub start_shown: f64,
+    /// Correlation below which model and log say nothing of each other.
+    pub tells: f64,
+    /// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
+    /// lacks something may well be off by a fifth, units of measurement differ by more.
+    pub unit: (f64, f64),
+    /// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
+    pub turn: f64,
+    /// Inputs whose signs are tried; beyond that all are taken as they are.
+    pub turned_inputs: usize,
+    /// Rows that are tried.
+    pub rows: usize,
+    /// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
+    pub offset: f64,
+    /// What a number that may change nothing is multiplied by; one that is 0 is set to these and to their opposites.
+    pub idle_moves: [f64; 4],
+    /// Real time that such a run may take in any case: to start a process takes some of it.
+    pub idle_least: Duration,
+}
+
+/// Those in force.
+pub(super) const IMPORT: Import = Import {
+    gap: SEVERAL,
+    alike: HALF,
+    fitting_unit: 0.2,
+    same_initial: SMALL,
+    start_move: STEP,
+    start_shown: ROUNDING,
+    tells: 0.6,
+    unit: (0.9, 0.3),
+    turn: STEP,
+    turned_inputs: 4,
+    rows: 3000,
+    offset: CERTAIN,
+    idle_moves: [SMALL, HALF, 2.0, FAR],
+    idle_least: Duration::from_secs(1),
+};

@@ -87,25 +87,28 @@ def test_starts_by_trial_and_what_changes_nothing(tmp_path):
     assert '# variable = "sled.plot"' in (tmp_path / "set" / "dataset.toml").read_text()
 
 
-def test_a_start_that_no_variable_shows_is_a_state_where_the_model_remembers_it(tmp_path):
-    # two lags in a row; only the second is seen. T_0 is called like a start and is none.
+@pytest.mark.parametrize("second, interval", [("y", 0.05), ("y", 0.002), ("second_0", 0.05)])
+def test_a_start_that_no_variable_shows_is_a_state_where_the_model_remembers_it(tmp_path, second, interval):
+    # two lags in a row; only the second is seen, or twice its value. T_0 is called like a start and is none.
     equations = "dx[0] = (v[u] - x[0]) / v[T_0]; dx[1] = (x[0] - x[1]) / 0.5;"
+    gain = 1 if second == "y" else 2
     machine = dataclasses.replace(
-        ALL["sled"], name="lags", late="", saves_state=True, states=(State("first", "V", "first_0", 0.0, 0.0), State("y", "V", "y", 0.0, 0.0)),
+        ALL["sled"], name="lags", late="", saves_state=True, states=(State("first", "V", "first_0", 0.0, 0.0), State("second", "V", second, 0.0, 0.0)),
         inputs=(Input("u", "V", 0.0, 1.0, "V"),), outputs_of=(Output("y", "V", 1e-3, "V"),),
         parameters=(Parameter("T_0", "1", 0.3, 0.01, 10.0, "relative", "time constant of the first", 0.5),),
-        build=lambda machine, folder: build(machine, folder, equations, "v[y] = x[1];", step=0.01),
+        build=lambda machine, folder: build(machine, folder, equations, f"v[y] = {gain} * x[1];", step=min(0.01, interval)),
     )  # fmt: skip
-    times, lags, rows = 0.05 * np.arange(200), np.zeros(2), []
+    times, lags, rows = interval * np.arange(round(10 / interval)), np.zeros(2), []
     for time in times:
-        rows.append((time, np.sign(np.sin(time)), lags[1]))
-        for _ in range(50):
+        rows.append((time, np.sign(np.sin(time)), gain * lags[1]))
+        for _ in range(round(interval / 0.001)):
             lags = lags + 0.001 * np.array([(rows[-1][1] - lags[0]) / 0.3, (lags[0] - lags[1]) / 0.5])
     (tmp_path / "a.csv").write_text("time,u,y\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
     said = run("import", tmp_path / "a.csv", "--fmu", machine.build(machine, tmp_path), "--out", tmp_path / "set")
     _, head = channels(tmp_path / "set")
     assert {"start": "lags.first_0"} in head["state"], said
-    assert "lags.first_0" not in [one["variable"] for one in head["candidate"]]
+    assert ({"start": "lags.y", "shows": "lags.y"} if second == "y" else {"start": "lags.second_0"}) in head["state"], said
+    assert [one["variable"] for one in head["candidate"]] == ["lags.T_0"]
 
 
 def test_an_import_that_fails_leaves_nothing(motor, tmp_path):

@@ -63,6 +63,7 @@ impl Engine {
         // a model that can't be simulated through (it falls, it refuses) says nothing of what it remembers
         let through = self.with_worker(|worker| worker.walk(machine, &whole)).ok()?;
         let mut apart: Vec<(usize, usize, f64)> = Vec::new();
+        let mut drifts = vec![Drift::default(); machine.order()];
         self.with_worker(|worker| {
             let mut out = Vec::new();
             for row in 1..rows - 1 {
@@ -70,6 +71,7 @@ impl Engine {
                 worker.interval(machine, &job, &mut out)?;
                 let off = |state: usize| out[state] - through[row][state];
                 let size = |state: usize| self.scales[state].max(through[row][state].abs());
+                drifts.iter_mut().enumerate().for_each(|(state, drift)| drift.add(off(state)));
                 let worst = (0..machine.order())
                     .max_by(|a, b| (off(*a).abs() / size(*a)).total_cmp(&(off(*b).abs() / size(*b))));
                 apart.extend(
@@ -81,15 +83,45 @@ impl Engine {
             Ok(())
         })
         .ok()?;
-        let (row, state, off) = apart.first()?;
+        let way = match apart.first() {
+            Some((row, state, off)) => format!(
+                "{} of {} rows go another way, the first at {:.6} s, where {} becomes another by {off:.4}",
+                apart.len(),
+                rows - 1,
+                grid.time[*row],
+                machine.states[*state].name,
+            ),
+            // rows that are short against the motion go another way by little each, and by much together
+            None => {
+                let far = |state: &usize| drifts[*state].span() > DYNAMICS.drifts * self.scales[*state];
+                let state = (0..machine.order()).find(far)?;
+                let (name, span) = (&machine.states[state].name, drifts[state].span());
+                format!("rows together miss {span:.4} of what {name} does")
+            }
+        };
         let message = format!(
-            "the model remembers more than the states that can be set: begun anew from them, {} of {} rows go another way, the first \
-             at {:.6} s, where {} becomes another by {off:.4}. What these rows seem to lack may be that",
-            apart.len(),
-            rows - 1,
-            grid.time[*row],
-            machine.states[*state].name,
+            "the model remembers more than the states that can be set: begun anew from them, {way}. What these rows seem to lack may be that",
         );
         Some(Notice { file: grid.name.clone(), line: 0, message })
+    }
+}
+
+/// How far errors take a sum, from its least to its most.
+#[derive(Debug, Clone, Copy, Default)]
+struct Drift {
+    sum: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Drift {
+    fn add(&mut self, error: f64) {
+        self.sum += error;
+        self.least = self.least.min(self.sum);
+        self.most = self.most.max(self.sum);
+    }
+
+    fn span(&self) -> f64 {
+        self.most - self.least
     }
 }

@@ -48,6 +48,9 @@ pub(super) struct Dynamics {
     pub lag_reads: usize,
     /// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
     pub apart: f64,
+    /// Where ends of rows are off to one side, all of them together lie apart by this share of the state's size: a state that isn't
+    /// listed does most of the motion, a solver that begins anew a thousandth of it.
+    pub drifts: f64,
     /// Rows over which a unit is watched after a fresh start, and over which states and inputs of which no log tells are expected to show.
     pub watched: usize,
     /// Longest horizon over which a state is read through the outputs that follow, rows.
@@ -80,6 +83,7 @@ pub(super) const DYNAMICS: Dynamics = Dynamics {
     lost_pieces: FEW,
     lag_reads: FEW,
     apart: STEP,
+    drifts: HALF,
     watched: SAMPLE,
     farthest: SAMPLE,
     read_back: FINE,

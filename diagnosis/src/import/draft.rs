@@ -66,7 +66,8 @@ pub(super) fn of(out: &Path, file: &Path, fmu: &Fmu, units: &UnitPath, found: &w
     Tried { signs: check::signs(&problem), unshown }
 }
 
-/// Whether the model remembers more than the states that it can be begun from.
+/// Whether the model remembers more than the states that it can be begun from; it may have none.
 fn remembers(problem: &Problem) -> bool {
-    build(problem, &problem.whole_runs()).is_ok_and(|built| !built.engine.remembered().is_empty())
+    build(problem, &problem.whole_runs())
+        .is_ok_and(|built| built.engine.machine.whole || !built.engine.remembered().is_empty())
 }

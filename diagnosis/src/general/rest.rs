@@ -155,7 +155,7 @@ type Term = (String, String, Vec<Vec<f64>>);
 
 /// Whether a variable of this unit may be an angle in rad.
 fn is_angle(unit: &str) -> bool {
-    matches!(unit, "rad" | "" | "1")
+    matches!(unit, "rad" | "")
 }
 
 fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {

@@ -9,6 +9,8 @@
 mod ending;
 #[cfg(unix)]
 mod signals;
+#[cfg(test)]
+mod tests;
 
 use crate::fmu::{Function, control_word};
 use crate::recorder::Waiting;

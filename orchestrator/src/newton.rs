@@ -138,6 +138,15 @@ mod tests {
     }
 
     #[test]
+    fn law_a_step_that_leaves_as_much_as_before_is_halved() {
+        // Newton's step from 1 leads to -1, where as much is left; half of it leads to the solution. All of it is dyadic.
+        let left = |x: f64| if x >= 1.0 { 1.0 + (x - 1.0) / 2.0 } else { x };
+        let mut x = vec![1.0];
+        assert_eq!(solve::<Infallible>(&mut x, 1e-12, |x| Ok(vec![left(x[0]) + x[0]])), Ok(Some(1)));
+        assert_eq!(x, [0.0]);
+    }
+
+    #[test]
     fn value_no_solution_is_told() {
         assert_eq!(found(&[0.0], |x| vec![x[0] + 1.0]), None, "parallel");
         assert_eq!(found(&[1.0], |x| vec![x[0] * x[0] + x[0] + 1.0]), None, "no real root");

@@ -196,8 +196,21 @@ fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
-    use super::forbids_programs;
+    use super::{OWN_FIRST, Ordering, forbids_programs, open, prefer_own_symbols};
     use std::path::Path;
+
+    #[test]
+    fn law_a_library_opens_with_its_own_symbols_first_as_well() {
+        for own_first in [false, true] {
+            if own_first {
+                prefer_own_symbols();
+            }
+            assert_eq!(OWN_FIRST.load(Ordering::Relaxed), own_first);
+            open(Path::new("libm.so.6")).expect("every program for Linux with this C library has it");
+            assert!(open(Path::new("/not/there.so")).is_err());
+        }
+        OWN_FIRST.store(false, Ordering::Relaxed);
+    }
 
     #[test]
     fn law_a_file_system_forbids_programs_where_it_is_mounted_so() {

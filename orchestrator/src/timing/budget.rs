@@ -252,6 +252,37 @@ mod tests {
     }
 
     #[test]
+    fn law_ways_that_lead_out_of_a_loop_and_a_unit_that_drives_itself_hide_none() {
+        // The first way of x leads to w, which drives nobody; v drives itself, too.
+        let units = ["x", "w", "v"].map(|name| (name, "interval = 0.1"));
+        let ways = [("x>w", ""), ("x>v", ""), ("v>x", ""), ("v>v", "")];
+        let found = of("gauss-seidel", &units, &ways);
+        let names: Vec<String> = found.iter().map(|budget| budget.units.join(" ")).collect();
+        assert_eq!(names, ["v", "x v"]);
+        // It steps when its value of this instant is not sent yet.
+        close(found[0].terms(), [0.0, 0.05, 0.0, 0.0]);
+        assert_eq!(found[0].legs[0].age, (0.1, 0.1));
+    }
+
+    #[test]
+    fn law_two_hundred_loops_are_enough() {
+        // Each of seven units drives all others: 2359 loops, which are walked through soon.
+        let names: Vec<String> = (0..7).map(|unit| format!("a{unit}")).collect();
+        let mut text = "format = 1\nexperiment = { stop = 1 }\n".to_owned();
+        for name in &names {
+            text += &format!("[[units]]\nname = \"{name}\"\nfmu = \"x.fmu\"\ninterval = 1\n");
+        }
+        for (from, to) in names.iter().flat_map(|from| names.iter().map(move |to| (from, to))) {
+            if from != to {
+                text += &format!("[[connections]]\nfrom = \"{from}.y\"\nto = \"{to}.{from}\"\n");
+            }
+        }
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let (found, more) = budget(&scenario, 10_000).expect("ticks");
+        assert_eq!((found.len(), more), (200, true));
+    }
+
+    #[test]
     fn law_more_loops_than_anybody_reads_are_not_walked() {
         // Each of 60 units drives the next five: there are more loops than could be counted.
         let mut text = "format = 1\nexperiment = { stop = 1 }\n".to_owned();

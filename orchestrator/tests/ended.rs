@@ -27,6 +27,9 @@ fn runs() {
     orchestrator::all_done(7);
     drop(simulation);
     orchestrator::fmu::discard_unpacked();
+    if folder.join("at_once").exists() {
+        orchestrator::exit_at_once(3);
+    }
     let status = guard.done(7);
     // The test harness would make it 0.
     std::process::exit(status.into());
@@ -100,6 +103,11 @@ fn law_a_run_that_ends_by_itself_keeps_its_status() {
         text.contains("note: all is done, but unit a ended the program by calling exit in fmi2FreeInstance"),
         "{text}"
     );
+    // Nor does one that ends the program at once when all is done.
+    let units = Units::new();
+    std::fs::write(units.path().join("at_once"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 0, "gauss-seidel", false);
+    assert_eq!((status, text.as_str(), last), (Some(7), "", Some(1.0)));
 }
 
 #[test]

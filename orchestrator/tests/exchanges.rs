@@ -1,0 +1,195 @@
+//! What goes between the master and a unit in a process of its own: reads that are made ahead, calls that fail among them, and the
+//! end of the process.
+
+mod common;
+
+use common::{STATEFUL, Units, description, library_with};
+use orchestrator::fmu::{Instance, Status};
+use orchestrator::{Fmu, Isolation, Kind, Value};
+
+/// The units' processes are this program with only this test, which serves them and never returns.
+#[test]
+fn unit_host() {
+    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+}
+
+/// What reads reals, with something done before each; y2 tells how many such calls there were.
+fn reads(first: &str) -> (&'static str, String) {
+    let text = format!(
+        "API int fmi2GetReal(void *c, const unsigned *refs, size_t n, double *values) {{\n\
+         static int calls;\n Unit *u = c;\n fresh(u);\n calls++;\n {first}\n\
+         for (size_t i = 0; i < n; i++) values[i] = refs[i] == Y2 ? calls : u->r[refs[i]];\n return 0;\n}}\n\
+         API int fmi2SetReal(void *c, const unsigned *refs, size_t n, const double *values) {{\n\
+         for (size_t i = 0; i < n; i++) ((Unit *)c)->r[refs[i]] = values[i];\n return 0;\n}}\n"
+    );
+    ("ACCESS(Real, double, r)", text)
+}
+
+/// A unit with other functions, in this process and in one of its own.
+fn both(units: &Units, name: &str, change: &[(&str, &str)]) -> [Fmu; 2] {
+    let path = units.pack(name, &description(STATEFUL), &library_with(change));
+    let fmu = Fmu::open(path).expect("opens");
+    [fmu.clone(), fmu.isolated(Isolation::default())]
+}
+
+/// An instance that steps.
+fn started(fmu: &Fmu, integers: &[(u32, i32)], reals: &[(u32, f64)]) -> Instance {
+    let mut instance = fmu.instantiate("a").expect("instantiates");
+    integers.iter().for_each(|(at, value)| instance.set_integer(&[*at], &[*value]).expect("set"));
+    reals.iter().for_each(|(at, value)| instance.set_real(&[*at], &[*value]).expect("set"));
+    instance.setup_experiment(0.0, None).expect("set up");
+    instance.enter_initialization().expect("enters");
+    instance.exit_initialization().expect("exits");
+    instance
+}
+
+fn real(instance: &mut Instance, reference: u32) -> f64 {
+    let mut value = [f64::NAN];
+    instance.get_real(&[reference], &mut value).expect("a real");
+    value[0]
+}
+
+#[test]
+fn law_what_was_read_after_a_step_is_read_along_with_the_next_one() {
+    unit_host();
+    let (from, to) = reads("");
+    let counted = |fmu: &Fmu| {
+        let mut instance = started(fmu, &[], &[]);
+        let mut step = 0.0;
+        let mut next = |instance: &mut Instance| {
+            assert_eq!(instance.do_step(step, 0.5, true), Status::Ok);
+            step += 0.5;
+        };
+        let mut calls = Vec::new();
+        for _ in 0..3 {
+            next(&mut instance);
+            calls.push(real(&mut instance, 3));
+        }
+        // What is set makes what was read ahead worthless: it is read again.
+        next(&mut instance);
+        instance.set_real(&[1], &[1.0]).expect("u2");
+        calls.push(real(&mut instance, 3));
+        // Nobody asked after this step, so the next one brings nothing along.
+        next(&mut instance);
+        next(&mut instance);
+        next(&mut instance);
+        calls.push(real(&mut instance, 3));
+        calls
+    };
+    let units = Units::new();
+    let [here, there] = both(&units, "counts.fmu", &[(from, &to)]);
+    assert_eq!(counted(&here), [1.0, 2.0, 3.0, 4.0, 5.0]);
+    // One more at the fourth step, and one more at the fifth.
+    assert_eq!(counted(&there), [1.0, 2.0, 3.0, 5.0, 7.0]);
+}
+
+#[test]
+fn every_read_after_a_step_that_is_discarded_is_made() {
+    unit_host();
+    let told = |fmu: &Fmu| {
+        // y1 is the unit's clock; steps that end at 1 s or later are discarded.
+        let mut instance = started(fmu, &[(2, 2), (3, 2)], &[(6, 1.0)]);
+        let mut told = Vec::new();
+        for step in 0..4 {
+            let status = instance.do_step(f64::from(step) * 0.5, 0.5, true);
+            told.push((status, real(&mut instance, 2), instance.last_successful_time()));
+        }
+        told
+    };
+    let units = Units::new();
+    let [here, there] = both(&units, "discards.fmu", &[]);
+    let expected = told(&here);
+    assert_eq!(
+        expected.iter().map(|(status, ..)| *status).collect::<Vec<_>>(),
+        [Status::Ok, Status::Discard, Status::Discard, Status::Discard]
+    );
+    assert_eq!(told(&there), expected);
+}
+
+#[test]
+fn every_read_after_one_that_failed_is_made() {
+    unit_host();
+    let units = Units::new();
+    let (from, to) = reads("if (u->x > 1) return 3;");
+    let told = |fmu: &Fmu| {
+        let mut instance = started(fmu, &[(0, 41)], &[(0, 1.0)]);
+        let mut told = Vec::new();
+        for step in 0..4 {
+            assert_eq!(instance.do_step(f64::from(step) * 0.5, 0.5, true), Status::Ok);
+            let y1 = instance.get(Kind::Real, 2).map_err(|error| error.to_string());
+            told.push((y1, instance.get(Kind::Integer, 1).expect("another function"), instance.log().len()));
+        }
+        told
+    };
+    let [here, there] = both(&units, "refuses.fmu", &[(from, &to)]);
+    let expected = told(&here);
+    assert!(expected[1].0 == Ok(Value::Real(1.0)) && expected[2].0.is_err(), "{expected:?}");
+    assert!(expected.iter().all(|(_, i_out, _)| *i_out == Value::Integer(42)));
+    assert_eq!(told(&there), expected);
+}
+
+#[test]
+fn law_what_was_read_ahead_counts_no_more_once_the_unit_was_taken_back() {
+    unit_host();
+    let told = |fmu: &Fmu| {
+        let mut instance = started(fmu, &[], &[(0, 1.0)]);
+        let mut told = Vec::new();
+        assert_eq!(instance.do_step(0.0, 0.5, false), Status::Ok);
+        told.push(real(&mut instance, 2));
+        let state = instance.save_state().expect("saved");
+        assert_eq!(instance.do_step(0.5, 0.5, false), Status::Ok);
+        instance.restore_state(&state).expect("restored");
+        told.push(real(&mut instance, 2));
+        assert_eq!(instance.do_step(0.5, 0.5, false), Status::Ok);
+        assert_eq!(instance.last_successful_time(), Some(1.0));
+        told.push(real(&mut instance, 2));
+        instance.free_state(state).expect("freed");
+        told
+    };
+    let [here, there] = both(&Units::new(), "honest.fmu", &[]);
+    assert_eq!(told(&here), [0.5, 0.5, 1.0]);
+    assert_eq!(told(&there), [0.5, 0.5, 1.0]);
+}
+
+#[test]
+fn every_experiment_is_told_elsewhere_as_it_is_here() {
+    unit_host();
+    let tells = (
+        "    (void)from; (void)stop_defined; (void)stop;\n",
+        "    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"from %g, %d, %g\", from, stop_defined, \
+         stop_defined ? stop : 0.0);\n",
+    );
+    let units = Units::new();
+    let proposing = description(STATEFUL).replace("stopTime=\"1\"", "stopTime=\"1\" tolerance=\"0.001\"");
+    for (description, tolerance) in [(description(STATEFUL), None), (proposing, Some("tolerance 0.001"))] {
+        let fmu = Fmu::open(units.pack("tells.fmu", &description, &library_with(&[tells]))).expect("opens");
+        for fmu in [&fmu, &fmu.isolated(Isolation::default())] {
+            for (stop, told) in [(None, "from 0.5, 0, 0"), (Some(2.5), "from 0.5, 1, 2.5")] {
+                let mut instance = fmu.instantiate("a").expect("instantiates");
+                instance.setup_experiment(0.5, stop).expect("set up");
+                let log: Vec<String> = instance.log().into_iter().map(|line| line.text).collect();
+                let expected: Vec<&str> = [told].into_iter().chain(tolerance).collect();
+                assert_eq!(log, expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn law_a_process_is_given_the_time_to_end_by_itself() {
+    unit_host();
+    let units = Units::new();
+    let mark = units.path().join("gone");
+    // What its library does when the process ends takes longer than a look of the master.
+    let last = format!(
+        "__attribute__((destructor)) static void last(void) {{ usleep(300000); FILE *f = fopen(\"{}\", \"w\"); if (f) fclose(f); }}\n\
+         API int fmi2Terminate(",
+        mark.display()
+    );
+    let [_, there] = both(&units, "slow.fmu", &[("API int fmi2Terminate(", &last)]);
+    let mut instance = started(&there, &[], &[]);
+    assert_eq!(instance.do_step(0.0, 0.5, true), Status::Ok);
+    assert!(!mark.exists());
+    drop(instance);
+    assert!(mark.exists(), "it was ended before");
+}

@@ -23,6 +23,12 @@ use std::sync::{Mutex, PoisonError};
 #[cfg(unix)]
 pub(crate) use ending::unpacked_in;
 
+/// Whether there is a folder to be removed.
+#[cfg(all(unix, test))]
+pub(crate) fn has_unpacked() -> bool {
+    ending::has_unpacked()
+}
+
 thread_local! {
     /// Atomic, so that another thread may look; that costs a step nothing.
     static UNIT: AtomicPtr<Label> = const { AtomicPtr::new(ptr::null_mut()) };

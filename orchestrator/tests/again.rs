@@ -120,6 +120,25 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
 }
 
 #[test]
+fn every_option_and_limit_comes_back_from_the_resolved_scenario() {
+    let units = Units::new();
+    let resolved = |experiment: &str| {
+        let text =
+            format!("format = 1\nexperiment = {{ stop = 1{experiment} }}\n{}", unit("a", "stateful.fmu", ""));
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        Simulation::new(&scenario, &units.unit_path()).expect("builds").resolved()
+    };
+    let plain = resolved("");
+    assert!(!plain.contains("options") && !plain.contains("seed"), "{plain}");
+    let text =
+        resolved(", seed = 5, algorithm = \"iterated\", options = { tolerance = 0.001, iterations = 7 }");
+    let again = Scenario::parse(&text, "resolved.toml").expect("loads");
+    let options: Vec<(&str, f64)> =
+        again.options.iter().map(|(name, value)| (name.as_str(), value.value)).collect();
+    assert_eq!((again.seed, options), (5, vec![("iterations", 7.0), ("tolerance", 0.001)]), "{text}");
+}
+
+#[test]
 fn law_a_bundle_has_each_file_once_and_by_a_name_of_its_own() {
     let (units, folder) = (Units::new(), tempfile::TempDir::new().expect("a temporary folder"));
     let other = folder.path().join("stateful.fmu");

@@ -21,6 +21,7 @@ fn runs() {
     let scenario = Scenario::load(folder.join("scenario.toml")).expect("a scenario");
     let path = orchestrator::UnitPath::new().with(folder);
     let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+    let again = folder.join("again").exists().then(Guard::begin);
     let mut csv = CsvRecorder::create(folder.join("results.csv")).expect("writable");
     let recorder: &mut dyn Recorder = if folder.join("unseen").exists() { &mut NoRecorder } else { &mut csv };
     simulation.run(recorder, &mut Quiet).expect("runs");
@@ -30,6 +31,7 @@ fn runs() {
     if folder.join("at_once").exists() {
         orchestrator::exit_at_once(3);
     }
+    drop(again);
     let status = guard.done(7);
     // The test harness would make it 0.
     std::process::exit(status.into());
@@ -107,6 +109,42 @@ fn law_a_run_that_ends_by_itself_keeps_its_status() {
     let units = Units::new();
     std::fs::write(units.path().join("at_once"), "").expect("writable");
     let (status, text, last) = ended_of(&units, 0, "gauss-seidel", false);
+    assert_eq!((status, text.as_str(), last), (Some(7), "", Some(1.0)));
+}
+
+#[test]
+fn law_a_library_that_crashes_at_the_very_end_changes_no_status() {
+    // It stays in memory for its thread, and goes when the program does.
+    let crashes = (
+        "static int overflow(",
+        "__attribute__((destructor)) static void last(void) { *nowhere = 1; }\nstatic int overflow(",
+    );
+    let units = Units::new();
+    let library = common::library_with(&[crashes]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &library);
+    let (status, text, last) = ended_of(&units, 25, "gauss-seidel", false);
+    let told = "note: all is done, but a library of a unit crashed with a segmentation fault (SIGSEGV) when it was unloaded";
+    assert!(text.contains(told), "{text}");
+    assert_eq!((status, last), (Some(7), Some(1.0)), "{text}");
+}
+
+#[test]
+fn law_a_signal_that_a_unit_handles_is_its_own() {
+    // It has its handler before the program is guarded anew, and one timer after the other.
+    let handles = [
+        (
+            "typedef struct {\n    double r[REALS]",
+            "static void handle(int number) { (void)number; }\ntypedef struct {\n    double r[REALS]",
+        ),
+        (
+            "    Unit *u = callbacks->allocate(",
+            "    signal(SIGALRM, handle);\n    Unit *u = callbacks->allocate(",
+        ),
+    ];
+    let units = Units::new();
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&handles));
+    std::fs::write(units.path().join("again"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 29, "gauss-seidel", false);
     assert_eq!((status, text.as_str(), last), (Some(7), "", Some(1.0)));
 }
 

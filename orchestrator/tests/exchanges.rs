@@ -10,7 +10,8 @@ use orchestrator::{Fmu, Isolation, Kind, Value};
 /// The units' processes are this program with only this test, which serves them and never returns.
 #[test]
 fn unit_host() {
-    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+    let program = std::env::current_exe().expect("this program");
+    orchestrator::host_units_by(program, ["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
 }
 
 /// What reads reals, with something done before each; y2 tells how many such calls there were.
@@ -65,6 +66,10 @@ fn law_what_was_read_after_a_step_is_read_along_with_the_next_one() {
             next(&mut instance);
             calls.push(real(&mut instance, 3));
         }
+        for _ in 0..3 {
+            next(&mut instance);
+            calls.extend([real(&mut instance, 3), real(&mut instance, 2), real(&mut instance, 3)]);
+        }
         // What is set makes what was read ahead worthless: it is read again.
         next(&mut instance);
         instance.set_real(&[1], &[1.0]).expect("u2");
@@ -78,9 +83,11 @@ fn law_what_was_read_after_a_step_is_read_along_with_the_next_one() {
     };
     let units = Units::new();
     let [here, there] = both(&units, "counts.fmu", &[(from, &to)]);
-    assert_eq!(counted(&here), [1.0, 2.0, 3.0, 4.0, 5.0]);
-    // One more at the fourth step, and one more at the fifth.
-    assert_eq!(counted(&there), [1.0, 2.0, 3.0, 5.0, 7.0]);
+    // y1 is 0 all along, and one of the calls.
+    let each = [1.0, 2.0, 3.0, 4.0, 0.0, 6.0, 7.0, 0.0, 9.0, 10.0, 0.0, 12.0];
+    assert_eq!(counted(&here), [&each[..], &[13.0, 14.0]].concat());
+    // Three more with the step after which a value was set, and with the one after that; none once nobody asked.
+    assert_eq!(counted(&there), [&each[..], &[16.0, 20.0]].concat());
 }
 
 #[test]
@@ -125,6 +132,39 @@ fn every_read_after_one_that_failed_is_made() {
     let expected = told(&here);
     assert!(expected[1].0 == Ok(Value::Real(1.0)) && expected[2].0.is_err(), "{expected:?}");
     assert!(expected.iter().all(|(_, i_out, _)| *i_out == Value::Integer(42)));
+    assert_eq!(told(&there), expected);
+}
+
+#[test]
+fn every_answer_with_a_warning_is_read() {
+    unit_host();
+    let (from, to) = reads("");
+    let warns = to.replace("return 0;", "return 1;");
+    let [here, there] =
+        both(&Units::new(), "warns.fmu", &[(from, &warns), ("    return 0;\n}", "    return 1;\n}")]);
+    let told = |fmu: &Fmu| {
+        let mut instance = started(fmu, &[], &[(0, 1.0)]);
+        instance.set(0, &Value::String("text".into())).expect("s_in");
+        let mut told = Vec::new();
+        for step in 0..2 {
+            assert_eq!(instance.do_step(f64::from(step) * 0.5, 0.5, false), Status::Ok);
+            // The second time they come along with the step.
+            told.extend([(Kind::Real, 2), (Kind::String, 1), (Kind::Real, 3)].map(|(kind, reference)| {
+                instance.get(kind, reference).expect("a warning is no error").to_string()
+            }));
+        }
+        let state = instance.save_state().expect("saved");
+        let bytes = instance.serialize_state(&state).expect("bytes");
+        assert_eq!(instance.do_step(1.0, 0.5, false), Status::Ok);
+        let again = instance.deserialize_state(&bytes).expect("a state");
+        instance.restore_state(&again).expect("restored");
+        told.push(real(&mut instance, 2).to_string());
+        told.push(format!("{} bytes, {} warnings", bytes.len(), instance.warnings()));
+        instance.free_state(state).and_then(|()| instance.free_state(again)).expect("freed");
+        told
+    };
+    let expected = told(&here);
+    assert_eq!(expected[..6], ["0.5", "\"text\"", "2.0", "1.0", "\"text\"", "4.0"], "{expected:?}");
     assert_eq!(told(&there), expected);
 }
 
@@ -192,4 +232,20 @@ fn law_a_process_is_given_the_time_to_end_by_itself() {
     assert!(!mark.exists());
     drop(instance);
     assert!(mark.exists(), "it was ended before");
+}
+
+#[test]
+fn law_a_process_that_does_not_end_is_ended() {
+    unit_host();
+    let units = Units::new();
+    let mark = units.path().join("gone");
+    // Five times as long as it is given.
+    let last = format!(
+        "__attribute__((destructor)) static void last(void) {{ sleep(10); FILE *f = fopen(\"{}\", \"w\"); if (f) fclose(f); }}\n\
+         API int fmi2Terminate(",
+        mark.display()
+    );
+    let [_, there] = both(&units, "endless.fmu", &[("API int fmi2Terminate(", &last)]);
+    drop(started(&there, &[], &[]));
+    assert!(!mark.exists(), "it was waited for");
 }

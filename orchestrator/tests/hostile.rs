@@ -55,6 +55,14 @@ fn law_a_unit_that_wants_to_end_ends_the_run() {
     simulation.reset();
     while simulation.advance().expect("a regular end").is_some() {}
     assert_eq!(simulation.time(), 0.4375);
+    // One that does not get on at all has its last row already.
+    let stays = ("u->reached = from + size / 2;", "u->reached = from;");
+    units.pack("stateful.fmu", &common::description(STATEFUL), &common::library_with(&[stays]));
+    let ended = Ended::ByUnit { unit: "a".into(), time: 0.375 };
+    let mut simulation = build(&units, &faulty(15, "")).expect("builds");
+    assert_eq!(simulation.run(&mut results, &mut Quiet).expect("a regular end"), ended);
+    assert_eq!(results.times(), [0.0, 0.125, 0.25, 0.375]);
+    units.add(STATEFUL);
     // Beside a unit that has gone on to the point already, the row is that of the point.
     let text = faulty(15, "[[units]]\nname = \"b\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n");
     let (head, units_of) = text.split_once("[[units]]").expect("units");

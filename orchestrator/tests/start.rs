@@ -46,6 +46,12 @@ fn value_a_last_step_is_told_in_seconds() {
         Simulation::new(&Scenario::parse(text, "test.toml").expect("a scenario"), &units.unit_path())
             .expect("builds");
     assert!(simulation.notices()[0].ends_with("its last step has 2 s"), "{:?}", simulation.notices());
+    // It is counted from the start.
+    let later = text.replace("stop = 6", "start = 1, stop = 6");
+    let later =
+        Simulation::new(&Scenario::parse(&later, "test.toml").expect("a scenario"), &units.unit_path());
+    let told = later.expect("builds").notices();
+    assert!(told[0].ends_with("its last step has 1 s"), "{told:?}");
     for stop in [6.0, 10.0] {
         assert!(simulation.end_at(stop));
         simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");

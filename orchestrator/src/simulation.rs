@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
 use crate::run::Stop;
 use crate::scenario::{Scenario, UnitEntry};
-use crate::system::Point;
+use crate::system::{Point, System};
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Wiring, start_value};
@@ -299,11 +299,12 @@ impl Simulation {
                 "only inputs and tunable parameters change while stepping; reset first".into(),
             ));
         }
-        self.wiring.system.units[variable.0].instance.set(description.reference, &typed)?;
+        let System { units, values, .. } = &mut self.wiring.system;
+        units[variable.0].instance.set(description.reference, &typed)?;
         if let Some(slot) = self.wiring.slots.get(&variable) {
-            self.wiring.system.values.put(*slot, &typed);
+            values.put(*slot, &typed);
         }
-        Ok(())
+        units[variable.0].read_fixed(values, self.now.time).map_err(|error| *error)
     }
 
     /// What is recorded.

@@ -120,6 +120,29 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
 }
 
 #[test]
+fn law_what_follows_from_a_tunable_parameter_follows_it_while_stepping() {
+    let units = Units::new();
+    let follows = (
+        "causality=\"parameter\" variability=\"fixed\"><Real start=\"0\"/>",
+        "causality=\"calculatedParameter\" variability=\"tunable\"><Real/>",
+    );
+    let text = common::description(common::STATEFUL);
+    assert!(text.contains(follows.0), "x0");
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let doubles =
+        common::library_with(&[(set, &format!("{{ {set} ((Unit *)c)->r[X0] = 2 * ((Unit *)c)->r[K]; }}"))]);
+    units.pack("stateful.fmu", &text.replace(follows.0, follows.1), &doubles);
+    let parts = [unit("a", "stateful.fmu", "k = 3"), "[record]\nvariables = [\"a.*\"]\n".into()];
+    let mut simulation = build(&units, &parts).expect("builds");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 6.0);
+    simulation.advance().expect("steps");
+    simulation.set("a.k", 5.0).expect("tunable");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 10.0);
+    simulation.advance().expect("steps");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 10.0);
+}
+
+#[test]
 fn every_option_and_limit_comes_back_from_the_resolved_scenario() {
     let units = Units::new();
     let resolved = |experiment: &str| {
@@ -136,6 +159,23 @@ fn every_option_and_limit_comes_back_from_the_resolved_scenario() {
     let options: Vec<(&str, f64)> =
         again.options.iter().map(|(name, value)| (name.as_str(), value.value)).collect();
     assert_eq!((again.seed, options), (5, vec![("iterations", 7.0), ("tolerance", 0.001)]), "{text}");
+}
+
+#[test]
+fn law_a_resolved_scenario_sets_what_the_unit_starts_with_by_itself_only_where_somebody_did() {
+    let units = Units::new();
+    let parameter = "name=\"k\" valueReference=\"4\" causality=\"parameter\" variability=\"tunable\"";
+    for (variability, initial) in [("continuous", "exact"), ("continuous", "approx"), ("tunable", "exact")] {
+        let local = format!(
+            "name=\"k\" valueReference=\"4\" causality=\"local\" variability=\"{variability}\" initial=\"{initial}\""
+        );
+        let text = common::description(common::STATEFUL).replace(parameter, &local);
+        units.pack("local.fmu", &text, &common::library());
+        let resolved = |set: &str| build(&units, &[unit("a", "local.fmu", set)]).expect("builds").resolved();
+        let (plain, set) = (resolved(""), resolved("k = 2.0"));
+        assert!(plain.contains("\nx0 = 0.0\n") && !plain.contains("\nk = "), "{local}: {plain}");
+        assert!(set.contains("\nk = 2.0\n"), "{local}: {set}");
+    }
 }
 
 #[test]

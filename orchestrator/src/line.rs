@@ -277,6 +277,7 @@ mod tests {
         let found: Vec<bool> = (0..20).map(|_| chance.arrival(7, 100).is_none()).collect();
         let expected: Vec<bool> = (0..20).map(|number| draw.uniform(number) < 0.45).collect();
         assert_eq!(found, expected);
+        assert!((0..20).filter_map(|_| chance.arrival(7, 100)).all(|arrives| arrives == 107));
         // Never before it was sent.
         chance = Chance { draw, jitter: 1e6, drop: 0.0, count: 0 };
         assert!((0..20).filter_map(|_| chance.arrival(7, 0)).all(|arrives| arrives >= 7));

@@ -6,7 +6,7 @@
 mod common;
 
 use common::Units;
-use orchestrator::{CsvRecorder, Guard, NoRecorder, Quiet, Recorder, Scenario, Simulation};
+use orchestrator::{CsvRecorder, Guard, NoRecorder, Quiet, Recorder, Scenario, Simulation, Twice};
 use std::path::Path;
 use std::process::Command;
 
@@ -24,7 +24,15 @@ fn runs() {
     let again = folder.join("again").exists().then(Guard::begin);
     let mut csv = CsvRecorder::create(folder.join("results.csv")).expect("writable");
     let recorder: &mut dyn Recorder = if folder.join("unseen").exists() { &mut NoRecorder } else { &mut csv };
-    simulation.run(recorder, &mut Quiet).expect("runs");
+    if folder.join("twice").exists() {
+        simulation.run(&mut Twice(recorder, &mut NoRecorder), &mut Quiet).expect("runs");
+    } else {
+        simulation.run(recorder, &mut Quiet).expect("runs");
+    }
+    if folder.join("closed").exists() {
+        let standard = |place: u32| std::fs::read_link(format!("/proc/self/fd/{place}")).ok();
+        assert!((0..3).all(|place| standard(place).is_some_and(|to| to == Path::new("/dev/null"))));
+    }
     orchestrator::all_done(7);
     drop(simulation);
     orchestrator::fmu::discard_unpacked();
@@ -93,6 +101,15 @@ fn every_end_of_the_program_by_a_unit_is_told_and_its_rows_are_kept() {
         assert!(text.contains(&format!("\nerror: unit a: it {what} in fmi2DoStep after t = ")), "{text}");
         assert!(!text.contains("rows") && (status, last) == (Some(1), None), "{text}");
     }
+}
+
+#[test]
+fn law_rows_of_the_first_of_two_recorders_are_kept() {
+    let units = Units::new();
+    std::fs::write(units.path().join("twice"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 10, "gauss-seidel", false);
+    assert_eq!((status, last), (Some(1), Some(0.125)), "{text}");
+    assert!(text.contains("the rows up to there are kept"), "{text}");
 }
 
 #[test]
@@ -166,6 +183,10 @@ fn law_rows_are_kept_though_a_unit_has_closed_their_file() {
     for fault in [CLOSES_ALL, TAKES_ALL] {
         assert_eq!(ended(fault, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)), "fault {fault}");
     }
+    // Nothing else takes the places of standard input, output and error.
+    let units = Units::new();
+    std::fs::write(units.path().join("closed"), "").expect("writable");
+    assert_eq!(ended_of(&units, CLOSES_ALL, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)));
     for (fault, done) in [(CLOSES_ALL, "close(i); break;"), (TAKES_ALL, "dup2(mine, i); break; }")] {
         let units = Units::new();
         let gives_up = common::library_with(&[(done, &done.replace("break;", "abort();"))]);

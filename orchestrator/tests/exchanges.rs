@@ -199,10 +199,15 @@ fn every_experiment_is_told_elsewhere_as_it_is_here() {
         "    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"from %g, %d, %g\", from, stop_defined, \
          stop_defined ? stop : 0.0);\n",
     );
+    let steps = (
+        "    (void)no_return;\n",
+        "    u->callbacks->logger(u->callbacks->environment, \"u\", 1, \"events\", \"%g by %g, returns %d\", from, size, !no_return);\n",
+    );
     let units = Units::new();
     let proposing = description(STATEFUL).replace("stopTime=\"1\"", "stopTime=\"1\" tolerance=\"0.001\"");
     for (description, tolerance) in [(description(STATEFUL), None), (proposing, Some("tolerance 0.001"))] {
-        let fmu = Fmu::open(units.pack("tells.fmu", &description, &library_with(&[tells]))).expect("opens");
+        let fmu =
+            Fmu::open(units.pack("tells.fmu", &description, &library_with(&[tells, steps]))).expect("opens");
         for fmu in [&fmu, &fmu.isolated(Isolation::default())] {
             for (stop, told) in [(None, "from 0.5, 0, 0"), (Some(2.5), "from 0.5, 1, 2.5")] {
                 let mut instance = fmu.instantiate("a").expect("instantiates");
@@ -210,6 +215,14 @@ fn every_experiment_is_told_elsewhere_as_it_is_here() {
                 let log: Vec<String> = instance.log().into_iter().map(|line| line.text).collect();
                 let expected: Vec<&str> = [told].into_iter().chain(tolerance).collect();
                 assert_eq!(log, expected);
+                instance.enter_initialization().expect("enters");
+                instance.exit_initialization().expect("exits");
+                instance.take_log();
+                for returns in [true, false] {
+                    assert_eq!(instance.do_step(0.5, 0.25, !returns), Status::Ok);
+                    let log = instance.take_log().into_iter().map(|line| line.text).collect::<Vec<_>>();
+                    assert_eq!(log, [format!("0.5 by 0.25, returns {}", i32::from(returns))]);
+                }
             }
         }
     }
@@ -248,4 +261,54 @@ fn law_a_process_that_does_not_end_is_ended() {
     let [_, there] = both(&units, "endless.fmu", &[("API int fmi2Terminate(", &last)]);
     drop(started(&there, &[], &[]));
     assert!(!mark.exists(), "it was waited for");
+}
+
+/// Set in the process that is to be killed: the folder with the unit, which writes its process into it.
+const MASTER: &str = "ORCHESTRATOR_KILLED_MASTER";
+
+#[test]
+fn law_a_process_ends_with_its_master() {
+    unit_host();
+    if let Some(folder) = std::env::var_os(MASTER) {
+        let fmu = Fmu::open(std::path::Path::new(&folder).join("endless.fmu")).expect("opens");
+        // It never comes back from its step, and is not asked to.
+        started(&fmu.isolated(Isolation::default()), &[(2, 14)], &[(6, 0.0)]).do_step(0.0, 0.5, true);
+        return;
+    }
+    let units = Units::new();
+    let process = units.path().join("process");
+    let writes = (
+        "    case ENDLESS: ",
+        &*format!(
+            "    case ENDLESS: {{ FILE *f = fopen(\"{0}.tmp\", \"w\"); fprintf(f, \"%d\", getpid()); fclose(f); rename(\"{0}.tmp\", \"{0}\"); }} ",
+            process.display()
+        ),
+    );
+    both(&units, "endless.fmu", &[writes]);
+    let mut master = std::process::Command::new(std::env::current_exe().expect("this program"))
+        .args(["--exact", "law_a_process_ends_with_its_master"])
+        .env(MASTER, units.path())
+        .env("TMPDIR", units.path())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .expect("starts");
+    // Long enough for any machine; what is waited for takes milliseconds.
+    let within_a_minute = |is: &dyn Fn() -> bool| {
+        let limit = std::time::Instant::now() + std::time::Duration::from_secs(60);
+        while !is() && std::time::Instant::now() < limit {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        is()
+    };
+    assert!(within_a_minute(&|| process.exists()), "it steps");
+    let number = std::fs::read_to_string(&process).expect("a number");
+    // A process that has ended stays on the list, as a zombie, until somebody asks how: here nobody may.
+    let lives = || {
+        let status = std::fs::read_to_string(format!("/proc/{number}/stat"));
+        status.is_ok_and(|status| !status.contains(") Z ") && !status.contains(") X "))
+    };
+    assert!(lives());
+    master.kill().expect("killed with SIGKILL");
+    master.wait().expect("ends");
+    assert!(within_a_minute(&|| !lives()), "its process ends, too");
 }

@@ -81,6 +81,22 @@ fn law_a_limit_is_passed_and_not_reached() {
 }
 
 #[test]
+fn law_what_is_to_be_known_of_a_scenario_is_among_the_notices() {
+    let text = "format = 1\nexperiment = { start = 1, stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 1\n";
+    let mut scenario = Scenario::parse(text, "test.toml").expect("a run may end where it begins");
+    scenario.note("read from elsewhere".into());
+    let mut simulation = Simulation::new(&scenario, &Units::new().unit_path()).expect("builds");
+    assert_eq!(simulation.notices(), ["read from elsewhere"]);
+    let mut results = MemoryRecorder::new();
+    simulation.run(&mut results, &mut Quiet).expect("runs");
+    assert_eq!(results.times(), [1.0]);
+    // What is wrong at the end of a line is told with that line.
+    let error =
+        Scenario::parse("format = 1\nunits =\n\nx = 1\n", "test.toml").expect_err("no value").to_string();
+    assert!(error.starts_with("test.toml:2: not a scenario: "), "{error}");
+}
+
+#[test]
 fn every_stop_is_at_the_start_or_after_it() {
     let text = "format = 1\nexperiment = { start = 0.5, stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.25\n";
     let units = Units::new();

@@ -116,16 +116,6 @@ impl Simulation {
         self.lateness.as_ref()
     }
 
-    /// Notices and replaced start values, for a checkpoint.
-    pub(crate) fn told(&self) -> (Vec<String>, Vec<String>) {
-        (self.notices.clone(), self.replaced_starts.clone())
-    }
-
-    /// The same, from a checkpoint.
-    pub(crate) fn tell_again(&mut self, notices: &[String], replaced_starts: &[String]) {
-        (self.notices, self.replaced_starts) = (notices.to_vec(), replaced_starts.to_vec());
-    }
-
     /// Back to before the start. Values set for the start stay as they are.
     pub fn reset(&mut self) {
         self.phase = Phase::Ready;

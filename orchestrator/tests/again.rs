@@ -101,12 +101,21 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         simulation.run(&mut csv, &mut Quiet).expect("runs");
         (String::from_utf8(csv.into_inner()).expect("UTF-8"), simulation.resolved())
     };
+    // A unit beside the scenario is not found by its name elsewhere.
+    let beside = folder.path().join("beside.fmu");
+    std::fs::copy(units.path().join("stateful.fmu"), &beside).expect("copied");
+    let mut other = scenario.clone();
+    other.units[0].fmu.value = "beside.fmu".into();
+    let full = format!("fmu = \"{}\"", beside.canonicalize().expect("there").display());
+    assert!(bytes(&other).1.lines().any(|line| line == full), "{full}");
     let (first, resolved) = bytes(&scenario);
     let again = Scenario::parse(&resolved, "elsewhere/resolved.toml").expect("loads");
     assert_eq!(again.report, scenario.report);
     assert_eq!(again.description, "a \"test\"");
     assert_eq!(bytes(&again), (first, resolved.clone()));
     for line in [
+        "fmu = \"stateful.fmu\"",
+        "fmu = \"feedthrough.fmu\"",
         "start = \"1/2\"",
         "interval = \"1/8\"",
         "latency = \"1/3\"",

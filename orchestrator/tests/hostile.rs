@@ -92,6 +92,22 @@ fn law_what_is_not_finite_is_told_once_and_recorded() {
 }
 
 #[test]
+fn law_what_is_not_finite_at_the_start_is_told_or_an_error() {
+    let units = Units::new();
+    let parts = [
+        common::unit("a", "feedthrough.fmu", "mode = 1, k = 1e6, u1 = 1e303"),
+        common::unit("b", "stateful.fmu", ""),
+    ];
+    let mut simulation = common::build(&units, &parts).expect("builds");
+    simulation.initialize().expect("nobody has it");
+    assert_eq!(simulation.notices(), ["a.y1 is inf at t = 0 s, for the first time"]);
+    let delayed = format!("{}latency = 0.125\n", common::connection("a.y1", "b.u1"));
+    let mut simulation = common::build(&units, &[&parts[..], &[delayed]].concat()).expect("builds");
+    let error = simulation.initialize().expect_err("b would get it").to_string();
+    assert!(error.contains("a.y1") && error.contains("inf") && error.contains("t = 0 s"), "{error}");
+}
+
+#[test]
 fn law_an_end_that_a_unit_refuses_is_told() {
     let mut simulation = build(&Units::new(), &faulty(22, "")).expect("builds");
     simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");

@@ -46,6 +46,10 @@ fn value_a_last_step_is_told_in_seconds() {
         Simulation::new(&Scenario::parse(text, "test.toml").expect("a scenario"), &units.unit_path())
             .expect("builds");
     assert!(simulation.notices()[0].ends_with("its last step has 2 s"), "{:?}", simulation.notices());
+    // One that ends with its first point makes no other one.
+    let only = text.replace("stop = 6", "stop = 2").replace("interval = 4", "interval = 4\noffset = 2");
+    let only = Simulation::new(&Scenario::parse(&only, "test.toml").expect("a scenario"), &units.unit_path());
+    assert_eq!(only.expect("builds").notices(), Vec::<String>::new());
     // It is counted from the start.
     let later = text.replace("stop = 6", "start = 1, stop = 6");
     let later =

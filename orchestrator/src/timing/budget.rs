@@ -249,6 +249,11 @@ mod tests {
         let found =
             |most: usize| budget(&scenario, most).map(|(loops, more)| (loops.len(), more)).expect("ticks");
         assert_eq!((found(9), found(2), found(1), found(0)), ((2, false), (2, false), (1, true), (0, true)));
+        let alone = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"x\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                     [[connections]]\nfrom = \"x.y\"\nto = \"x.u\"\n";
+        let (found, more) =
+            budget(&Scenario::parse(alone, "test.toml").expect("a scenario"), 9).expect("ticks");
+        assert_eq!((found.len(), more), (1, false), "all of one unit");
     }
 
     #[test]
@@ -352,5 +357,10 @@ mod tests {
         let names: Vec<String> = found.iter().map(|budget| budget.units.join(" ")).collect();
         assert_eq!(names, ["a b", "a b c"]);
         assert!((found[0].terms().transport - 0.4).abs() < 1e-12);
+        // Of those that are equally late the first one is told.
+        let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                    [[connections]]\nfrom = \"a.y\"\nto = \"a.u\"\n[[connections]]\nfrom = \"a.z\"\nto = \"a.w\"\n";
+        let found = budget(&Scenario::parse(text, "test.toml").expect("a scenario"), 9).expect("ticks").0;
+        assert_eq!((found.len(), found[0].legs[0].from.as_str()), (1, "a.y"));
     }
 }

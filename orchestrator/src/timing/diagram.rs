@@ -169,6 +169,10 @@ mod tests {
         let ways: Vec<_> = later.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect();
         let shifted = expected.map(|((from, sent), (to, taken))| ((from, sent + 2.0), (to, taken + 2.0)));
         assert_eq!(ways, shifted);
+        // A run that ends with the first point of b.
+        let text = "format = 1\nexperiment = { stop = 0.25 }\n[[units]]\nname = \"b\"\nfmu = \"x.fmu\"\ninterval = 1\noffset = 0.25\n";
+        let short = diagram(&Scenario::parse(text, "test.toml").expect("a scenario")).expect("ticks");
+        assert_eq!(short.lanes[0].points, [0.0, 0.25]);
         // Gauss-Seidel takes what there is at the end of a step: nothing at the start.
         assert_eq!(scenario("gauss-seidel").arrows[0].to, (1, 0.25));
     }

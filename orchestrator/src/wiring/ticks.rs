@@ -114,6 +114,9 @@ mod tests {
             clock(&Scenario::parse(&text, "test.toml").expect("a scenario")).map(|(_, ticks)| ticks.stop)
         };
         assert_eq!(ticks("-4.6e9", "4.6e9", "4.6e9").expect("fits"), 4_600_000_000_000_000_000);
+        // Ticks of 4.5 s fit, and their times don't: 9e18 s is 2e18 ticks of nine halves.
+        let text = "format = 1\nexperiment = { stop = 9e18 }\n[[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 4.5\n";
+        assert!(clock(&Scenario::parse(text, "test.toml").expect("a scenario")).is_err());
         for (start, stop, latency) in [("-4.7e9", "0", "0"), ("0", "4.7e9", "0"), ("0", "1", "4.7e9")] {
             let error = ticks(start, stop, latency).expect_err("too long").to_string();
             assert!(error.contains("have no common tick that fits 64 bits"), "{error}");

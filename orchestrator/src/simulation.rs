@@ -294,7 +294,10 @@ impl Simulation {
         if let Some(slot) = self.wiring.slots.get(&variable) {
             values.put(*slot, &typed);
         }
-        units[variable.0].read_fixed(values, self.now.time).map_err(|error| *error)
+        if description.causality == Causality::Parameter {
+            units[variable.0].read_fixed(values, self.now.time).map_err(|error| *error)?;
+        }
+        Ok(())
     }
 
     /// What is recorded.

@@ -192,3 +192,37 @@ fn every_call_that_no_run_makes_reaches_the_unit() {
     assert!(error.to_string().contains("fmi2SetDebugLogging"), "{error}");
     second.free_no_state().expect("no state");
 }
+
+#[test]
+fn law_kept_states_are_given_back_before_their_unit_goes() {
+    let units = Units::new();
+    let mark = units.path().join("kept");
+    let leaves = format!(
+        "API void fmi2FreeInstance(void *c) {{ FILE *f = kept ? fopen(\"{}\", \"w\") : NULL; if (f) fclose(f);\n",
+        mark.display()
+    );
+    let counts = [
+        ("API void *fmi2Instantiate(", "static int kept;\nAPI void *fmi2Instantiate("),
+        ("    if (!*state) *state = malloc", "    if (!*state) kept++;\n    if (!*state) *state = malloc"),
+        ("    free(*state);\n", "    kept--;\n    free(*state);\n"),
+        ("API void fmi2FreeInstance(void *c) { ", &*leaves),
+    ];
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&counts));
+    let fmu = orchestrator::fmu::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let mut instance = fmu.instantiate("a").expect("instantiates");
+    let _ = instance.save_state().expect("and never given back");
+    drop(instance);
+    assert!(mark.exists(), "it tells");
+    std::fs::remove_file(&mark).expect("there");
+    for algorithm in ["iterated", "step-halving"] {
+        let text = format!(
+            "format = 1\nexperiment = {{ stop = 1, algorithm = \"{algorithm}\" }}\n{}",
+            common::unit("a", "stateful.fmu", "")
+        );
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        simulation.advance_to(0.5).expect("steps");
+        drop(simulation);
+        assert!(!mark.exists(), "{algorithm}");
+    }
+}

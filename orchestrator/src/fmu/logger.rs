@@ -183,12 +183,14 @@ mod tests {
     /// One at a time: a line for nobody goes to all logs of the program.
     static ALONE: Mutex<()> = Mutex::new(());
 
+    #[cfg(unix)]
     /// The texts that a log holds after a line of a caller with somebody's environment.
     fn told(sink: &Arc<Sink>, environment: usize, caller: *const c_void) -> Vec<String> {
         receive(environment as *const c_void, caller, 1, c"events".as_ptr(), c"word".as_ptr());
         sink.take().into_iter().map(|line| line.to_string()).collect()
     }
 
+    #[cfg(unix)] // elsewhere it is not known whose library an address is of
     #[test]
     fn law_a_line_for_nobody_goes_to_its_library_or_to_all() {
         let _alone = locked(&ALONE);

@@ -21,6 +21,12 @@ fn runs() {
     let scenario = Scenario::load(folder.join("scenario.toml")).expect("a scenario");
     let path = orchestrator::UnitPath::new().with(folder);
     let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+    if folder.join("signalled").exists() {
+        let number = std::process::id().to_string();
+        Command::new("kill").args(["-USR1", &number]).status().expect("of POSIX");
+        // It comes to some thread of this program, while none is in a call.
+        std::thread::sleep(std::time::Duration::from_secs(60));
+    }
     let again = folder.join("again").exists().then(Guard::begin);
     let mut csv = CsvRecorder::create(folder.join("results.csv")).expect("writable");
     let recorder: &mut dyn Recorder = if folder.join("unseen").exists() { &mut NoRecorder } else { &mut csv };
@@ -143,6 +149,19 @@ fn law_a_library_that_crashes_at_the_very_end_changes_no_status() {
     let told = "note: all is done, but a library of a unit crashed with a segmentation fault (SIGSEGV) when it was unloaded";
     assert!(text.contains(told), "{text}");
     assert_eq!((status, last), (Some(7), Some(1.0)), "{text}");
+}
+
+#[test]
+fn law_a_signal_from_elsewhere_ends_the_program_as_it_would_by_itself() {
+    let units = Units::new();
+    std::fs::write(units.path().join("signalled"), "").expect("writable");
+    std::fs::write(units.path().join("results.csv"), "").expect("writable");
+    let (status, text, _) = ended_of(&units, 0, "gauss-seidel", false);
+    assert!(
+        text.contains("error: the program was ended by SIGUSR1 outside of any call into a unit"),
+        "{text}"
+    );
+    assert_eq!(status, None, "by the signal: {text}");
 }
 
 #[test]

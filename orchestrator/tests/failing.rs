@@ -226,3 +226,43 @@ fn law_kept_states_are_given_back_before_their_unit_goes() {
         assert!(!mark.exists(), "{algorithm}");
     }
 }
+
+#[test]
+fn every_library_that_lacks_a_python_says_so() {
+    let units = Units::new();
+    for (symbol, is_python) in [("Py_Flag", true), ("_Py_NoneStruct", true), ("nobodys_flag", false)] {
+        let lacks = format!(
+            "extern int {symbol};\nAPI int *lacks(void) {{ return &{symbol}; }}\nAPI int fmi2Terminate("
+        );
+        let library = common::library_with(&[("API int fmi2Terminate(", &lacks)]);
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &library);
+        let built = common::build(&units, &[common::unit("a", "stateful.fmu", "")]).map(drop);
+        let error = built.expect_err("it can't be loaded").to_string();
+        assert!(error.contains(&format!("undefined symbol: {symbol}")), "{error}");
+        assert_eq!(
+            error.contains("the unit needs a Python interpreter in this process"),
+            is_python,
+            "{error}"
+        );
+    }
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[test]
+fn law_a_library_finds_its_own_symbols_first_where_the_program_has_the_same() {
+    let units = Units::new();
+    let own = (
+        "static void start(Unit *u) {\n",
+        "API int getppid(void) { return 42; }\nstatic int (*volatile parent)(void) = getppid;\nstatic void start(Unit *u) {\n",
+    );
+    let tells = ("u->i[I_OUT] = u->i[I_IN] + 1;", "u->i[I_OUT] = parent();");
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&[own, tells]));
+    let parent = || {
+        let mut simulation = common::build(&units, &[common::unit("a", "stateful.fmu", "")]).expect("builds");
+        simulation.value("a.i_out").expect("known")
+    };
+    assert_ne!(parent(), 42.0, "the C library's");
+    // For a program that serves units and has functions of FMI of its own.
+    orchestrator::serve_units();
+    assert_eq!(parent(), 42.0, "its own");
+}

@@ -215,7 +215,11 @@ impl Drop for Shared {
 mod tests {
     use super::{AGAIN, FEWEST_LOOKS, Looks, MOST_LOOKS, Part, Shared, Side};
     use std::cell::Cell;
+    use std::sync::{Mutex, PoisonError};
     use std::time::{Duration, Instant};
+
+    /// One at a time: another mapping may come where one has gone.
+    static ALONE: Mutex<()> = Mutex::new(());
 
     #[test]
     fn law_looking_in_vain_stops_and_begins_again() {
@@ -241,6 +245,7 @@ mod tests {
 
     #[test]
     fn law_either_side_sleeps_until_its_turn_or_the_end_of_its_patience() {
+        let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let shared = Shared::new().expect("memory");
         let patience = Duration::from_millis(30);
         for (turn, waits) in [(Side::Client, Side::Server), (Side::Server, Side::Client)] {
@@ -255,6 +260,7 @@ mod tests {
 
     #[test]
     fn law_a_part_is_never_longer_than_it_is_and_nobody_looks_who_is_told_so() {
+        let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let shared = Shared::new().expect("memory");
         shared.set_length(Part::Log, 7);
         assert_eq!((shared.length(Part::Log), shared.length(Part::Request)), (7, 0));
@@ -267,5 +273,12 @@ mod tests {
             shared.looks.now.get() < MOST_LOOKS
         };
         assert!(looked(true) && !looked(false) && looked(true));
+        let mapped = || {
+            let maps = std::fs::read_to_string("/proc/self/maps").expect("Linux has it");
+            maps.lines().any(|line| line.contains("/memfd:unit"))
+        };
+        assert!(mapped());
+        drop(shared);
+        assert!(!mapped(), "it goes with its owner");
     }
 }

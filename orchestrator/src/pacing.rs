@@ -186,6 +186,9 @@ mod tests {
         }
         assert!(keeping.lateness.missed >= 1 && keeping.lateness.points == 4, "{}", keeping.lateness);
         assert!(keeping.lateness.most >= 0.019, "due after 30 ms, came after 50");
+        // Counted from when it was due.
+        let due = (keeping.lateness.at - 1.0) / 10.0;
+        assert!(keeping.lateness.most <= came(&keeping).as_secs_f64() - due, "{}", keeping.lateness);
         // Whoever wants to end the run is heard while it waits.
         assert!(keeping.wait(1e9, || ControlFlow::Break(())).is_break());
     }

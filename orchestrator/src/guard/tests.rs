@@ -1,3 +1,5 @@
+//! Threads that are guarded, and what is given up with them.
+
 use super::*;
 
 /// One at a time: [`give_up`] has the rows of all threads written.

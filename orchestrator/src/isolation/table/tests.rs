@@ -1,3 +1,5 @@
+//! Which functions a unit may lack.
+
 use super::{of, optional};
 use crate::fmu::Function;
 

@@ -95,8 +95,7 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let (best, losses) =
         tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
-    let pairs = (0..separates.len()).flat_map(|a| (a + 1..separates.len()).map(move |b| (a, b)));
-    let open = pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told);
+    let open = open(losses).into_iter();
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
     let separation = order.iter().map(|place| {
@@ -198,6 +197,12 @@ fn scenario(
 
 /// Deviance lost by taking one member (the second place) where another (the first) is true.
 type Losses = Vec<Vec<f64>>;
+
+/// Members that this leaves open, each beside another.
+fn open(losses: &Losses) -> Vec<(usize, usize)> {
+    let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
+    pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
+}
 
 fn worst(losses: &Losses) -> (usize, usize, f64) {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
@@ -313,3 +318,6 @@ fn losses(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Losses, 
     };
     question.class.iter().map(row).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,7 @@ from .simulate import held, neutral, simulate, variants
 
 def run_of(machine, seed=3):
     rng = np.random.default_rng(seed)
-    times = np.arange(0.0, 2.0 if machine.row < 1 else 60 * machine.row, machine.row)
+    times = np.arange(0.0, min(2.0, machine.duration) if machine.row < 1 else 60 * machine.row, machine.row)
     return times, excite.commands(machine, times, rng), excite.start(machine, rng)
 
 
@@ -41,7 +41,7 @@ def test_truth_is_scipys(machine):
                 return machine.rhs(x, {i.name: held(times, commands[i.name], t, i.hold) for i in machine.inputs}, one)
 
             # within a held row, so that no jump lies inside
-            ends = (at, times[row + 1] - 1e-9)
+            ends = (at, times[row + 1] - 1e-6 * machine.row)
             x = solve_ivp(slope, ends, x, rtol=1e-9, atol=1e-12, method="DOP853").y[:, -1]
         for place, output in enumerate(machine.outputs_of):
             off = np.abs(ours[output.name][:, variant] - np.array(rows)[:, place])

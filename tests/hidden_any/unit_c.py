@@ -10,7 +10,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 HERE = Path(__file__).resolve().parent
-# factor and exponents of (kg, m, s, A, K, rad)
+# factor and exponents of (kg, m, s, A, K, mol, rad)
 UNITS = {
     "A": {"A": 1}, "V": {"kg": 1, "m": 2, "s": -3, "A": -1}, "Ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
     "H": {"kg": 1, "m": 2, "s": -2, "A": -2}, "rad": {"rad": 1}, "rad/s": {"rad": 1, "s": -1},
@@ -21,7 +21,8 @@ UNITS = {
     "W": {"kg": 1, "m": 2, "s": -3}, "F": {"kg": -1, "m": -2, "s": 4, "A": 2}, "A.h": {"A": 1, "s": 1, "factor": 3600.0},
     "1": {}, "1/K": {"K": -1}, "J/K": {"kg": 1, "m": 2, "s": -2, "K": -1}, "W/K": {"kg": 1, "m": 2, "s": -3, "K": -1},
     "Ohm/K": {"kg": 1, "m": 2, "s": -3, "A": -2, "K": -1}, "%": {"factor": 0.01}, "W/%": {"kg": 1, "m": 2, "s": -3, "factor": 100.0},
-    "W/(m2.K)": {"kg": 1, "s": -3, "K": -1},
+    "W/(m2.K)": {"kg": 1, "s": -3, "K": -1}, "1/s": {"s": -1}, "l": {"m": 3, "factor": 1e-3}, "l/s": {"m": 3, "s": -1, "factor": 1e-3},
+    "mol/l": {"mol": 1, "m": -3, "factor": 1e3}, "J/mol": {"kg": 1, "m": 2, "s": -2, "mol": -1},
 }  # fmt: skip
 
 

@@ -145,6 +145,13 @@ pub fn unchanged(gap: Gap) -> Gap {
     Gap { before, closed, ..gap }
 }
 
+/// Whether one of the effects that are told closes the gap of a part: one that the part found, or one of a unit whose signals it compares.
+pub fn is_closed_by(told: &[&str], own: &[&str], signals: &[&str]) -> bool {
+    let unit = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let of_a_signal = |effect: &str| signals.iter().any(|signal| unit(signal) == unit(effect));
+    told.iter().any(|effect| own.contains(effect) || of_a_signal(effect))
+}
+
 /// How far a gap stands above its floor.
 pub fn above(gap: &Gap) -> f64 {
     if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
@@ -212,5 +219,15 @@ mod tests {
             (unchanged(sums(2.0).gap(Compared::Angles)), unchanged(sums(1.0).gap(Compared::Angles)));
         assert_eq!((open.before, open.after, open.closed), (2.0, 2.0, Some(0.0)));
         assert_eq!((quiet.before, quiet.after, quiet.closed), (1.0, 1.0, None));
+    }
+    #[test]
+    fn law_a_gap_is_closed_by_what_its_part_found_or_by_effects_of_its_units() {
+        let pictures = ["camera.u3", "camera.v3"];
+        assert!(!is_closed_by(&[], &["camera.T_delay"], &pictures));
+        assert!(is_closed_by(&["camera.k1"], &[], &pictures));
+        // pictures of a joint that rubs: no effect of the camera, and found in its part
+        assert!(is_closed_by(&["plant.b_joint"], &["plant.b_joint"], &pictures));
+        assert!(!is_closed_by(&["plant.b_joint"], &[], &pictures));
+        assert!(!is_closed_by(&["plant.b_joint"], &["camera.T_delay"], &pictures));
     }
 }

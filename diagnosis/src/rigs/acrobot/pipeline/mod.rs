@@ -17,7 +17,7 @@ mod saturations;
 mod scale;
 mod sensor;
 
-use crate::diagnosis::{Diagnosis, Effect};
+use crate::diagnosis::Diagnosis;
 use crate::error::{Error, Notice};
 use crate::options::Options;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, ZEROS, candidates};
@@ -196,15 +196,12 @@ pub fn diagnose(
 
 /// Takes away from a gap what no effect that is told closes: clocks that were put right, which a repeated search finds again as delays.
 fn no_merit(diagnosis: &mut Diagnosis, parts: &[Part], list: &[Candidate]) {
+    let effects: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.name.as_str()).collect();
     for (part, gap) in parts.iter().zip(&mut diagnosis.gaps) {
-        let unit = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-        let own = |effect: &Effect| {
-            let named = |index: &usize| list[*index].name == effect.name;
-            let of = unit(&effect.name);
-            part.study.active.iter().any(named) || part.signals.iter().any(|signal| unit(&signal.name) == of)
-        };
+        let own: Vec<&str> = part.study.active.iter().map(|index| list[*index].name).collect();
+        let signals: Vec<&str> = part.signals.iter().map(|signal| signal.name.as_str()).collect();
         let corrected = part.torque && diagnosis.correction.is_some();
-        if !corrected && !diagnosis.effects.iter().any(own) {
+        if !corrected && !gap::is_closed_by(&effects, &own, &signals) {
             *gap = gap::unchanged(gap.clone());
         }
     }

@@ -70,7 +70,7 @@ fn value_how_much_of_the_motion_starts_and_process_noise_may_be() {
         // and within a row to several times all of the motion: an equation that says nothing of it
         assert!((5.0..15.0).contains(&(most * ROW.sqrt() / scale)), "state {state}: {most}");
     }
-    // a stamp that is off by more than a third of a row is a row's that is missing
+    // stamps that scatter by more than a third of a row change places
     assert!((0.25..0.35).contains(&(built.sizes.jitter / ROW)), "{}", built.sizes.jitter);
 }
 

@@ -79,18 +79,22 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let mut question = Question { class: question.class.clone(), ..*question };
     question.class.truncate(EXPERIMENTS.members);
     let engine = question.engine;
-    let all = &engine.grids[0].time;
-    let time: Vec<f64> = all[..all.len().min(EXPERIMENTS.rows)].to_vec();
-    let waves = waves(problem, engine, &time);
-    let screened: Vec<Option<f64>> =
-        waves.par_iter().map(|wave| screen(&question, wave, &time).ok()).collect();
+    let longest = engine.grids.iter().map(|grid| &grid.time).max_by_key(|time| time.len())?;
+    let waves: Vec<Wave> = times(longest).iter().flat_map(|time| waves(problem, engine, time)).collect();
+    let screened: Vec<Option<f64>> = waves.par_iter().map(|wave| screen(&question, wave).ok()).collect();
     let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
     // stable: of equal ones the simplest comes first
     order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
-    let tried: Vec<(usize, Losses)> = order
+    // far from where it was linearised a long one may tell nothing: some of each length
+    let of_its_length = |(at, place): &(usize, &usize)| {
+        let before = order[..*at].iter().filter(|other| waves[**other].time == waves[**place].time);
+        before.count() < EXPERIMENTS.finalists
+    };
+    let finalists: Vec<usize> =
+        order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect();
+    let tried: Vec<(usize, Losses)> = finalists
         .par_iter()
-        .take(EXPERIMENTS.finalists)
-        .filter_map(|place| Some((*place, losses(&question, &waves[*place], &time).ok()?)))
+        .filter_map(|place| Some((*place, losses(&question, &waves[*place]).ok()?)))
         .collect();
     let (best, losses) =
         tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
@@ -126,21 +130,30 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         waves[*best].what,
         brief(loss),
     );
-    let scenario = scenario(problem, engine, &waves[*best], &time, units);
+    let scenario = scenario(problem, engine, &waves[*best], units);
     let next = NextExperiment {
         what,
         separates: separates.clone(),
         scenario: scenario.as_ref().map(|_| FILE.to_owned()),
         leaves_open,
         separation: separation.collect(),
-        planned: planned(&question, &waves[*best], &time).ok(),
+        planned: planned(&question, &waves[*best]).ok(),
     };
     Some((next, scenario))
 }
 
+/// When rows would be: as in the longest log while they last, and spread over all of it. What is slow needs the one, a delay below the
+/// distance of the others the other.
+fn times(longest: &[f64]) -> Vec<Vec<f64>> {
+    let each = longest.len().div_ceil(EXPERIMENTS.rows).max(1);
+    let begin = longest[..longest.len().min(EXPERIMENTS.rows)].to_vec();
+    let spread = longest.iter().copied().step_by(each).collect();
+    if each > 1 { vec![spread, begin] } else { vec![begin] }
+}
+
 /// What is driven, and what each member would give.
-fn planned(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Planned, Error> {
-    let machine = &question.engine.machine;
+fn planned(question: &Question<'_>, wave: &Wave) -> Result<Planned, Error> {
+    let (machine, time) = (&question.engine.machine, &wave.time);
     let since = |rows: &[f64], values: &[f64]| -> Vec<(f64, f64)> {
         rows.iter().zip(values).map(|(t, value)| (t - time[0], *value)).collect()
     };
@@ -158,7 +171,7 @@ fn planned(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Planned
         })
         .collect();
     for member in &question.class {
-        let engine = simulated(question, wave, time, &question.with(Some(member)))?;
+        let engine = simulated(question, wave, &question.with(Some(member)))?;
         for (channel, output) in outputs.iter_mut().enumerate() {
             let own = engine.grids[0].samples.iter().filter(|sample| sample.channel == channel);
             let (rows, values): (Vec<f64>, Vec<f64>) = own.map(|sample| (sample.time, sample.value)).unzip();
@@ -169,13 +182,8 @@ fn planned(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Planned
 }
 
 /// The nominal model under the experiment.
-fn scenario(
-    problem: &Problem,
-    engine: &Engine,
-    wave: &Wave,
-    time: &[f64],
-    units: &UnitPath,
-) -> Option<String> {
+fn scenario(problem: &Problem, engine: &Engine, wave: &Wave, units: &UnitPath) -> Option<String> {
+    let time = &wave.time;
     let mut scenario = problem.model.scenario.clone();
     if !(scenario.connections.is_empty() && scenario.sources.is_empty() && scenario.units.len() == 1) {
         return None;
@@ -213,8 +221,8 @@ fn worst(losses: &Losses) -> (usize, usize, f64) {
 }
 
 /// The engine with one run of this experiment, as it would be logged without noise.
-fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) -> Result<Engine, Error> {
-    let engine = question.engine;
+fn simulated(question: &Question<'_>, wave: &Wave, theta: &[f64]) -> Result<Engine, Error> {
+    let (engine, time) = (question.engine, &wave.time);
     let machine = &engine.machine;
     let inputs = machine.inputs.iter().zip(&wave.values).map(|(input, values)| Course {
         time: time.to_vec(),
@@ -261,9 +269,9 @@ fn simulated(question: &Question<'_>, wave: &Wave, time: &[f64], theta: &[f64]) 
 }
 
 /// By the Fisher information: the least that any member leaves of another.
-fn screen(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<f64, Error> {
+fn screen(question: &Question<'_>, wave: &Wave) -> Result<f64, Error> {
     let theta = question.with(None);
-    let engine = simulated(question, wave, time, &theta)?;
+    let engine = simulated(question, wave, &theta)?;
     let noise = question.noise();
     let paths = engine.first_paths(&theta, &noise)?;
     let member = |member: &Alternative| Chord { parameter: member.parameter, to: member.value, per: 1.0 };
@@ -294,11 +302,11 @@ fn screen(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<f64, Err
 }
 
 /// Each member as the truth, each other one fitted to it.
-fn losses(question: &Question<'_>, wave: &Wave, time: &[f64]) -> Result<Losses, Error> {
+fn losses(question: &Question<'_>, wave: &Wave) -> Result<Losses, Error> {
     let noise = question.noise();
     let row = |truth: &Alternative| {
         let theta = question.with(Some(truth));
-        let engine = simulated(question, wave, time, &theta)?;
+        let engine = simulated(question, wave, &theta)?;
         let paths = engine.first_paths(&theta, &noise)?;
         let fitted = |member: &Alternative| {
             let theta = question.with(Some(member));

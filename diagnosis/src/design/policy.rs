@@ -9,7 +9,7 @@ pub(crate) struct Experiments {
     pub rows: usize,
     /// Most members of a class that are told apart.
     pub members: usize,
-    /// Experiments that are simulated with every member as the truth.
+    /// Experiments of each length that are simulated with every member as the truth.
     pub finalists: usize,
     /// Expected loss of deviance above which two members count as told apart: the class's own threshold.
     pub told: f64,

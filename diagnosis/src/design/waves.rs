@@ -41,6 +41,8 @@ const LEVELS: [f64; 12] = [0.0, 1.0, -0.4, 0.6, -1.0, 0.2, 0.9, -0.7, -0.2, 0.4,
 pub(super) struct Wave {
     /// In words.
     pub what: String,
+    /// When its rows are.
+    pub time: Vec<f64>,
     /// Values at the rows, one list an input.
     pub values: Vec<Vec<f64>>,
 }
@@ -77,7 +79,11 @@ pub(super) fn waves(problem: &Problem, engine: &Engine, time: &[f64]) -> Vec<Wav
             let (middle, half) = ranges[place];
             let mut values: Vec<Vec<f64>> = (0..ranges.len()).map(still).collect();
             values[place] = course(shape, time).iter().map(|share| middle + half * share).collect();
-            list.push(Wave { what: told(shape, &input.name, &input.unit, middle, half, time), values });
+            list.push(Wave {
+                what: told(shape, &input.name, &input.unit, middle, half, time),
+                time: time.to_vec(),
+                values,
+            });
         }
     }
     list

@@ -155,7 +155,7 @@ type Term = (String, String, Vec<Vec<f64>>);
 
 /// Whether a variable of this unit may be an angle in rad.
 fn is_angle(unit: &str) -> bool {
-    matches!(unit, "rad" | "" | "1")
+    matches!(unit, "rad" | "")
 }
 
 /// Waves in a turn that a course of an angle may follow, which turned through so much, rad: half a wave at least.

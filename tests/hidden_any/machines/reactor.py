@@ -12,7 +12,7 @@ from ..unit_c import build
 
 def rhs(x, u, p):
     T, c = x
-    rate = p["k_0"] * np.exp(-8750.0 / T) * c * (1.0 - p["poison"] * c)
+    rate = p["k_0"] * np.exp(-8750.0 / T) * c
     exchange = p["UA"] * (u["T_c"] - T) + p["stirring"] - p["loss"] * np.sign(T - 330.0) * (T - 330.0) ** 2
     flow = u["q"] / p["V"]
     return np.array([flow * (p["T_f"] - T) + (p["H"] * rate + exchange / p["V"]) / 239.0, flow * (p["c_f"] - c) - rate])
@@ -48,5 +48,5 @@ MACHINE = Machine(
     substeps=10,
     duration=2000.0,
     build=lambda machine, folder: build(machine, folder, C, "v[T] = x[0];", step=0.5),
-    extra={"loss": 15.0, "poison": 0.4},
+    extra={"loss": 15.0},
 )

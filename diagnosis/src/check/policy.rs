@@ -33,10 +33,9 @@ pub(super) struct Doubts {
     /// Another unit of time, factors beyond all gains, exchanged columns: the same two, where neither a gain nor what a machine lacks
     /// comes near.
     pub extreme: (f64, f64),
-    /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain.
+    /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain. A shorter unit of time must
+    /// do with this, without a look at the logs as they are read.
     pub exact: f64,
-    /// The same of a shorter unit of time, which must do without a look at the logs as they are read.
-    pub slower: f64,
     /// And so many variances of the sensors, all in all.
     pub clear: f64,
     /// Ways that leave at most so many times what the best one leaves can't be told from it.
@@ -67,7 +66,6 @@ pub(super) const DOUBTS: Doubts = Doubts {
     less: SMALL,
     extreme: (HALF, SLIGHT),
     exact: 2.0,
-    slower: 2.0,
     clear: FAR * FAR,
     same: MORE,
     short: Glance { stretches: 2, rows: 60, rounds: 3 },

@@ -41,11 +41,37 @@ impl Rest {
         }
     }
 
+    /// Whether the model follows the logs as they are read, or nothing tells.
+    fn is_followed(&self) -> bool {
+        self.share.is_none_or(|share| share < DOUBTS.wrong)
+    }
+
+    /// Whether it leaves so little in this way that it can't be what it leaves of the logs as they are read.
+    fn is_less(&self, way: &Way, own: &Self) -> bool {
+        let most = if way.is_extreme() { DOUBTS.extreme.1 } else { DOUBTS.less };
+        self.excess <= most * own.excess
+    }
+
+    /// Whether it leaves clearly more than another.
+    fn is_worse(&self, other: &Self) -> bool {
+        self.excess >= DOUBTS.exact * other.excess + DOUBTS.clear
+    }
+
+    /// Whether it can't be told from the one that leaves least.
+    fn is_near(&self, least: f64) -> bool {
+        self.excess <= DOUBTS.same * least
+    }
+
     /// Whether the model follows all channels in this way.
     fn is_right(&self, way: &Way) -> bool {
         let most = if way.is_extreme() { DOUBTS.extreme.0 } else { DOUBTS.right };
         self.share.is_some_and(|share| share < most)
     }
+}
+
+/// The noise that a stated one counts as, where the log scatters by so much.
+fn counted(stated: f64, scatter: f64) -> f64 {
+    stated.min(DOUBTS.stated * scatter)
 }
 
 /// How well the model follows a data set.
@@ -55,7 +81,7 @@ fn rest(problem: &Problem, glance: &Glance) -> Rest {
     let engine = &mut built.engine;
     // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
-        *sd = sd.min(DOUBTS.stated * scatter.noise);
+        *sd = counted(*sd, scatter.noise);
     }
     let look = |engine: &Engine| engine.followed(glance).map_or(Rest::ALL, |left| Rest::of(&left));
     let after = look(engine);
@@ -87,12 +113,12 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
             continue;
         }
         let rest = tried(&read, &DOUBTS.long)?;
-        if rest.is_right(way) && is_exact(way, problem, &rest, DOUBTS.slower) {
+        if rest.is_right(way) && is_exact(way, problem, &rest) {
             return Some(told(way, &[], None));
         }
     }
     let own = tried(problem, &DOUBTS.long)?;
-    if own.share.is_none_or(|share| share < DOUBTS.wrong) {
+    if own.is_followed() {
         return None;
     }
     let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
@@ -100,19 +126,16 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     let judged = ways.iter().filter(fits).map(|way| (rest(&way.read(problem), &DOUBTS.long), way));
     let mut found: Vec<(Rest, &Way)> = judged.filter(|(rest, way)| is_it(way, problem, rest, &own)).collect();
     let least = found.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    found.retain(|(rest, _)| rest.excess <= DOUBTS.same * least);
+    found.retain(|(rest, _)| rest.is_near(least));
     let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
     Some(told(found[0].1, &others, Some((found[0].0, own))))
 }
 
 /// Whether the model follows the logs in this way and not as they are read.
 fn is_it(way: &Way, problem: &Problem, rest: &Rest, own: &Rest) -> bool {
-    let extreme = way.is_extreme();
-    let most = if extreme { DOUBTS.extreme.1 } else { DOUBTS.less };
-    let near = rest.is_right(way) && rest.excess <= most * own.excess;
-    near && (extreme
-        || way.is_sign() && turns(way, problem, own)
-        || is_exact(way, problem, rest, DOUBTS.exact))
+    rest.is_right(way)
+        && rest.is_less(way, own)
+        && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, rest))
 }
 
 /// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
@@ -121,10 +144,8 @@ fn turns(way: &Way, problem: &Problem, own: &Rest) -> bool {
 }
 
 /// Whether the model follows the logs clearly worse a little beside this way.
-fn is_exact(way: &Way, problem: &Problem, rest: &Rest, times: f64) -> bool {
-    let worse =
-        |beside: &Problem| self::rest(beside, &DOUBTS.long).excess >= times * rest.excess + DOUBTS.clear;
-    way.beside(problem).iter().all(worse)
+fn is_exact(way: &Way, problem: &Problem, rest: &Rest) -> bool {
+    way.beside(problem).iter().all(|beside| self::rest(beside, &DOUBTS.long).is_worse(rest))
 }
 
 /// The signs with which the model follows the logs.
@@ -148,7 +169,7 @@ pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
         .collect();
     all.push((own, Vec::new()));
     let least = all.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    let near = all.iter().filter(|(rest, _)| rest.excess <= DOUBTS.same * least);
+    let near = all.iter().filter(|(rest, _)| rest.is_near(least));
     let (rest, turned) = near.min_by_key(|(_, turned)| turned.len())?;
     let left = rest.share.filter(|share| *share < DOUBTS.extreme.0)?;
     let is_worse = |other: &Rest| other.excess >= SEVERAL * rest.excess;
@@ -176,5 +197,79 @@ fn told(way: &Way, others: &[&Way], shares: Option<(Rest, Rest)>) -> Doubt {
         line: way.line,
         sentence: format!("the model follows the logs only with {}{left}{or}", way.what),
         add: way.add.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ways::Change;
+    use super::*;
+    use crate::observe::Affine;
+
+    /// 200 values of a sensor with a variance of 4 that moved by so many variances a value, of which so many are left.
+    fn left(motion: f64, error: f64) -> Left {
+        let all = 200.0 * 4.0;
+        Left { error: error * all, motion: motion * all, count: 200.0, variance: 4.0 }
+    }
+
+    fn rest(share: f64, excess: f64) -> Rest {
+        Rest { share: Some(share), excess }
+    }
+
+    fn way(change: Change) -> Way {
+        Way { change, line: 1, what: String::new(), add: String::new() }
+    }
+
+    #[test]
+    fn value_a_channel_tells_from_five_deviations_of_its_sensor() {
+        // 4.9² and 5.1² variances, of motion or of error
+        assert_eq!(Rest::of(&[left(24.0, 1.0)]).share, None, "noise");
+        assert!(Rest::of(&[left(26.0, 1.0)]).share.is_some(), "motion");
+        assert_eq!(Rest::of(&[left(1.0, 24.0)]).share, None);
+        assert!(Rest::of(&[left(1.0, 26.0)]).share.is_some(), "error");
+    }
+
+    #[test]
+    fn value_a_stated_noise_that_the_log_does_not_scatter_by_does_not_count() {
+        // a scatter is an estimate and a stated noise is rounded up: believed; twice as large it would hide what a model leaves
+        assert_eq!(counted(1.4, 1.0), 1.4);
+        assert!(counted(2.0, 1.0) < 1.7);
+        assert_eq!(counted(0.2, 1.0), 0.2, "a noise that is stated too small leaves more, and hides nothing");
+    }
+
+    #[test]
+    fn value_what_the_model_leaves_as_logs_are_read() {
+        // a fiftieth of the motion is no wrong reading: gains and offsets of that size are sound sensors'
+        assert!(rest(0.018, 1e4).is_followed() && !rest(0.022, 1e4).is_followed());
+        assert!(Rest { share: None, excess: 1e4 }.is_followed(), "no channel tells");
+    }
+
+    #[test]
+    fn value_what_the_model_leaves_in_another_way() {
+        let sign = way(Change::Values(vec![(0, Affine { scale: -1.0, offset: 0.0 })]));
+        // a tenth of the motion, and of what it leaves as they are read
+        assert!(rest(0.09, 1.0).is_right(&sign) && !rest(0.11, 1.0).is_right(&sign));
+        assert!(rest(0.0, 90.0).is_less(&sign, &rest(1.0, 1000.0)));
+        assert!(!rest(0.0, 110.0).is_less(&sign, &rest(1.0, 1000.0)));
+        // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
+        for far in [
+            Change::Time(60.0),
+            Change::Exchanged(0, 1),
+            Change::Values(vec![(0, Affine { scale: 1e-3, offset: 0.0 })]),
+        ] {
+            let far = way(far);
+            assert!(rest(0.45, 1.0).is_right(&far) && !rest(0.55, 1.0).is_right(&far));
+            assert!(rest(0.0, 18.0).is_less(&far, &rest(1.0, 1000.0)));
+            assert!(!rest(0.0, 22.0).is_less(&far, &rest(1.0, 1000.0)));
+        }
+    }
+
+    #[test]
+    fn value_what_is_left_beside_a_way_and_in_ways_that_are_as_good() {
+        // much noise: twice as much is worse, a half more is not
+        assert!(rest(0.0, 2.1e4).is_worse(&rest(0.0, 1e4)) && !rest(0.0, 1.9e4).is_worse(&rest(0.0, 1e4)));
+        // hardly anything left: ten standard deviations, squared, whatever it is a multiple of
+        assert!(rest(0.0, 110.0).is_worse(&rest(0.0, 0.1)) && !rest(0.0, 90.0).is_worse(&rest(0.0, 0.1)));
+        assert!(rest(0.0, 140.0).is_near(100.0) && !rest(0.0, 160.0).is_near(100.0));
     }
 }

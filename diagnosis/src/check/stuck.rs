@@ -127,4 +127,48 @@ mod tests {
             series(|row, random| if (120..150).contains(&row) { 0.0 } else { 1.0 + 0.01 * random.normal() });
         assert_eq!(stretch(&dead), Some((120, 149)), "a wire that broke");
     }
+
+    #[test]
+    fn value_how_often_a_sensor_repeats_itself_where_it_does_not_stand_still() {
+        // rows that are written twice, at random; from row 120 to 150 it stands still
+        let repeating = |share: f64| {
+            let before = std::cell::Cell::new(0.0);
+            stretch(&series(|row, random| {
+                let again = random.uniform() < share || (120..150).contains(&row);
+                before.set(if again { before.get() } else { random.normal() });
+                before.get()
+            }))
+        };
+        // noise as large as a quantum repeats 28 of 100 values, and that is no sensor that stands still now and then
+        assert_eq!(repeating(0.28).map(|(from, to)| (from.div_ceil(10), to / 10)), Some((12, 14)));
+        assert_eq!(repeating(0.42), None, "a log that repeats what a slower sensor said");
+    }
+
+    #[test]
+    fn value_a_log_that_hardly_moves_elsewhere_says_nothing() {
+        let of = |rows: usize| {
+            let Series { time, values } = series(|row, random| if row < 30 { 0.3 } else { random.normal() });
+            stretch(&Series { time: time[..rows].to_vec(), values: values[..rows].to_vec() })
+        };
+        // a share of forty turns is known to 0.07, and noise that turns in 77 of 100 lies not two of these above what is asked
+        assert_eq!((of(30 + 36), of(30 + 44)), (None, Some((0, 29))));
+    }
+
+    #[test]
+    fn value_how_far_a_sensor_jumps_to_where_it_may_stay() {
+        // zero for 30 rows, from and to a level of so many times the noise
+        let jumps = |times: f64| {
+            let level = |row: usize, random: &mut Random| match row {
+                119 | 150 => times,
+                120..150 => 0.0,
+                _ => times + random.normal(),
+            };
+            let mut course = series(level);
+            course.values.iter_mut().for_each(|value| *value *= 0.01);
+            stretch(&course)
+        };
+        // a motor that coasts to rest within a row or two comes from a few times the noise; a wire breaks from anywhere
+        assert_eq!(jumps(6.5), None);
+        assert_eq!(jumps(9.5), Some((120, 149)));
+    }
 }

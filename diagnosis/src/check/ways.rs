@@ -135,13 +135,12 @@ pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
     let row = problem.row();
     let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
     let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let farthest = if step.is_finite() { DOUBTS.farthest.0 * step } else { DOUBTS.farthest.1 };
     let way = |(unit, seconds): &(&str, f64)| {
         let factor = seconds / run.seconds;
         let fits = if shorter {
-            factor < 1.0 - ROUNDING && factor * row >= DOUBTS.nearest
+            factor < 1.0 - ROUNDING && !is_too_near(factor * row)
         } else {
-            factor > 1.0 + ROUNDING && factor * row <= farthest
+            factor > 1.0 + ROUNDING && !is_too_far(factor * row, step)
         };
         fits.then(|| Way {
             change: Change::Time(factor),
@@ -153,6 +152,16 @@ pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
     TIMES.iter().filter_map(way).collect()
 }
 
+/// Whether no logger writes rows so near to each other, s.
+fn is_too_near(row: f64) -> bool {
+    row < DOUBTS.nearest
+}
+
+/// Whether no machine is logged in rows so far apart, s, whose units have this step: `INFINITY` where none is said.
+fn is_too_far(row: f64, step: f64) -> bool {
+    row > if step.is_finite() { DOUBTS.farthest.0 * step } else { DOUBTS.farthest.1 }
+}
+
 /// All but those of time, in the order in which they are told where several fit.
 pub(super) fn others(problem: &Problem) -> Vec<Way> {
     let all: Vec<usize> = (0..problem.channels.len()).collect();
@@ -162,7 +171,7 @@ pub(super) fn others(problem: &Problem) -> Vec<Way> {
     ways.extend(together(problem, &["deg", "deg/s"]));
     ways.extend(together(problem, &["degC"]));
     ways.extend(together(problem, &["K"]));
-    ways.extend(pairs(&all).into_iter().take(DOUBTS.pairs).map(|(a, b)| columns(problem, a, b)));
+    ways.extend(pairs(&all).into_iter().map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
     ways
 }
@@ -173,16 +182,17 @@ pub(super) fn signs(problem: &Problem) -> Vec<Way> {
     let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
     let (inputs, outputs): (Vec<usize>, Vec<usize>) = (0..problem.channels.len()).partition(fed);
     let mut ways: Vec<Way> = inputs.iter().chain(&outputs).map(|place| turned(problem, &[*place])).collect();
-    ways.extend(pairs(&outputs).into_iter().take(DOUBTS.pairs).map(|(a, b)| turned(problem, &[a, b])));
+    ways.extend(pairs(&outputs).into_iter().map(|(a, b)| turned(problem, &[a, b])));
     ways.extend(
         [&inputs, &outputs].into_iter().filter(|list| list.len() > 2).map(|list| turned(problem, list)),
     );
     ways
 }
 
+/// Those that are tried.
 fn pairs(list: &[usize]) -> Vec<(usize, usize)> {
     let from = |first: usize| list[first + 1..].iter().map(move |second| (list[first], *second));
-    (0..list.len()).flat_map(from).collect()
+    (0..list.len()).flat_map(from).take(DOUBTS.pairs).collect()
 }
 
 /// Where to write it.
@@ -321,5 +331,28 @@ fn columns(problem: &Problem, a: usize, b: usize) -> Way {
             "Write in the [[channel]] of {}: column = {:?}, in that of {}: column = {:?}",
             one.name, two.column, two.name, one.column
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_rows_that_no_logger_and_no_machine_has() {
+        // a megahertz: the fastest that machines' loggers are clocked with
+        assert!(is_too_near(0.9e-6) && !is_too_near(1.1e-6));
+        // a unit in steps of 10 ms is logged once in 3 s at most: what moves within steps would not be seen
+        assert!(!is_too_far(2.7, 0.01) && is_too_far(3.3, 0.01));
+        // a house, of which nothing says how it is stepped, every hour
+        assert!(!is_too_far(3300.0, f64::INFINITY) && is_too_far(3900.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn value_all_pairs_of_eight_columns_are_tried_and_no_more() {
+        let all = |columns: usize| pairs(&(0..columns).collect::<Vec<_>>());
+        assert_eq!((all(2), all(3).len()), (vec![(0, 1)], 3));
+        assert_eq!(all(8).last(), Some(&(6, 7)), "each with each");
+        assert_eq!(all(9).len(), all(8).len(), "names tell more than so many looks");
     }
 }

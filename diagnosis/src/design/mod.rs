@@ -99,8 +99,7 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let (best, losses) =
         tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
-    let pairs = (0..separates.len()).flat_map(|a| (a + 1..separates.len()).map(move |b| (a, b)));
-    let open = pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told);
+    let open = open(losses).into_iter();
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
     let separation = order.iter().map(|place| {
@@ -206,6 +205,12 @@ fn scenario(problem: &Problem, engine: &Engine, wave: &Wave, units: &UnitPath) -
 
 /// Deviance lost by taking one member (the second place) where another (the first) is true.
 type Losses = Vec<Vec<f64>>;
+
+/// Members that this leaves open, each beside another.
+fn open(losses: &Losses) -> Vec<(usize, usize)> {
+    let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
+    pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
+}
 
 fn worst(losses: &Losses) -> (usize, usize, f64) {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
@@ -323,18 +328,4 @@ fn losses(question: &Question<'_>, wave: &Wave) -> Result<Losses, Error> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_rows_of_an_experiment_last_as_long_as_the_log_or_are_as_near() {
-        let log = |rows: usize| -> Vec<f64> { (0..rows).map(|row| row as f64 * 0.01).collect() };
-        assert_eq!(times(&log(300)), [log(300)]);
-        let both = times(&log(5000));
-        let [spread, begin] = both.as_slice() else { panic!("{}", both.len()) };
-        assert!(spread[spread.len() - 1] > 0.98 * 49.99, "{spread:?}");
-        assert!((begin[1] - begin[0] - 0.01).abs() < 1e-12);
-        // a second of simulation: not the log's 5000 rows
-        assert!(spread.len().max(begin.len()) <= 1000 && spread.len().min(begin.len()) >= 100);
-    }
-}
+mod tests;

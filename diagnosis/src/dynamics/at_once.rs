@@ -10,6 +10,16 @@ use crate::error::Error;
 use crate::observe::Hold;
 use crate::statistics::levels::{SMALL, STEP};
 
+/// Rows that are tried, of so many.
+pub(super) fn probes(rows: usize) -> impl Iterator<Item = usize> {
+    (0..DYNAMICS.probes).map(move |probe| probe * rows / DYNAMICS.probes)
+}
+
+/// Whether a sensor with this noise would see what an input does, if so large a share of its size does so much.
+fn is_seen(by: f64, noise: f64, share: f64) -> bool {
+    by > share * DYNAMICS.follows * noise
+}
+
 impl Engine {
     /// The first output that shows something else where the unit is begun than after the step that ends in the same states.
     ///
@@ -26,9 +36,7 @@ impl Engine {
         let ahead = Machine { first_step: machine.short_step(&grid.time), ..machine.clone() };
         self.with_worker(|worker| {
             let (mut step, mut begun) = (Vec::new(), Vec::new());
-            for row in
-                (0..DYNAMICS.probes).map(|probe| probe * grid.time.len().saturating_sub(2) / DYNAMICS.probes)
-            {
+            for row in probes(grid.time.len().saturating_sub(2)) {
                 let states = self.nominal_states(grid, row);
                 let job = schedule.job(grid.time[row], row, 1, &states);
                 worker.interval(machine, &Job { probe: true, ..job }, &mut step)?;
@@ -37,7 +45,7 @@ impl Engine {
                 let ends = &step[step.len() - channels..];
                 let off = |begun: &[f64], place: usize| (ends[place] - begun[n + place]).abs();
                 let late =
-                    (0..channels).find(|place| off(&begun, *place) > DYNAMICS.follows * self.sensors[*place]);
+                    (0..channels).find(|place| is_seen(off(&begun, *place), self.sensors[*place], 1.0));
                 let Some(place) = late else { continue };
                 // what the unit remembers beyond its states shows, too, and no step brings that back; some make a whole step of their own
                 let before = off(&begun, place);
@@ -65,7 +73,7 @@ impl Engine {
             .collect();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            for row in (0..DYNAMICS.probes).map(|probe| probe * (grid.time.len() - 1) / DYNAMICS.probes) {
+            for row in probes(grid.time.len() - 1) {
                 let states = self.nominal_states(grid, row);
                 let job = self.job(grid, &schedule, row, &states);
                 worker.interval(machine, &job, &mut base)?;
@@ -74,8 +82,7 @@ impl Engine {
                     at_row[*input] += STEP * self.input_scales[*input];
                     worker.interval(machine, &Job { at_row: &at_row, ..job }, &mut out)?;
                     let follows = (0..machine.channels.len()).find(|channel| {
-                        (out[n + channel] - base[n + channel]).abs()
-                            > STEP * DYNAMICS.follows * self.sensors[*channel]
+                        is_seen((out[n + channel] - base[n + channel]).abs(), self.sensors[*channel], STEP)
                     });
                     if let Some(channel) = follows {
                         let names = (&machine.channels[channel].name, &machine.inputs[*input].name);
@@ -85,5 +92,31 @@ impl Engine {
             }
             Ok(None)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_seen, probes};
+
+    #[test]
+    fn value_what_a_sensor_sees_of_an_input_at_once() {
+        // a tenth of its noise: in a hundred rows as much as a deviation of their mean
+        assert!(is_seen(0.011, 0.1, 1.0) && !is_seen(0.009, 0.1, 1.0));
+        assert!(
+            is_seen(0.00011, 0.1, 0.01) && !is_seen(0.00009, 0.1, 0.01),
+            "a hundredth of the input does as much less"
+        );
+    }
+
+    #[test]
+    fn value_rows_that_are_tried_meet_what_acts_for_a_tenth_of_a_log() {
+        let rows: Vec<usize> = probes(1000).collect();
+        for begin in (0..=900).step_by(10) {
+            assert!(rows.iter().any(|row| (begin..begin + 100).contains(row)), "{begin}: {rows:?}");
+        }
+        // each is a step of the unit for each parameter
+        assert!(rows.len() < 20);
+        assert!(probes(3).all(|row| row < 3), "a log that is shorter");
     }
 }

@@ -341,8 +341,7 @@ impl Engine {
             return which.par_iter().map(one).collect();
         }
         let schedule = Schedule::new(&self.machine, grid, theta);
-        let rows: Vec<usize> =
-            (0..DYNAMICS.probes).map(|probe| probe * (grid.time.len() - 1) / DYNAMICS.probes).collect();
+        let rows: Vec<usize> = super::at_once::probes(grid.time.len() - 1).collect();
         which
             .par_iter()
             .map(|place| {

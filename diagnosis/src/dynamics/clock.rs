@@ -58,12 +58,17 @@ impl<'a> Trial<'a> {
 
     /// Steps of different lengths lead to the same bits, though the model moves.
     fn makes_own_steps(&self, worker: &mut Worker) -> Option<bool> {
-        let lengths = (DYNAMICS.lengths.0 * self.span(), DYNAMICS.lengths.1 * self.span());
+        let lengths = lengths(self.span());
         let (short, long) = (self.stepped(worker, 0.0, lengths.0)?, self.stepped(worker, 0.0, lengths.1)?);
         let states = self.engine.machine.order();
         let moved = short.1[states..] != short.0[..] || short.1[..states] != self.states[..];
         Some(moved && short.1 == long.1)
     }
+}
+
+/// Lengths of a step whose ends a unit with steps of its own can't tell apart.
+fn lengths(span: f64) -> (f64, f64) {
+    (DYNAMICS.lengths.0 * span, DYNAMICS.lengths.1 * span)
 }
 
 impl Engine {
@@ -95,5 +100,22 @@ impl Engine {
         self.machine.own_clock = at_zero.then_some(ticks);
         self.machine.any_step &= !own_steps;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lengths;
+
+    #[test]
+    fn value_a_unit_that_makes_less_than_ten_steps_of_its_own_is_told() {
+        let ends_at_the_same = |steps: f64| {
+            let end = |length: f64| (steps * length).ceil();
+            let (short, long) = lengths(1.0);
+            end(short) == end(long)
+        };
+        assert!((1..10).all(|steps| ends_at_the_same(f64::from(steps))));
+        // of one with many, what acts within a row acts nearly when it does
+        assert!([15.0, 25.0, 40.0].into_iter().all(|steps| !ends_at_the_same(steps)));
     }
 }

@@ -36,6 +36,11 @@ pub(super) fn excluded(machine: &Machine, grids: &[Grid]) -> Vec<Vec<bool>> {
     all
 }
 
+/// Whether a model that leaves so much of a value explains why it lies so far from its neighbours.
+fn is_explained(left: f64, away: f64) -> bool {
+    left.abs() < DYNAMICS.explained * away
+}
+
 impl Engine {
     /// Takes back the outliers that the model explains: a peak may be sharp and no accident. Whether there were any.
     pub fn readmit(&mut self, theta: &[f64], runs: &[Linearised], noise: &Noise) -> bool {
@@ -56,7 +61,7 @@ impl Engine {
                     let by: f64 =
                         (0..n).map(|i| linearised.observe[value * n + i] * state[row * n + i]).sum();
                     let left = linearised.measured[value].residual - by;
-                    if left.abs() < DYNAMICS.explained * self.away(run, sample) {
+                    if is_explained(left, self.away(run, sample)) {
                         back.push((run, sample));
                     }
                 }
@@ -100,5 +105,15 @@ impl Engine {
             notices.push(Notice { file: self.grids[*run].name.clone(), line: 0, message });
         }
         notices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_explained;
+
+    #[test]
+    fn value_a_model_explains_a_peak_that_it_makes_most_of() {
+        assert!(is_explained(-0.9, 2.0) && !is_explained(1.1, 2.0) && !is_explained(-1.1, 2.0));
     }
 }

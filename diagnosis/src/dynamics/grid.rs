@@ -141,6 +141,14 @@ fn lost(time: &[f64], inputs: &[(bool, &Course)]) -> Vec<Lost> {
     inputs.iter().enumerate().flat_map(of).collect()
 }
 
+/// Times of rows, of all values' in their order.
+fn rows(mut time: Vec<f64>) -> Vec<f64> {
+    let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
+    let near = DYNAMICS.same_row * span / time.len().max(1) as f64;
+    time.dedup_by(|later, earlier| *later - *earlier <= near);
+    time
+}
+
 impl Grid {
     /// Of a run, between two times.
     pub fn new(machine: &Machine, run: &Run, from: f64, to: f64) -> Self {
@@ -151,10 +159,7 @@ impl Grid {
             samples.extend(within.map(|(time, value)| Sample { channel, time: *time, value: *value }));
         }
         samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
-        let mut time: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
-        let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
-        let near = DYNAMICS.same_row * span / time.len().max(1) as f64;
-        time.dedup_by(|later, earlier| *later - *earlier <= near);
+        let time = rows(samples.iter().map(|sample| sample.time).collect());
         let mut row = 0;
         for sample in &mut samples {
             while row + 1 < time.len() && time[row + 1] <= sample.time {
@@ -276,5 +281,28 @@ mod tests {
         assert_eq!(blind(Reading::After), [50], "it was read with what its cell would say");
         assert_eq!(blind(Reading::Before), [51], "it was read with what was there before it");
         assert!(grid.blind(Reading::Before)[0] && !grid.blind(Reading::After)[0]);
+    }
+
+    #[test]
+    fn value_stamps_that_are_one_row() {
+        // a thousand rows 10 ms apart, the second sensor's stamps later by so much of that
+        let with = |late: f64| {
+            let stamps = (0..1000).flat_map(|row| [f64::from(row), f64::from(row) + late]);
+            rows(stamps.map(|stamp| 0.01 * stamp).collect()).len()
+        };
+        // all values are twice as near to each other as the rows: of that a thousandth, as digits of a stamp are cut off
+        assert_eq!((with(0.45e-3), with(0.55e-3)), (1000, 2000));
+    }
+
+    #[test]
+    fn value_an_input_that_always_moves_jumps_where_it_moves_by_far_more() {
+        // usual changes of one, and one of so many times that
+        let jumps = |times: f64| {
+            let at = |row: i32| f64::from(row) + if row >= 50 { times - 1.0 } else { 0.0 };
+            let values = (0..100).map(at).collect();
+            Course { time: (0..100).map(f64::from).collect(), values, hold: Hold::Zero }.jumps()
+        };
+        assert_eq!(jumps(2.7).len(), 0);
+        assert_eq!(jumps(3.3), [50.0]);
     }
 }

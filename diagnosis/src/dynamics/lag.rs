@@ -268,6 +268,7 @@ impl Around<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::tests::pendulum;
 
     #[test]
     fn value_a_lag_of_a_ramp_is_the_closed_form() {
@@ -280,38 +281,9 @@ mod tests {
         assert_eq!(lagged(&time, &time, 0.0), time);
     }
 
-    /// A hanging double pendulum, logged over 60 rows of 20 ms.
-    fn pendulum(folder: &std::path::Path) -> crate::observe::Problem {
-        let head = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[set]\n\"acrobot_plant.theta_2\" = 0.0\n\"acrobot_plant.theta_7\" = 0.0\n\
-                    \"acrobot_plant.q2_max\" = 1e9\n[[run]]\nfile = \"a.csv\"\n[[channel]]\nvariable = \"acrobot_plant.tau\"\n";
-        let states = ["q1", "q2", "dq1", "dq2"].map(|name| {
-            format!("[[state]]\nstart = \"acrobot_plant.{name}_0\"\nshows = \"acrobot_plant.{name}\"\n")
-        });
-        let channels = ["q1", "q2"]
-            .map(|name| format!("[[channel]]\nvariable = \"acrobot_plant.{name}\"\nnoise = 1e-3\n"));
-        let row = |row: u32| {
-            let t = 0.02 * f64::from(row);
-            format!(
-                "{t},{},{},{}\n",
-                0.01 * libm::sin(9.0 * t),
-                std::f64::consts::PI + 0.01 * libm::sin(5.0 * t),
-                std::f64::consts::PI + 0.01 * libm::cos(7.0 * t)
-            )
-        };
-        std::fs::create_dir_all(folder).expect("a temporary folder can be made");
-        let put =
-            |name: &str, text: String| std::fs::write(folder.join(name), text).expect("it can be written");
-        put("dataset.toml", format!("{head}{}{}", states.concat(), channels.concat()));
-        put("a.csv", "time,tau,q1,q2\n".to_owned() + &(0..60).map(row).collect::<String>());
-        let units = scenarios::unit_path()
-            .with(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus"));
-        crate::observe::load(folder, &units, None).expect("cargo xtask pack made the unit")
-    }
-
     #[test]
     fn law_what_a_late_sensor_saw_does_not_hang_on_the_path_about_which_it_is_read() {
-        let folder = std::env::temp_dir().join(format!("diagnosis-late-{}", std::process::id()));
-        let problem = pendulum(&folder);
+        let problem = pendulum("late", 60);
         let runs = problem.whole_runs();
         let built = crate::dynamics::build::build(&problem, &runs).expect("it can be followed");
         let engine = &built.engine;
@@ -335,13 +307,11 @@ mod tests {
         // the filtered path jumps at each value, the smoothed one doesn't; a pendulum bends little over these
         // jumps: 0.13, and 2.3 if the jumps were forgotten
         assert!((here - there).abs() < 0.5, "{here} {there}");
-        let _ = std::fs::remove_dir_all(folder);
     }
 
     #[test]
     fn law_a_lag_that_forgets_within_a_row_is_as_likely_as_none() {
-        let folder = std::env::temp_dir().join(format!("diagnosis-forgets-{}", std::process::id()));
-        let problem = pendulum(&folder);
+        let problem = pendulum("forgets", 60);
         let built =
             crate::dynamics::build::build(&problem, &problem.whole_runs()).expect("it can be followed");
         let engine = &built.engine;
@@ -360,7 +330,6 @@ mod tests {
         // equal but for the path's own rounding; 4.3 apart if a lag could begin anywhere
         let (none, short) = (deviance(0.0), deviance(1e-7));
         assert!((none - short).abs() < 0.1, "{none} {short}");
-        let _ = std::fs::remove_dir_all(folder);
     }
 
     #[test]

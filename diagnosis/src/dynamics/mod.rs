@@ -40,6 +40,8 @@ mod policy;
 mod scales;
 pub mod schedule;
 pub mod stretch;
+#[cfg(test)]
+pub(crate) mod tests;
 mod through;
 mod whole;
 pub mod worker;

@@ -9,20 +9,21 @@ pub(super) struct Dynamics {
     pub probes: usize,
     /// An output follows where it moves by more than this share of its noise for the input's whole size.
     pub follows: f64,
-    /// A parameter's first step, as a share of its nominal value or of its range.
+    /// A parameter's first step, as a share of its nominal value or of its range. Numerical only: it is taken anew by what it tells.
     pub first_step: f64,
     /// What a step should change in a row, as a share of a channel's noise: far above rounding, far below where models bend.
+    /// Numerical only.
     pub telling_step: f64,
     /// Share of a scale by which a state is moved: rounding of a unit that answers to 1e-12 stays below 1e-7 of a column, bending
-    /// over so small a move, too.
+    /// over so small a move, too. Numerical only.
     pub state_step: f64,
     /// The prior of a start state is so many times wider than its motion, and process noise makes as much of it within a row at most.
     pub widest: f64,
     /// Least process noise, as a share of the motion over one run: below it the sweep can't tell it from none.
     pub least_process: f64,
-    /// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best.
+    /// Process noise is begun at these shares of the motion; maximum likelihood goes on from the best. Numerical only.
     pub first_process: [f64; 6],
-    /// A stated noise of 0 or a channel without scatter has at least this share of its size.
+    /// A stated noise of 0 or a channel without scatter has at least this share of its size: no variance is 0. Numerical only.
     pub exact_sensor: f64,
     /// Timestamps scatter by at most this share of the usual interval.
     pub most_jitter: f64,
@@ -57,7 +58,7 @@ pub(super) struct Dynamics {
     pub farthest: usize,
     /// Such a horizon is long enough when a small move of all states is read back to this share.
     pub read_back: f64,
-    /// Damping of a step that made it worse, and what it grows by.
+    /// Damping of a step that made it worse, and what it grows by. Numerical only.
     pub damping: (f64, f64),
 }
 

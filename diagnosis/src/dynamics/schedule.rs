@@ -168,7 +168,7 @@ impl Schedule {
         let mut begin = from;
         let mut reads = moments.iter().peekable();
         for end in ends {
-            let parts = ((end - begin) / machine.longest - ROUNDING).ceil().clamp(1.0, DYNAMICS.most_parts);
+            let parts = parts(end - begin, machine.longest);
             let span = (end - begin) / parts;
             for part in 0..parts as usize {
                 let at = begin + part as f64 * span;
@@ -203,6 +203,11 @@ impl Schedule {
             probe: false,
         }
     }
+}
+
+/// Steps of a unit in a stretch of an interval.
+fn parts(span: f64, longest: f64) -> f64 {
+    (span / longest - ROUNDING).ceil().clamp(1.0, DYNAMICS.most_parts)
 }
 
 /// For each row the times and channels that are read within its interval.
@@ -273,4 +278,18 @@ fn bend(
     placed[own].iter_mut().for_each(|one| one.read = one.read.map(|old| to[old]));
     *moments = merged.into_iter().map(|(time, channel, ..)| (time, channel)).collect();
     inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parts;
+
+    #[test]
+    fn value_an_interval_is_cut_into_steps_of_the_unit() {
+        assert_eq!([parts(0.02, 0.01), parts(0.021, 0.01), parts(0.005, 0.01)], [2.0, 3.0, 1.0]);
+        assert_eq!(parts(0.1 + 0.2, 0.1), 3.0, "but for rounding");
+        // a log of an hour's rows, of a unit in steps of 4 s: all of them; in steps of 3 s a log of that would take minutes
+        assert_eq!(parts(3600.0, 4.0), 900.0);
+        assert!(parts(3600.0, 3.0) < 1100.0);
+    }
 }

@@ -33,6 +33,27 @@ fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> DMatrix<f
     })
 }
 
+/// The horizon from a first one on, in logs of twice so many rows, by the share that each misreads.
+fn chosen(
+    first: usize,
+    half: usize,
+    misread: &mut dyn FnMut(usize) -> Result<f64, Error>,
+) -> Result<usize, Error> {
+    let mut tried: Vec<(usize, f64)> = Vec::new();
+    let mut horizon = first;
+    while tried.is_empty() || horizon <= DYNAMICS.farthest.min(half) {
+        let misread = misread(horizon)?;
+        tried.push((horizon, misread));
+        if misread < DYNAMICS.read_back {
+            break;
+        }
+        horizon *= 2;
+    }
+    let least = tried.iter().map(|(_, misread)| *misread).fold(f64::INFINITY, f64::min);
+    let first = tried.iter().find(|(_, misread)| *misread <= (MORE * least).max(DYNAMICS.read_back));
+    Ok(first.map_or(horizon, |(horizon, _)| *horizon))
+}
+
 impl Engine {
     /// Chooses the horizon: as few rows as a state is read back from, or, where none does, as few as read nearly as well. How many.
     ///
@@ -40,20 +61,13 @@ impl Engine {
     /// A unit failed.
     pub(super) fn look_ahead(&mut self) -> Result<usize, Error> {
         let (n, outputs) = (self.machine.order(), self.machine.channels.len());
-        let mut tried: Vec<(usize, f64)> = Vec::new();
-        let mut horizon = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
-        while tried.is_empty() || horizon <= DYNAMICS.farthest.min(self.grids[0].time.len() / 2) {
+        let first = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
+        let half = self.grids[0].time.len() / 2;
+        let misread = &mut |horizon| {
             self.machine.horizon = horizon;
-            let misread = self.misread()?;
-            tried.push((horizon, misread));
-            if misread < DYNAMICS.read_back {
-                break;
-            }
-            horizon *= 2;
-        }
-        let least = tried.iter().map(|(_, misread)| *misread).fold(f64::INFINITY, f64::min);
-        let first = tried.iter().find(|(_, misread)| *misread <= (MORE * least).max(DYNAMICS.read_back));
-        self.machine.horizon = first.map_or(horizon, |(horizon, _)| *horizon);
+            self.misread()
+        };
+        self.machine.horizon = chosen(first, half, misread)?;
         Ok(self.machine.horizon)
     }
 
@@ -256,5 +270,25 @@ impl Followed<'_> {
             let by = read(engine.following(column, reads), Some(&shown));
             (0..n).for_each(|i| column[i] = by[i]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chosen;
+
+    #[test]
+    fn value_a_horizon_is_as_short_as_reads_a_state_back_and_not_a_second_long() {
+        let with = |half: usize, misread: &dyn Fn(usize) -> f64| {
+            chosen(1, half, &mut |horizon| Ok(misread(horizon))).expect("no unit, no fault")
+        };
+        // to a thousandth, the share that ends an iteration: the first that does
+        assert_eq!(with(100, &|horizon| if horizon >= 4 { 0.9e-3 } else { 1.0 }), 4);
+        assert_eq!(with(100, &|horizon| if horizon >= 4 { 1.8e-3 / horizon as f64 } else { 1.0 }), 4);
+        assert_eq!(with(100, &|horizon| if horizon >= 4 { 9e-3 / horizon as f64 } else { 1.0 }), 16);
+        // where none does, the shortest that reads nearly as well as the best; thirty rows, or half of a log, are the most that is asked
+        assert_eq!(with(100, &|horizon| if horizon < 16 { 1.0 } else { 8.0 / horizon as f64 }), 16);
+        assert_eq!(with(6, &|horizon| 1.0 / horizon as f64), 4);
+        assert_eq!(with(100, &|horizon| if horizon == 8 { 0.1 } else { 0.14 }), 1);
     }
 }

@@ -74,6 +74,11 @@ fn without_sensors(machine: &Machine, theta: &[f64]) -> Vec<f64> {
     machine.parameters.iter().zip(theta).map(of).collect()
 }
 
+/// Whether something shows over some rows, or over all of these.
+fn within(all: usize, shows: &mut dyn FnMut(usize) -> Result<bool, Error>) -> Result<bool, Error> {
+    Ok(shows(DYNAMICS.watched.min(all))? || all > DYNAMICS.watched && shows(all)?)
+}
+
 impl Engine {
     /// Each run is simulated from its begin on, whatever rows of it are compared; the states are what channels show beyond the model.
     pub(super) fn follow_whole(&mut self, runs: &[(&Run, Span)], sizes: &[f64]) {
@@ -97,8 +102,7 @@ impl Engine {
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
         // what moves slowly shows over the whole log only
         let half = (self.grids[0].time.len() - 1) / 2;
-        Ok(self.remembers_over(DYNAMICS.watched.min(half), sizes)?
-            || half > DYNAMICS.watched && self.remembers_over(half, sizes)?)
+        within(half, &mut |rows| self.remembers_over(rows, sizes))
     }
 
     fn remembers_over(&self, watched: usize, sizes: &[f64]) -> Result<bool, Error> {
@@ -304,5 +308,27 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn value_an_unknown_stretch_is_no_more_than_what_units_remember_of_it() {
+        // rows that lack, and pieces: each is an unknown of the fit, and most units remember two or three states of it
+        let count = |rows: f64| pieces(&Lost { input: 0, from: 3.0, to: 4.0 + rows, usual: 1.0 }).len();
+        assert_eq!([1.0, 2.0, 3.0, 4.0, 200.0].map(count), [1, 2, 3, 3, 3]);
+    }
+
+    #[test]
+    fn value_over_how_many_rows_a_unit_is_watched() {
+        // what it remembers, seen over these rows after a fresh start and not over others
+        let seen = |all: usize, from: usize, to: usize| {
+            within(all, &mut |rows| Ok((from..=to).contains(&rows))).expect("no unit, no fault")
+        };
+        assert!(seen(500, 20, 40), "forgotten after a second or so of a log at 30 Hz");
+        assert!(seen(500, 400, 500), "what moves slowly");
+        assert!(seen(10, 10, 10), "a short log");
+        assert!(
+            !seen(500, 1, 12),
+            "what is forgotten within a dozen rows is not worth a simulation as a whole"
+        );
     }
 }

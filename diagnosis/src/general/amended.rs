@@ -191,16 +191,20 @@ fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts) -> Rational {
     if inputs.values().filter(takes_time).count() == 0 {
         return interval;
     }
-    let own = interval.to_f64();
-    let least = (own * GENERAL.steps_a_row / problem.row()).ceil().max(1.0) as i64;
     let delays: Vec<f64> = inputs.values().filter_map(|effects| effects.get("delay").copied()).collect();
+    let parts = parts(interval.to_f64(), problem.row(), &delays);
+    Rational::new(i128::from(interval.numerator()), i128::from(interval.denominator()) * i128::from(parts))
+        .unwrap_or(interval)
+}
+
+/// Parts of a unit's own interval, s, where rows are so far apart, of which these delays are as nearly as can be multiples.
+fn parts(own: f64, row: f64, delays: &[f64]) -> i64 {
+    let least = (own * GENERAL.steps_a_row / row).ceil().max(1.0) as i64;
     let off = |parts: i64| {
         let step = own / parts as f64;
         delays.iter().map(|delay| (delay / step - (delay / step).round()).abs() * step).sum::<f64>()
     };
-    let parts = (least..=GENERAL.finest * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least);
-    Rational::new(i128::from(interval.numerator()), i128::from(interval.denominator()) * i128::from(parts))
-        .unwrap_or(interval)
+    (least..=GENERAL.finest * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least)
 }
 
 fn before(place: usize) -> String {
@@ -275,4 +279,23 @@ pub fn within_reach(problem: &Problem, units: &UnitPath) -> Result<(), Error> {
         return Ok(());
     }
     crate::opened::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parts;
+
+    #[test]
+    fn value_how_finely_an_input_with_a_delay_is_followed() {
+        // a lag: a jump is off by half a step, by a fortieth of a row and not by a twentieth or an eightieth
+        let jump = |own: f64, row: f64| 0.5 * own / parts(own, row, &[]) as f64 / row;
+        assert!((0.02..0.03).contains(&jump(0.01, 0.01)), "{}", jump(0.01, 0.01));
+        assert!((0.02..0.03).contains(&jump(0.01, 0.03)), "a unit that steps more finely than it is logged");
+        assert_eq!(parts(0.001, 0.1, &[]), 1, "as fine by itself");
+        // a delay of a prime part of a row: met by as many steps, though not by more than thrice as many as without
+        let row = 0.01;
+        assert_eq!(parts(row, row, &[row / 23.0]), 23);
+        assert_eq!(parts(row, row, &[row / 59.0]), 59);
+        assert!(parts(row, row, &[row / 61.0]) < 61);
+    }
 }

@@ -80,7 +80,7 @@ pub fn equivalent(
     let Some((deviance, place, memory, noise)) = best else { return Ok((None, None)) };
     let name = &own.machine.inputs[inputs[place]].name;
     let share = (studied.rest.none - deviance) / studied.rest.evidence;
-    if share < GENERAL.stands_for {
+    if !stands_for(share) {
         let text = format!(
             "no declared input does what the unlisted one did (the best, {name}, gains {:.0} % of its deviance): the amended \
              scenario leaves it out",
@@ -97,6 +97,11 @@ pub fn equivalent(
     );
     let (grid, start) = found;
     Ok((Some(Equivalent { input: inputs[place], grid, start }), Some(text)))
+}
+
+/// Whether an input that gains this share of the unlisted one's deviance does what that did.
+fn stands_for(share: f64) -> bool {
+    share >= GENERAL.stands_for
 }
 
 /// The engine with a bias of each of these inputs as a further parameter.
@@ -230,5 +235,11 @@ mod tests {
         let sum = with_course(&grid, 0, &[10.0, 20.0, 0.0]);
         assert_eq!(sum.inputs[0].time, [0.0, 1.0, 1.5, 2.0]);
         assert_eq!(sum.inputs[0].values, [11.0, 21.0, 23.0, 3.0]);
+    }
+
+    #[test]
+    fn value_an_input_stands_for_another_that_does_most_of_it() {
+        // less than half: another input, or another equation, does as much
+        assert!(!stands_for(0.45) && stands_for(0.55));
     }
 }

@@ -39,13 +39,13 @@ pub fn stretches<'a>(
         return Ok(None);
     }
     let counts: Vec<usize> = rows.iter().map(|(run, span)| counted(&machine, run, *span)).collect();
-    let (all, most) = (counts.iter().sum::<usize>(), most(&machine));
-    if all as f64 <= MORE * most as f64 {
+    let (all, most) = (counts.iter().sum::<usize>(), most(machine.parameters.len()));
+    if !is_long(all, most) {
         return Ok(None);
     }
     let mut list = Vec::new();
     for (run, ((_, (from, to)), rows)) in rows.iter().zip(&counts).enumerate() {
-        let parts = (rows / GENERAL.stretch).max(1);
+        let parts = parts(*rows);
         let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
         list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
     }
@@ -53,9 +53,19 @@ pub fn stretches<'a>(
     Ok(Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect()))
 }
 
-/// Rows that are searched at once.
-fn most(machine: &Machine) -> usize {
-    GENERAL.searched / machine.parameters.len().max(1)
+/// Rows that are searched at once, with so many parameters.
+fn most(parameters: usize) -> usize {
+    GENERAL.searched / parameters.max(1)
+}
+
+/// Whether so many rows are worth a search in stretches first, where so many are searched at once.
+fn is_long(rows: usize, most: usize) -> bool {
+    rows as f64 > MORE * most as f64
+}
+
+/// Stretches of a run of so many rows.
+fn parts(rows: usize) -> usize {
+    (rows / GENERAL.stretch).max(1)
 }
 
 /// Rows of a run between two times.
@@ -143,7 +153,7 @@ fn refitted(class: Vec<Alternative>, effects: &[usize], fit: &crate::infer::Fit)
 
 fn told(over: &Studied, part: &Rows<'_>, goes_on: bool) -> Notice {
     let rows: usize = over.built.engine.grids.iter().map(|grid| grid.time.len()).sum();
-    let (most, parts) = (most(&over.built.engine.machine), part.len());
+    let (most, parts) = (most(over.built.engine.machine.parameters.len()), part.len());
     let then = if goes_on { "went on from what it found in all" } else { "what it found was fitted to all" };
     let message =
         format!("of {rows} rows some {most} in {parts} stretches of the logs were searched first; {then}");
@@ -176,5 +186,20 @@ mod tests {
         assert_eq!(joined(&[all[0], all[1]]), [(0, (0.0, 2.0))]);
         assert_eq!(joined(&[all[0], all[2]]), [(0, (0.0, 1.0)), (0, (2.0, 3.0))]);
         assert_eq!(joined(&[all[2], all[3]]), [(0, (2.0, 3.0)), (1, (3.0, 4.0))]);
+    }
+
+    #[test]
+    fn value_which_logs_are_searched_in_stretches() {
+        // fifty candidates and effects at ports, in half a minute: a motor's minute at 100 Hz as a whole, two minutes not
+        let is_long = |rows: usize| is_long(rows, most(50));
+        assert!(!is_long(5_500) && is_long(6_500) && is_long(12_000));
+        // a start state takes a thirtieth of a stretch: twelve rows' worth
+        assert_eq!([300, 650, 790, 3_800].map(parts), [1, 1, 2, 10]);
+    }
+
+    #[test]
+    fn value_of_a_single_run_less_than_half_is_left_out() {
+        // what is left out must tell whether the rest was understood: a tenth would not, and half would miss in the search
+        assert!((13.5..14.5).contains(&super::super::study::cut(10.0, 16.0)));
     }
 }

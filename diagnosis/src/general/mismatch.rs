@@ -171,6 +171,21 @@ fn mean(windows: &[Window], channel: usize) -> f64 {
 /// Parameters, and the paths from which start states are looked for.
 type Model<'a> = (&'a [f64], &'a [Path]);
 
+/// Windows of so many rows, before any is halved.
+fn windows_of(rows: usize) -> usize {
+    rows.div_ceil(GENERAL.window).max(1)
+}
+
+/// Whether so many rows tell of a model at all.
+fn tells(rows: usize) -> bool {
+    rows >= GENERAL.shortest_window
+}
+
+/// Whether so many values tell how a window is followed from so many start states that are fitted to it.
+fn is_compared(values: f64, states: usize) -> bool {
+    values >= GENERAL.compared * states as f64
+}
+
 /// All windows of an engine's runs for each model, each followed from its own start state: the same ones for all, so that they are compared
 /// on the same rows.
 fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<Window>> {
@@ -180,7 +195,7 @@ fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<
     for (run, grid) in engine.grids.iter().enumerate() {
         let rows = grid.time.len();
         // what begins nowhere but at its start is one window
-        let count = if engine.machine.whole { 1 } else { rows.div_ceil(GENERAL.window).max(1) };
+        let count = if engine.machine.whole { 1 } else { windows_of(rows) };
         list.extend((0..count).map(|part| (run, part * rows / count, (part + 1) * rows / count)));
     }
     // no process noise: the least that the sweep takes
@@ -204,7 +219,7 @@ fn followed(
     noise: &crate::infer::Noise,
     n: usize,
 ) -> Vec<Vec<Window>> {
-    if to - from < GENERAL.shortest_window {
+    if !tells(to - from) {
         return Vec::new();
     }
     let of = |(theta, paths): &Model<'_>| window(engine, theta, run, &paths[run], (from, to), noise, n);
@@ -273,7 +288,7 @@ fn window(
         }
     }
     let all: f64 = sums.iter().map(|sum| sum.count).sum();
-    if all < GENERAL.compared * n as f64 {
+    if !is_compared(all, n) {
         return None;
     }
     // each start state takes a value's worth of the residual away
@@ -336,5 +351,15 @@ mod tests {
         // half as far again is far worse, a little more is not
         assert!(unlike(&[gap(1.0, 1.55, 0.1)]).is_some() && unlike(&[gap(1.0, 1.45, 0.1)]).is_none());
         assert!(!widened(&[gap(1.0, 1.0, 0.1)]) && !widened(&[gap(1.0, 2.0, 0.0)]) && !widened(&[]));
+    }
+
+    #[test]
+    fn value_windows_are_long_enough_to_tell_and_short_enough_to_be_followed() {
+        // two seconds at 100 Hz: a motor's start and settling, and no more than a slightly wrong model is followed through
+        assert_eq!([1, 180, 220, 1_900].map(windows_of), [1, 1, 2, 10]);
+        // twelve rows tell of four start values and of what is asked of them; half a dozen would be fitted
+        assert!(!tells(10) && tells(13));
+        // as many values as start states are met exactly, whatever the model: four states and three values each will do
+        assert!(!is_compared(11.0, 4) && is_compared(13.0, 4) && is_compared(0.0, 0));
     }
 }

@@ -21,6 +21,7 @@ pub(super) struct General {
     /// Correlation times with which an unlisted input is begun, in rows; an input that stands for it may have the last, too.
     pub memories: [f64; 3],
     /// An unlisted input is begun at so many times the least process noise at least: from the floor itself no slope leads up.
+    /// Numerical only.
     pub above_least: f64,
     /// An event is a stretch where the course is above this share of its largest value.
     pub event: f64,
@@ -28,7 +29,7 @@ pub(super) struct General {
     pub waves: usize,
     /// A declared input stands for the unlisted one where it gains at least this share of its deviance.
     pub stands_for: f64,
-    /// Linearisations about the course of such an input.
+    /// Linearisations about the course of such an input. Numerical only.
     pub linearisations: usize,
     /// What a sensor shows beyond noise is so many times the scatter of neighbouring rows: in 335 channels of sets whose sensors are listed it was
     /// 1.2 at most, and as many times what neighbouring residuals differ by.

@@ -158,6 +158,11 @@ fn is_angle(unit: &str) -> bool {
     matches!(unit, "rad" | "")
 }
 
+/// Waves in a turn that a course of an angle may follow, which turned through so much, rad: half a wave at least.
+fn waves(turned: f64) -> impl Iterator<Item = usize> {
+    (1..=GENERAL.waves).filter(move |waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
+}
+
 fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     let n = engine.machine.order();
     // name, values, and whether it may be an angle, which alone goes round
@@ -197,9 +202,7 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         let (low, high) =
             values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
         let turned = if *is_angle { high - low } else { 0.0 };
-        for waves in
-            (1..=GENERAL.waves).filter(|waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
-        {
+        for waves in waves(turned) {
             let wave =
                 |of: fn(f64) -> f64| -> Vec<f64> { values.iter().map(|v| of(waves as f64 * v)).collect() };
             let words = format!("a wave of {waves} periods in 2π of {name}");
@@ -271,4 +274,36 @@ fn events(course: &[f64], time: &[f64]) -> Option<String> {
     let seldom = (rows as f64) < 0.4 * course.len() as f64 && begins.len() <= 20;
     let many = if begins.len() == 1 { "1 event" } else { &format!("{} events", begins.len()) };
     seldom.then(|| format!("{many}, beginning at {} s, quiet between", begins.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{events, waves};
+
+    #[test]
+    fn value_an_event_stands_out_by_a_third_of_the_largest() {
+        // bumps of three rows over 100: the largest, and one of so much of it
+        let with = |share: f64| {
+            let course: Vec<f64> = (0..100)
+                .map(|row| match row {
+                    20..23 => 1.0,
+                    60..63 => share,
+                    _ => 0.0,
+                })
+                .collect();
+            events(&course, &(0..100).map(f64::from).collect::<Vec<_>>()).expect("it is quiet between")
+        };
+        assert!(with(0.27).starts_with("1 event, beginning at 20"), "{}", with(0.27));
+        assert!(with(0.33).starts_with("2 events, beginning at 20.0000, 60"), "{}", with(0.33));
+    }
+
+    #[test]
+    fn value_waves_of_an_angle_that_are_tried() {
+        // cogging of a motor with eight poles in 24 slots has 24 waves in a turn; of more an encoder or a belt is as likely
+        let list: Vec<usize> = waves(3.0 * std::f64::consts::TAU).collect();
+        assert!(list.contains(&1) && list.contains(&24) && list.iter().all(|waves| *waves <= 26));
+        // a quarter turn shows half a wave of two in a turn, and more of more
+        assert_eq!(waves(0.51 * std::f64::consts::PI).next(), Some(2));
+        assert_eq!(waves(1e4).count(), 0, "what turns so far is no angle");
+    }
 }

@@ -22,7 +22,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
         let least = scatter.noise.max(scatter.quantum);
         let times = studied.fit.at.noise.channels[channel] / least;
         // a stated noise takes up nothing
-        let free = studied.built.sizes.channels[channel].is_some() && least > 0.0 && times > GENERAL.larger;
+        let free = studied.built.sizes.channels[channel].is_some() && least > 0.0 && is_larger(times);
         let residuals = free.then(|| residuals(studied, channel))?;
         systematic(&residuals).then_some((channel, times, residuals))
     });
@@ -43,6 +43,11 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
             .and_then(|shown| problem.model.variable(shown.variable).unit.clone())
             .unwrap_or_else(|| "1".into()),
     })
+}
+
+/// Whether so many times what neighbours scatter by is more than sensors show.
+fn is_larger(times: f64) -> bool {
+    times > GENERAL.larger
 }
 
 fn residuals(studied: &Studied, channel: usize) -> Residuals {
@@ -76,7 +81,7 @@ fn systematic(residuals: &Residuals) -> bool {
     let (_, apart) = squares(&mut runs.iter().flat_map(|run| run.windows(2).map(|pair| pair[1] - pair[0])));
     let share = 0.5 * apart / variance;
     // of white noise the share is 1, with a variance of 1/count
-    variance > 0.0 && share.sqrt() * GENERAL.larger < 1.0 && (1.0 - share) * count.sqrt() > GENERAL.resembles
+    variance > 0.0 && is_larger(share.sqrt().recip()) && (1.0 - share) * count.sqrt() > GENERAL.resembles
 }
 
 #[cfg(test)]
@@ -99,5 +104,29 @@ mod tests {
         assert!(systematic(&run(|row, noise| noise + 3.0 * libm::sin(0.1 * row))));
         // a wave of half the noise leaves the ratio near one
         assert!(!systematic(&run(|row, noise| noise + 0.5 * libm::sin(0.1 * row))));
+    }
+
+    #[test]
+    fn value_how_much_neighbours_share() {
+        // a channel of a listed sensor had 1.2 at most: 1.4 is none, 1.6 is
+        assert!(!is_larger(1.4) && is_larger(1.6));
+        // a slow wave beside noise of one: in all so many times what neighbours differ by
+        let all = |times: f64| {
+            let mut random = Random::new(9);
+            let height = (2.0 * (times * times - 1.0)).sqrt();
+            let value = |row: u32| random.normal() + height * libm::sin(0.01 * f64::from(row));
+            systematic(&vec![(0..6283).map(value).map(|value| (0.0, Some(value))).collect()])
+        };
+        assert!(!all(1.4) && all(1.6));
+    }
+
+    #[test]
+    fn value_how_many_residuals_tell_that_neighbours_resemble_each_other() {
+        // one wave without noise: white noise of n values is as smooth by chance at √n standard deviations, 4.5 of which are doubted no more
+        let wave = |rows: u32| {
+            let value = |row: u32| libm::sin(std::f64::consts::TAU * f64::from(row) / f64::from(rows));
+            systematic(&vec![(0..rows).map(|row| (f64::from(row), Some(value(row)))).collect()])
+        };
+        assert!(!wave(18) && wave(26));
     }
 }

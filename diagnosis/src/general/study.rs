@@ -213,7 +213,7 @@ fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
     match problem.runs.as_slice() {
         [one] => {
             let (from, to) = one.span();
-            let cut = to - GENERAL.left_out * (to - from);
+            let cut = cut(from, to);
             (vec![(one, (from, cut))], vec![(one, (cut, to))])
         }
         [first @ .., last] => {
@@ -221,6 +221,11 @@ fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
         }
         [] => (Vec::new(), Vec::new()),
     }
+}
+
+/// Where the part of a single run begins that is left out.
+pub(super) fn cut(from: f64, to: f64) -> f64 {
+    to - GENERAL.left_out * (to - from)
 }
 
 /// Names that may not be given.

@@ -29,7 +29,7 @@ pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else {
         return Found { untried: parameters.len(), ..found };
     };
-    let limit = began.elapsed().mul_f64(FAR) + IMPORT.idle_least;
+    let limit = limit(began.elapsed());
     for place in parameters {
         if began.elapsed().as_secs_f64() > GIVEN_UP {
             found.untried += 1;
@@ -38,6 +38,11 @@ pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
         }
     }
     found
+}
+
+/// Real time that a run may take, where one with the unit's own values took so much.
+fn limit(own: Duration) -> Duration {
+    own.mul_f64(FAR) + IMPORT.idle_least
 }
 
 fn is_idle(trial: &Trial<'_>, nominal: &MemoryRecorder, place: usize, limit: Duration) -> bool {
@@ -118,5 +123,14 @@ mod tests {
         assert_eq!(moves_of(r#"start="300" min="270" max="320""#), [270.0, 320.0]);
         assert_eq!(moves_of(r#"start="0" min="0""#), [0.1, 0.5, 2.0, 10.0]);
         assert_eq!(moves_of(r#"start="4""#), [0.4, 2.0, 8.0, 40.0]);
+    }
+
+    #[test]
+    fn value_how_long_a_run_may_take() {
+        // a process of its own starts within a few tenths of a second on a busy machine, however little the unit does
+        let least = limit(Duration::ZERO);
+        assert!(least > Duration::from_millis(700) && least < Duration::from_millis(1500), "{least:?}");
+        let slow = limit(Duration::from_secs(3));
+        assert!(slow > Duration::from_secs(25) && slow < Duration::from_secs(35), "{slow:?}");
     }
 }

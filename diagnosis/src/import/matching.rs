@@ -5,7 +5,7 @@ use super::sheet::{Header, Sheet};
 use super::{Match, instance};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
-use orchestrator::fmu::{Causality, Variable};
+use orchestrator::fmu::{Causality, Description, Variable};
 use orchestrator::{Fmu, Kind};
 
 /// Matches the columns of a log with inputs, outputs and local variables, the likeliest pair first.
@@ -20,7 +20,8 @@ pub(super) fn columns(
     for (column, header) in sheet.columns.iter().enumerate().filter(|(column, _)| *column != time) {
         for (place, variable) in description.variables.iter().enumerate() {
             let Some(rank) = rank(variable) else { continue };
-            let alike = likeness(header, variable, fmu).or_else(|| only(header, variable, sheet, time, fmu));
+            let alike = likeness(header, variable, description, &instance(fmu));
+            let alike = alike.or_else(|| only(header, variable, sheet, time, fmu));
             let Some((score, why)) = alike else { continue };
             pairs.push((score + rank, column, place, why));
         }
@@ -125,17 +126,22 @@ fn only(
 }
 
 /// How alike a column and a variable are, and why; `None` where they can't be one.
-fn likeness(header: &Header, variable: &Variable, fmu: &Fmu) -> Option<(f64, String)> {
+fn likeness(
+    header: &Header,
+    variable: &Variable,
+    description: &Description,
+    instance: &str,
+) -> Option<(f64, String)> {
     let own = variable.unit.as_deref().filter(|unit| !unit.is_empty());
     let fits = match (header.unit.as_deref(), own) {
-        (Some(unit), Some(_)) => Some(measure::conversion(unit, variable, fmu.description()).is_ok()),
+        (Some(unit), Some(_)) => Some(measure::conversion(unit, variable, description).is_ok()),
         _ => None,
     };
     // a unit that is known and measures something else
     if fits == Some(false) && header.unit.as_deref().is_some_and(|unit| measure::named(unit).is_some()) {
         return None;
     }
-    let names = [variable.name.clone(), format!("{}.{}", instance(fmu), variable.name)];
+    let names = [variable.name.clone(), format!("{instance}.{}", variable.name)];
     let written = [header.name.as_str(), header.text.as_str()];
     let alike = |one: &str, other: &str| same(&words(one), &words(other));
     let by_name =
@@ -238,5 +244,33 @@ mod tests {
         // a word that stands twice is shared once: the input of the same name is nearer
         assert!(alike("valveControl", "tank.Valve.valveControl") < 1.0);
         assert!(alike("T_box", "T_wall") < IMPORT.alike && alike("phi", "psi") < IMPORT.alike);
+    }
+
+    #[test]
+    fn value_what_a_number_and_a_unit_of_measurement_add_to_a_name() {
+        let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+            <UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit></UnitDefinitions><ModelVariables>
+            <ScalarVariable name="NAME" description="DESCRIBED" valueReference="0" causality="output" variability="continuous"><Real UNIT/></ScalarVariable>
+            </ModelVariables><ModelStructure/></fmiModelDescription>"#;
+        let of = |column: &str, (name, described): (&str, &str), converts: bool| {
+            let text = text.replace("NAME", name).replace("DESCRIBED", described);
+            let text = text.replace("UNIT", if converts { "unit=\"K\"" } else { "" });
+            let description = Description::parse(&text).expect("a description");
+            let header = Header { text: column.into(), name: column.into(), unit: Some("degC".into()) };
+            likeness(&header, &description.variables[0], &description, "m").map_or(0.0, |one| one.0)
+        };
+        // what is described so and is in a fitting unit is nearer than a name with a word more and of no unit
+        let column = "box temperature";
+        let (described, longer) =
+            (of(column, ("x3", "Box temperature"), true), of(column, ("box_temperature_in", ""), false));
+        assert!(described > longer, "{described} {longer}");
+        // but a fitting unit is less than a word: the name that has all of them is nearer than one that has two of three
+        let column = "box wall temperature";
+        let (two, all) = (of(column, ("box_wall_x", ""), true), of(column, ("box_wall", ""), false));
+        assert!(two < all, "{two} {all}");
+        // a number and an initial are less than all words of a name, and more than a number alone
+        let words = of("Temperature 1", ("Temperature_1_out", ""), false);
+        let (initial, number) = (numbered("Temperature 1", "T1"), numbered("Temperature 1", "Q1"));
+        assert!(words > initial && initial > number + 0.05, "{words} {initial} {number}");
     }
 }

@@ -14,7 +14,7 @@ pub(super) struct Import {
     pub fitting_unit: f64,
     /// What the same initial adds to the same number.
     pub same_initial: f64,
-    /// A start value is moved by this share of its size.
+    /// A start value is moved by this share of its size. Numerical only: far above `start_shown`.
     pub start_move: f64,
     /// And shown again to this share.
     pub start_shown: f64,

@@ -38,7 +38,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
     }
     let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
-    let turned = if signs.is_none() && fed.len() <= IMPORT.turned_inputs { 1 << fed.len() } else { 1 };
+    let turned = if signs.is_none() { turned_ways(fed.len()) } else { 1 };
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
     for turns in 0..turned {
@@ -61,7 +61,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
         let flips =
             (turns as u32).count_ones() as usize + known.iter().filter(|line| line.slope < 0.0).count();
         let mean = known.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / known.len().max(1) as f64;
-        let score = mean - IMPORT.turn * flips as f64;
+        let score = score(mean, flips);
         if best.as_ref().is_none_or(|(before, ..)| score > *before) {
             best = Some((score, turns, lines));
         }
@@ -90,6 +90,16 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             judge(matched, line, described, starts, signs.is_some(), notices);
         }
     }
+}
+
+/// Ways in which the signs of so many inputs are tried.
+fn turned_ways(inputs: usize) -> usize {
+    if inputs <= IMPORT.turned_inputs { 1 << inputs } else { 1 }
+}
+
+/// What a way is worth by its mean squared correlation and the signs that it turns.
+fn score(mean: f64, flips: usize) -> f64 {
+    mean - IMPORT.turn * flips as f64
 }
 
 /// Gives a match the sign that stretches of the logs tell.
@@ -344,13 +354,4 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64, isolated: bool) -> Result<Scenar
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn value_the_longest_stretch_has_no_gap() {
-        let stamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
-        assert_eq!(whole_stretch(&stamps, 1.0), 3..7);
-        assert_eq!(whole_stretch(&stamps[..3], 1.0), 0..3);
-    }
-}
+mod tests;

@@ -321,3 +321,20 @@ fn updated(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f6
     let cross = moved * through.transpose();
     *inverse -= (&cross + cross.transpose()) / along;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_how_loud_a_sensor_may_be_beside_its_least() {
+        let sizes =
+            Sizes { channels: vec![Some(1e-7)], process: Vec::new(), pinned: Vec::new(), jitter: 0.0 };
+        let none = Noise { channels: vec![1.0], process: Vec::new(), jitter: 0.0, disturbance: None };
+        let slots = sizes.slots(&[], &none);
+        let within = |sd: f64| (slots[0].range.0..=slots[0].range.1).contains(&libm::log(sd));
+        // the least is 1e-7 of what the channel shows, which it may be off by altogether and a few times that; a billion times the least
+        // is as far as doubles tell one column of a fit from another
+        assert!(within(1e-7 * 1.0001) && within(90.0) && !within(110.0));
+    }
+}

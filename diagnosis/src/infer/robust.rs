@@ -42,3 +42,62 @@ pub fn sandwich(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Option
     let inverse = inverse(&gram)?;
     Some(&inverse * meat * &inverse)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::linearised::Measured;
+    use super::*;
+    use crate::statistics::random::Random;
+
+    /// Standard deviation of an offset by these residuals with noise of one, in units of what white noise leaves.
+    fn times(residuals: &[f64]) -> f64 {
+        let rows = residuals.len();
+        let run = Linearised {
+            states: 1,
+            parameters: 1,
+            time: (0..rows).map(|row| row as f64).collect(),
+            transition: vec![0.0; rows - 1],
+            drive: vec![0.0; rows - 1],
+            defect: vec![0.0; rows - 1],
+            first: (0..=rows).collect(),
+            measured: (0..rows)
+                .map(|row| Measured {
+                    channel: 0,
+                    time: row as f64,
+                    residual: residuals[row],
+                    slope: 0.0,
+                    weight: 1.0,
+                })
+                .collect(),
+            observe: vec![0.0; rows],
+            direct: vec![1.0; rows],
+            start: (vec![0.0], vec![1.0]),
+            ..Linearised::default()
+        };
+        let noise = Noise { channels: vec![1.0], process: vec![0.0], jitter: 0.0, disturbance: None };
+        let covariance = sandwich(&[run], &noise, &[0]).expect("it tells of an offset");
+        (covariance[(0, 0)] * rows as f64).sqrt()
+    }
+
+    #[test]
+    fn value_stretches_are_enough_to_know_a_deviation_and_long_enough_to_forget() {
+        let mut random = Random::new(3);
+        // white: thirty squares tell a deviation to an eighth, ten only to a fifth
+        let off = (0..20).map(|_| times(&(0..600).map(|_| random.normal()).collect::<Vec<_>>()) - 1.0);
+        let off = (off.map(|off| off * off).sum::<f64>() / 20.0).sqrt();
+        // itself known to a sixth from twenty sets
+        assert!((0.08..0.18).contains(&off), "{off}");
+        // residuals that are the same for twenty rows tell as much as thirty values of six hundred
+        let mut value = 0.0;
+        let mut held = || {
+            let course = (0..600).map(|row| {
+                value = if row % 20 == 0 { random.normal() } else { value };
+                value
+            });
+            times(&course.collect::<Vec<_>>())
+        };
+        let mean = (0..20).map(|_| held()).sum::<f64>() / 20.0;
+        // of a mean of twenty, each to an eighth
+        assert!((mean / 20f64.sqrt() - 1.0).abs() < 0.125, "{mean}");
+    }
+}

@@ -65,3 +65,27 @@ pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
     }
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::dynamics::tests::{built, pendulum, place};
+
+    #[test]
+    fn value_how_large_effects_at_ports_may_be() {
+        let problem = pendulum("ports", 101);
+        let built = built(&problem);
+        let holds = |name: &str, value: f64| {
+            let (least, most) = built.engine.machine.parameters[place(&built, name)].range;
+            (least..=most).contains(&value)
+        };
+        // runs of 2 s: what comes later than a tenth of them leaves too little that came in time
+        for late in ["tau:delay", "tau:lag", "q1:delay", "q1:lag"] {
+            assert!(holds(late, 0.18) && !holds(late, 0.22) && !holds(late, -0.01), "{late}");
+        }
+        // a worn or wrongly set amplifier; beyond it a wire is broken, or the unit of measurement is another (mA, km/h, degrees)
+        for gain in ["tau:gain", "q2:gain"] {
+            assert!(holds(gain, 0.055) && !holds(gain, 0.045) && holds(gain, 18.0) && !holds(gain, 22.0));
+            assert!(!holds(gain, -1.0), "a turned sign is doubted before");
+        }
+    }
+}

@@ -11,7 +11,7 @@ pub(crate) struct Ports {
     pub gain: (f64, f64),
     /// An exponential is cut into so many lines over one time constant: off its mean by (1/8)²/12 of its height, 0.1 %.
     pub cuts: f64,
-    /// Times that differ by less than this share are the same: a delay of whole rows, rounded.
+    /// Times that differ by less than this share are the same: a delay of whole rows, rounded. Numerical only.
     pub same_time: f64,
 }
 

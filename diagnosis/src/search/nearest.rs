@@ -331,4 +331,17 @@ mod tests {
         assert_eq!(found([-1.5, 0.0, 0.0], 0.0), None);
         assert!(found([-0.9, 0.0, 0.0], 0.0).is_some());
     }
+
+    #[test]
+    fn value_a_course_is_told_by_three_effects_at_most() {
+        // as much of each: with four anything is told that is smooth
+        let [one, two, three] = columns();
+        let all = [one, two, three, column(3, |time| libm::cos(7.0 * time))];
+        let count = |of: usize| {
+            let course: Vec<f64> =
+                (0..200).map(|row| all[..of].iter().map(|one| one.values[row]).sum()).collect();
+            selected(&all, &course, &|_, _| true).map_or(0, |near| near.effects.len())
+        };
+        assert_eq!([1, 2, 3, 4].map(count), [1, 2, 3, 3]);
+    }
 }

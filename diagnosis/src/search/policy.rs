@@ -18,6 +18,7 @@ pub(crate) struct Searching {
     /// The truth fits worse than the best of its class by more than this in 0.27 % of data sets: three standard deviations, squared.
     pub class: f64,
     /// Rounds of the noises' search for a look at a screened effect: most of what it takes over from the process noise it takes at once.
+    /// What it ranks is fitted in full. Numerical only.
     pub look_rounds: usize,
     /// Shares of the largest magnitude at which a limit is tried.
     pub limits: [f64; 4],

@@ -73,3 +73,47 @@ fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
     .filter(|limit| *limit > 0.0)
     .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::tests::{ROW, built, pendulum, place};
+
+    /// Whether from each of these places one that is tried is within a factor.
+    fn reach(tried: &[f64], wanted: &[f64], factor: f64) -> bool {
+        let near = |wanted: &f64| tried.iter().any(|one| (one / wanted).max(wanted / one) < factor);
+        wanted.iter().all(near)
+    }
+
+    #[test]
+    fn law_an_effect_is_tried_near_to_wherever_it_may_be() {
+        let problem = pendulum("tried", 600);
+        let built = built(&problem);
+        let (engine, theta) = (&built.engine, built.engine.machine.neutral());
+        // without the one that is a derivative
+        let tried = |name: &str| -> Vec<f64> {
+            let all = trials(engine, &theta, place(&built, name));
+            all.iter().filter(|chord| chord.per == 1.0).map(|chord| chord.to).collect()
+        };
+        // a delay of one row to one of thirty, a chord to less than twice or more than half of it: steeper than half the slope
+        for late in ["tau:delay", "tau:lag", "q1:delay", "q1:lag"] {
+            let rows: Vec<f64> = tried(late).iter().map(|to| to / ROW).collect();
+            assert!(reach(&rows, &[1.2, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 28.0], 2.01), "{late}: {rows:?}");
+            assert!(
+                rows.iter().all(|rows| (1.0..30.0).contains(rows)),
+                "less follows from the derivative: {rows:?}"
+            );
+        }
+        let tau = &engine.grids[0].inputs[0].values;
+        let largest = tau.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let limits: Vec<f64> = tried("tau:saturation").iter().map(|limit| limit / largest).collect();
+        // a limit that is reached seldom cuts little: those near the top are nearest to each other
+        assert!(reach(&limits, &[0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95], 1.35), "{limits:?}");
+        assert!(limits.iter().all(|limit| *limit < 0.99), "one that is not reached says nothing: {limits:?}");
+        let jump = tau.windows(2).fold(0.0, |most: f64, pair| most.max((pair[1] - pair[0]).abs()));
+        let ramps: Vec<f64> = tried("tau:rate_limit").iter().map(|rate| jump / (rate * ROW)).collect();
+        // rows over which the largest jump is spread
+        assert!(reach(&ramps, &[1.2, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 36.0], 2.01), "{ramps:?}");
+        assert!(ramps.iter().all(|rows| (1.0..40.0).contains(rows)), "{ramps:?}");
+    }
+}

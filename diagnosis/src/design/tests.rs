@@ -1,0 +1,65 @@
+use super::*;
+use crate::dynamics::tests::{built, pendulum, place, units};
+
+#[test]
+fn value_members_are_told_apart_by_three_deviations() {
+    // squared; one of the two for the other is enough to be found out, if that one is true
+    assert_eq!(open(&vec![vec![0.0, 9.5], vec![9.3, 0.0]]), []);
+    assert_eq!(open(&vec![vec![0.0, 8.6], vec![50.0, 0.0]]), [(0, 1)]);
+    assert_eq!(open(&vec![vec![0.0, 50.0], vec![8.6, 0.0]]), [(0, 1)]);
+}
+
+#[test]
+fn value_how_much_is_simulated_for_a_next_experiment() {
+    let problem = pendulum("next", 600);
+    let built = built(&problem);
+    let members =
+        [("tau:gain", 1.1), ("tau:bias", 0.002), ("q1:gain", 1.02), ("q1:offset", 0.01), ("q2:offset", 0.01)];
+    let class: Vec<Alternative> = members
+        .iter()
+        .map(|(name, value)| Alternative {
+            parameter: place(&built, name),
+            loss: 0.0,
+            value: *value,
+            deviation: f64::INFINITY,
+        })
+        .collect();
+    let theta = built.engine.machine.neutral();
+    let (own, effects) = (class[0].parameter, [class[0].parameter]);
+    let question =
+        Question { engine: &built.engine, theta: &theta, noise: &built.noise, own, effects: &effects, class };
+    let (next, scenario) = next(&problem, &question, &units()).expect("its torque can be driven");
+    // a fit for each beside each: of four, twelve
+    let names = ["tau:gain", "tau:bias", "q1:gain", "q1:offset"].map(|name| format!("acrobot_plant.{name}"));
+    assert_eq!(next.separates, names);
+    // of each length the one that screens best, and another: the screening is about the nominal model only
+    let simulated = next.separation.iter().filter(|one| !one.pair.is_empty()).count();
+    assert_eq!((simulated, next.separation.len()), (4, 12));
+    // some four hundred rows, of whatever log: each is in every fit
+    let longest = &built.engine.grids[0].time;
+    let rows = times(longest).iter().map(Vec::len).max();
+    assert!(rows.is_some_and(|rows| (360..=440).contains(&rows)), "{rows:?}");
+    let planned = next.planned.expect("it was simulated").inputs[0].points.len();
+    assert!(times(longest).iter().any(|time| time.len() == planned), "{planned}");
+    assert!(scenario.is_some(), "one unit alone");
+    // as far as the logs have seen the input, but not to its very ends: an amplifier that is set a little otherwise would clip
+    let tau = &built.engine.grids[0].inputs[0].values;
+    let size =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, value| most.max(value.abs()));
+    let waves = waves(&problem, &built.engine, &longest[..400]);
+    let driven = waves.iter().map(|wave| size(&mut wave.values[0].iter().copied())).fold(0.0, f64::max);
+    let share = driven / size(&mut tau.iter().copied());
+    assert!((0.9..0.99).contains(&share), "{share}");
+}
+
+#[test]
+fn law_rows_of_an_experiment_last_as_long_as_the_log_or_are_as_near() {
+    let log = |rows: usize| -> Vec<f64> { (0..rows).map(|row| row as f64 * 0.01).collect() };
+    assert_eq!(times(&log(300)), [log(300)]);
+    let both = times(&log(5000));
+    let [spread, begin] = both.as_slice() else { panic!("{}", both.len()) };
+    assert!(spread[spread.len() - 1] > 0.98 * 49.99, "{spread:?}");
+    assert!((begin[1] - begin[0] - 0.01).abs() < 1e-12);
+    // a second of simulation: not the log's 5000 rows
+    assert!(spread.len().max(begin.len()) <= 1000 && spread.len().min(begin.len()) >= 100);
+}

@@ -1,0 +1,93 @@
+//! What the numbers of this room decide, on an engine; and the engine for other rooms' tests.
+
+use super::build::{Built, build};
+use super::schedule::Schedule;
+use crate::observe::{Problem, load};
+use orchestrator::UnitPath;
+use std::path::Path;
+
+/// Distance of the pendulum's rows, s.
+pub const ROW: f64 = 0.02;
+
+/// Where the units lie.
+pub fn units() -> UnitPath {
+    scenarios::unit_path().with(Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus"))
+}
+
+/// A hanging double pendulum, logged over so many rows of 20 ms; `name` is the test's own.
+pub fn pendulum(name: &str, rows: u32) -> Problem {
+    let head = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[set]\n\"acrobot_plant.theta_2\" = 0.0\n\"acrobot_plant.theta_7\" = 0.0\n\
+                \"acrobot_plant.q2_max\" = 1e9\n[[run]]\nfile = \"a.csv\"\n[[channel]]\nvariable = \"acrobot_plant.tau\"\n";
+    let states = ["q1", "q2", "dq1", "dq2"].map(|name| {
+        format!("[[state]]\nstart = \"acrobot_plant.{name}_0\"\nshows = \"acrobot_plant.{name}\"\n")
+    });
+    let channels =
+        ["q1", "q2"].map(|name| format!("[[channel]]\nvariable = \"acrobot_plant.{name}\"\nnoise = 1e-3\n"));
+    let row = |row: u32| {
+        let t = ROW * f64::from(row);
+        format!(
+            "{t},{},{},{}\n",
+            0.01 * libm::sin(9.0 * t),
+            std::f64::consts::PI + 0.01 * libm::sin(5.0 * t),
+            std::f64::consts::PI + 0.01 * libm::cos(7.0 * t)
+        )
+    };
+    let folder = std::env::temp_dir().join(format!("diagnosis-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
+    let put = |name: &str, text: String| std::fs::write(folder.join(name), text).expect("it can be written");
+    put("dataset.toml", format!("{head}{}{}", states.concat(), channels.concat()));
+    put("a.csv", "time,tau,q1,q2\n".to_owned() + &(0..rows).map(row).collect::<String>());
+    let problem = load(&folder, &units(), None).expect("cargo xtask pack made the unit");
+    let _ = std::fs::remove_dir_all(folder);
+    problem
+}
+
+/// Its engine.
+pub fn built(problem: &Problem) -> Built {
+    build(problem, &problem.whole_runs()).expect("it can be followed")
+}
+
+/// Place of a parameter by its name, of the unit or of what is added at its ports.
+pub fn place(built: &Built, name: &str) -> usize {
+    let name = format!("acrobot_plant.{name}");
+    let found = built.engine.machine.parameters.iter().position(|parameter| parameter.name == name);
+    found.expect("a parameter")
+}
+
+#[test]
+fn value_how_much_of_the_motion_starts_and_process_noise_may_be() {
+    let problem = pendulum("sizes", 60);
+    let built = built(&problem);
+    let (scales, span) = (&built.engine.scales, 59.0 * ROW);
+    for (state, scale) in scales.iter().enumerate() {
+        // what a log begins at may lie several of its sizes off what follows, and not fifty: then it is another log
+        let start = built.engine.starts[0].1[state];
+        let whole = scale.max(built.engine.machine.states[state].nominal.abs());
+        assert!(start > 5.0 * scale && start < 15.0 * whole, "state {state}: {start} of {scale}");
+        let (least, most) = built.sizes.process[state];
+        // over a run it adds up to what a difference of units is rounded to, whatever the run's length
+        assert!((0.5e-6..2e-6).contains(&(least * span.sqrt() / scale)), "state {state}: {least}");
+        // and within a row to several times all of the motion: an equation that says nothing of it
+        assert!((5.0..15.0).contains(&(most * ROW.sqrt() / scale)), "state {state}: {most}");
+    }
+    // stamps that scatter by more than a third of a row change places
+    assert!((0.25..0.35).contains(&(built.sizes.jitter / ROW)), "{}", built.sizes.jitter);
+}
+
+#[test]
+fn value_a_sensor_that_lags_is_read_at_the_quarters_of_an_interval() {
+    let problem = pendulum("quarters", 10);
+    let built = built(&problem);
+    let machine = &built.engine.machine;
+    let mut theta = machine.neutral();
+    theta[place(&built, "q1:lag")] = 0.03;
+    let schedule = Schedule::new(machine, &built.engine.grids[0], &theta);
+    for row in &schedule.inner {
+        let times: Vec<f64> = row[0].iter().map(|(time, _)| time / ROW).collect();
+        // a course between them is off its line by 1/16 of what it bends by over the row
+        assert_eq!(times.len(), 3, "{times:?}");
+        let off = times.iter().zip([0.25, 0.5, 0.75]).map(|(time, quarter)| (time - quarter).abs());
+        // times of a log of a second, rounded, in rows
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{times:?}");
+    }
+}

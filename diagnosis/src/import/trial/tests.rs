@@ -1,0 +1,66 @@
+use super::*;
+
+#[test]
+fn value_the_longest_stretch_has_no_gap() {
+    let stamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
+    assert_eq!(whole_stretch(&stamps, 1.0), 3..7);
+    assert_eq!(whole_stretch(&stamps[..3], 1.0), 0..3);
+}
+
+#[test]
+fn value_a_log_is_tried_as_far_as_it_must_be() {
+    // half a minute at 100 Hz: a model that drifts off in it says no more in an hour, and runs a hundred times as long
+    let rows = |count: u32| whole_stretch(&(0..count).map(f64::from).collect::<Vec<_>>(), 1.0).len();
+    assert_eq!(rows(2_700), 2_700);
+    assert!(rows(3_300) < 3_300 && rows(100_000) == rows(3_300));
+}
+
+#[test]
+fn value_how_many_signs_are_turned_and_what_each_must_gain() {
+    // each of four inputs either way is a run of the model sixteen times; five inputs would be thirty-two
+    assert_eq!([0, 1, 4, 5, 60].map(turned_ways), [1, 2, 16, 1, 1]);
+    // a hundredth of the squared correlation: less is noise of the log, more is what a sign does
+    assert!(score(0.909, 1) < score(0.9, 0) && score(0.911, 1) > score(0.9, 0));
+    assert!(score(0.919, 2) < score(0.9, 0) && score(0.921, 2) > score(0.9, 0), "each of them");
+}
+
+/// What a line said of a speed in rad/s: evidence and conversion.
+fn judged(line: Line) -> (String, Option<Affine>) {
+    let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+        <UnitDefinitions><Unit name="rad/s"><BaseUnit rad="1" s="-1"/></Unit></UnitDefinitions><ModelVariables>
+        <ScalarVariable name="w" valueReference="0" causality="output" variability="continuous"><Real unit="rad/s"/></ScalarVariable>
+        </ModelVariables><ModelStructure/></fmiModelDescription>"#;
+    let description = Description::parse(text).expect("a description");
+    let mut matched = Match {
+        variable: 0,
+        column: "w".into(),
+        unit: Some("rad/s".into()),
+        affine: None,
+        evidence: Vec::new(),
+        fed: false,
+    };
+    judge(&mut matched, line, &description, &[], false, &mut Vec::new());
+    (matched.evidence.join("; "), matched.affine)
+}
+
+fn told(correlation: f64, apart: f64) -> (String, Option<Affine>) {
+    let mean = (10.0, 10.0 + apart);
+    judged(Line { slope: 1.0, offset: apart, correlation, spread: 1.0, mean, begun: true })
+}
+
+#[test]
+fn value_a_correlation_that_says_nothing_of_sign_and_unit() {
+    // a third of a course's square is what noise, a drift and another start leave of a right model: 0.6 squared
+    assert!(told(0.54, 0.0).0.contains("says nothing"), "{:?}", told(0.54, 0.0));
+    assert!(told(0.66, 0.0).0.contains("fit"), "{:?}", told(0.66, 0.0));
+}
+
+#[test]
+fn value_an_offset_that_no_fault_of_the_model_is_taken_for() {
+    // in deviations of the course, of which chance gives 4.5 once in 150 000
+    assert_eq!(told(0.95, 4.0).1, None);
+    let (why, affine) = told(0.95, 5.0);
+    assert!(why.contains("offset taken out"), "{why}");
+    // to the rounding of sums of tens
+    assert!(affine.is_some_and(|affine| (affine.offset + 5.0).abs() < 1e-12 && affine.scale == 1.0));
+}

@@ -248,7 +248,7 @@ fn simulated(question: &Question<'_>, wave: &Wave, theta: &[f64]) -> Result<Engi
     let mut out = Vec::new();
     engine.with_worker(|worker| {
         let whole = schedule.job(time[0], 0, time.len() - 1, &begun);
-        worker.interval(machine, &Job { parameters: &set, probe: true, reads: &[], ..whole }, &mut out)
+        worker.interval(machine, &Job { parameters: &set, each_row: true, reads: &[], ..whole }, &mut out)
     })?;
     let first = machine.order();
     let effects = output_effects(machine, theta);

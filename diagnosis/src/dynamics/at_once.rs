@@ -11,8 +11,8 @@ use crate::observe::Hold;
 use crate::statistics::levels::{SMALL, STEP};
 
 /// Rows that are tried, of so many.
-pub(super) fn probes(rows: usize) -> impl Iterator<Item = usize> {
-    (0..DYNAMICS.probes).map(move |probe| probe * rows / DYNAMICS.probes)
+pub(super) fn tried_rows(rows: usize) -> impl Iterator<Item = usize> {
+    (0..DYNAMICS.tried_rows).map(move |tried| tried * rows / DYNAMICS.tried_rows)
 }
 
 /// Whether a sensor with this noise would see what an input does, if so large a share of its size does so much.
@@ -36,10 +36,10 @@ impl Engine {
         let ahead = Machine { first_step: machine.short_step(&grid.time), ..machine.clone() };
         self.with_worker(|worker| {
             let (mut step, mut begun) = (Vec::new(), Vec::new());
-            for row in probes(grid.time.len().saturating_sub(2)) {
+            for row in tried_rows(grid.time.len().saturating_sub(2)) {
                 let states = self.nominal_states(grid, row);
                 let job = schedule.job(grid.time[row], row, 1, &states);
-                worker.interval(machine, &Job { probe: true, ..job }, &mut step)?;
+                worker.interval(machine, &Job { each_row: true, ..job }, &mut step)?;
                 let next = schedule.job(grid.time[row + 1], row + 1, 1, &step[..n]);
                 worker.interval(machine, &next, &mut begun)?;
                 let ends = &step[step.len() - channels..];
@@ -73,7 +73,7 @@ impl Engine {
             .collect();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            for row in probes(grid.time.len() - 1) {
+            for row in tried_rows(grid.time.len() - 1) {
                 let states = self.nominal_states(grid, row);
                 let job = self.job(grid, &schedule, row, &states);
                 worker.interval(machine, &job, &mut base)?;
@@ -97,7 +97,7 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_seen, probes};
+    use super::{is_seen, tried_rows};
 
     #[test]
     fn value_what_a_sensor_sees_of_an_input_at_once() {
@@ -111,12 +111,12 @@ mod tests {
 
     #[test]
     fn value_rows_that_are_tried_meet_what_acts_for_a_tenth_of_a_log() {
-        let rows: Vec<usize> = probes(1000).collect();
+        let rows: Vec<usize> = tried_rows(1000).collect();
         for begin in (0..=900).step_by(10) {
             assert!(rows.iter().any(|row| (begin..begin + 100).contains(row)), "{begin}: {rows:?}");
         }
         // each is a step of the unit for each parameter
         assert!(rows.len() < 20);
-        assert!(probes(3).all(|row| row < 3), "a log that is shorter");
+        assert!(tried_rows(3).all(|row| row < 3), "a log that is shorter");
     }
 }

@@ -264,7 +264,7 @@ impl Engine {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (here, there) = (self.nominal_states(grid, 0), self.nominal_states(grid, grid.time.len() / 2));
-        let job = |row, states| Job { probe: true, ..self.job(grid, &schedule, row, states) };
+        let job = |row, states| Job { each_row: true, ..self.job(grid, &schedule, row, states) };
         let (mut fresh, mut again, mut other) = (Vec::new(), Vec::new(), Vec::new());
         let mut worker = Worker::new(&self.machine)?;
         worker.interval(&self.machine, &job(0, &here), &mut fresh)?;
@@ -341,7 +341,7 @@ impl Engine {
             return which.par_iter().map(one).collect();
         }
         let schedule = Schedule::new(&self.machine, grid, theta);
-        let rows: Vec<usize> = super::at_once::probes(grid.time.len() - 1).collect();
+        let rows: Vec<usize> = super::at_once::tried_rows(grid.time.len() - 1).collect();
         which
             .par_iter()
             .map(|place| {

@@ -39,7 +39,7 @@ impl<'a> Trial<'a> {
         let machine = &self.engine.machine;
         let (pieces, whole) = ([Piece { from: time, span, reads: 0 }], self.job());
         let fed = &whole.fed[..machine.inputs.len()];
-        let one = Job { time, first: &[0, 1], pieces: &pieces, fed, reads: &[], probe: true, ..whole };
+        let one = Job { time, first: &[0, 1], pieces: &pieces, fed, reads: &[], each_row: true, ..whole };
         let mut out = Vec::new();
         worker.interval(machine, &one, &mut out).ok()?;
         let end = out.split_off(machine.order() + machine.channels.len());

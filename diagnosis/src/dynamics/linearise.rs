@@ -105,7 +105,7 @@ impl Engine {
         states: &'a [f64],
     ) -> Job<'a> {
         let horizon = self.machine.horizon;
-        Job { probe: horizon > 0, ..schedule.job(grid.time[row], row, 1 + horizon, states) }
+        Job { each_row: horizon > 0, ..schedule.job(grid.time[row], row, 1 + horizon, states) }
     }
 
     /// Parameters of units that are off their nominal values.

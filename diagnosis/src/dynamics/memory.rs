@@ -34,7 +34,7 @@ impl Engine {
         let start = self.nominal_states(&grid, 0);
         let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &start);
         let mut out = Vec::new();
-        let job = Job { probe: true, reads: &[], ..whole };
+        let job = Job { each_row: true, reads: &[], ..whole };
         self.with_worker(|worker| worker.interval(machine, &job, &mut out)).ok()?;
         let courses = &out[machine.order()..];
         for sample in &mut grid.samples {

@@ -6,7 +6,7 @@ use crate::statistics::levels::{FAR, FEW, FINE, HALF, PART, ROUNDING, ROWS, SAMP
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dynamics {
     /// Rows that are tried for what a unit shows at once, and for a parameter's step.
-    pub probes: usize,
+    pub tried_rows: usize,
     /// An output follows where it moves by more than this share of its noise for the input's whole size.
     pub follows: f64,
     /// A parameter's first step, as a share of its nominal value or of its range. Numerical only: it is taken anew by what it tells.
@@ -64,7 +64,7 @@ pub(super) struct Dynamics {
 
 /// Those in force.
 pub(super) const DYNAMICS: Dynamics = Dynamics {
-    probes: ROWS,
+    tried_rows: ROWS,
     follows: SMALL,
     first_step: FINE,
     telling_step: STEP,

@@ -16,7 +16,7 @@ impl Engine {
         let mut scales = self.scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
+            let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
                 let step = 1e-4 * of.nominal.abs().max(1e-2);
@@ -47,7 +47,7 @@ impl Engine {
         let mut scales = self.input_scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
-            let job = Job { probe: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
+            let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
                 let step = 1e-3 * scales[input];

@@ -200,7 +200,7 @@ impl Schedule {
             pieces: &self.pieces[begin..end],
             fed: &self.fed[begin * width..end * width],
             reads: &self.reads[row],
-            probe: false,
+            each_row: false,
         }
     }
 }

@@ -177,7 +177,7 @@ impl Engine {
         let Stretch { schedule, grid, row, intervals, .. } = *stretch;
         let whole = schedule.job(grid.time[row], row, intervals, states);
         let mut out = Vec::new();
-        worker.interval(machine, &Job { probe: true, reads: &[], ..whole }, &mut out)?;
+        worker.interval(machine, &Job { each_row: true, reads: &[], ..whole }, &mut out)?;
         let simulated = &out[machine.order()..];
         let rest = |(place, channel, value): &(usize, usize, f64)| {
             (value - simulated[*place]) / self.sensors[*channel]

@@ -113,7 +113,7 @@ impl Engine {
             let (mut through, mut fresh) = (Vec::new(), Vec::new());
             let states = self.nominal_states(grid, 0);
             let job = |row: usize, count: usize| Job {
-                probe: true,
+                each_row: true,
                 reads: &[],
                 ..schedule.job(grid.time[row], row, count, &states)
             };
@@ -139,7 +139,7 @@ impl Engine {
         let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &states);
         let mut out = Vec::new();
         self.with_worker(|worker| {
-            worker.interval(machine, &Job { parameters: &set, probe: true, reads: &[], ..whole }, &mut out)
+            worker.interval(machine, &Job { parameters: &set, each_row: true, reads: &[], ..whole }, &mut out)
         })?;
         let rows = out.split_off(machine.order());
         let mut shown = vec![0.0; rows.len()];

@@ -39,7 +39,7 @@ pub struct Job<'a> {
     /// Channels read within the first interval.
     pub reads: &'a [usize],
     /// Read all channels at the end of each interval, too.
-    pub probe: bool,
+    pub each_row: bool,
 }
 
 fn failed(error: impl std::fmt::Display) -> Error {
@@ -132,7 +132,7 @@ impl Worker {
                     out[place] = shows.map_or(Ok(0.0), |shows| self.read(shows))?;
                 }
             }
-            if job.probe {
+            if job.each_row {
                 self.feed(machine, &job.at_row[(interval + 1) * width..(interval + 2) * width])?;
                 self.outputs(machine, out)?;
             }

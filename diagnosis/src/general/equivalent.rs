@@ -41,7 +41,7 @@ pub fn equivalent(
     studied: &Studied,
     driven: &dyn Fn(&str) -> bool,
 ) -> Result<(Option<Equivalent>, Option<String>), Error> {
-    let Some(noise) = &studied.rest.unlisted else { return Ok((None, None)) };
+    let Some(noise) = &studied.residual.unlisted else { return Ok((None, None)) };
     if studied.built.engine.machine.whole {
         let text =
             "the model can't be started within a run: the amended scenario leaves the unlisted input out";
@@ -79,7 +79,7 @@ pub fn equivalent(
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((deviance, place, memory, noise)) = best else { return Ok((None, None)) };
     let name = &own.machine.inputs[inputs[place]].name;
-    let share = (studied.rest.none - deviance) / studied.rest.evidence;
+    let share = (studied.residual.none - deviance) / studied.residual.evidence;
     if !stands_for(share) {
         let text = format!(
             "no declared input does what the unlisted one did (the best, {name}, gains {:.0} % of its deviance): the amended \
@@ -126,7 +126,7 @@ fn biased(own: &Engine, theta: &[f64], inputs: &[usize]) -> (Engine, Vec<f64>, V
 
 /// Noises beside a course at an input: no equation has process noise but the course.
 fn begun(studied: &Studied, noise: &Noise, size: f64, row: f64) -> (Sizes, Noise) {
-    let mut sizes = studied.rest.sizes.clone();
+    let mut sizes = studied.residual.sizes.clone();
     let span = studied.built.engine.grids.iter().map(Grid::span).fold(row, f64::max);
     sizes.pinned = vec![true; sizes.process.len()];
     let mut begun = sizes.quieted(Noise { disturbance: None, ..noise.clone() });

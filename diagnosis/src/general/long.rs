@@ -3,7 +3,7 @@
 //! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
 
 use super::policy::GENERAL;
-use super::rest;
+use super::residual;
 use super::study::{Rows, Studied, nominal, studied};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Span, build};
@@ -111,7 +111,7 @@ pub fn searched(
     };
     watch.stage("searching in stretches of the logs");
     let found = studied(problem, &part, options, Some(before), true, watch)?;
-    let goes_on = found.rest.unlisted.is_none() && !watch.is_over("the search in all rows");
+    let goes_on = found.residual.unlisted.is_none() && !watch.is_over("the search in all rows");
     let mut over = if goes_on {
         watch.stage("searching in all rows from what was found");
         studied(problem, &all, options, Some((&found, before.1)), true, watch)?
@@ -127,19 +127,19 @@ pub fn searched(
 fn over(problem: &Problem, rows: &Rows<'_>, found: Studied, known: &Trails) -> Result<Studied, Error> {
     let mut built = build(problem, rows)?;
     let begun = nominal(&mut built, known)?;
-    let sizes = match found.rest.unlisted {
-        Some(_) => built.sizes.with_pinned(found.rest.sizes.pinned.clone()),
+    let sizes = match found.residual.unlisted {
+        Some(_) => built.sizes.with_pinned(found.residual.sizes.pinned.clone()),
         None => built.sizes.clone(),
     };
     let mut start = At { noise: found.fit.at.noise.clone(), ..begun.at.clone() };
     start.theta.clone_from(&found.fit.at.theta);
     let fit = fit(&built.engine, &start, &found.fit.free, Some(&sizes), &FitOptions::default())?;
-    let rest = rest::judged(&built.engine, &fit, &sizes, &found.policy);
+    let residual = residual::judged(&built.engine, &fit, &sizes, &found.policy);
     let classes = found.classes.into_iter().map(|class| refitted(class, &found.effects, &fit)).collect();
     let told: Vec<String> = built.notices.iter().map(|notice| notice.message.clone()).collect();
     built.notices.extend(found.built.notices.into_iter().filter(|one| !told.contains(&one.message)));
     let (effects, policy, story) = (found.effects, found.policy, found.story);
-    Ok(Studied { built, effects, fit, nominal: begun.at.paths, rest, policy, last: None, story, classes })
+    Ok(Studied { built, effects, fit, nominal: begun.at.paths, residual, policy, last: None, story, classes })
 }
 
 /// A class with the value that its own effect has in all rows.

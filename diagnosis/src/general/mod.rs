@@ -1,10 +1,10 @@
 //! Who diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's.
 //!
-//! - `study.rs`: problem → engine → search → unknown rest → [`Diagnosis`]
+//! - `study.rs`: problem → engine → search → what has no name → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
 //! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
-//! - `rest.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `residual.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
@@ -21,7 +21,7 @@ mod long;
 mod mismatch;
 mod policy;
 mod reading;
-mod rest;
+mod residual;
 mod sensor;
 mod study;
 mod table;

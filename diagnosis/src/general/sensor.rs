@@ -5,7 +5,7 @@
 //! residuals resemble each other, as noise's don't.
 
 use super::policy::GENERAL;
-use super::rest::follows;
+use super::residual::follows;
 use super::study::Studied;
 use crate::diagnosis::Unknown;
 use crate::infer::smooth;
@@ -51,7 +51,7 @@ fn is_larger(times: f64) -> bool {
 }
 
 fn residuals(studied: &Studied, channel: usize) -> Residuals {
-    let noise = studied.rest.unlisted.as_ref().unwrap_or(&studied.fit.at.noise);
+    let noise = studied.residual.unlisted.as_ref().unwrap_or(&studied.fit.at.noise);
     let of = |run: &crate::infer::Linearised| -> Vec<(f64, Option<f64>)> {
         let (state, n) = (smooth(run, noise).state, run.states);
         let row = |row: usize| {

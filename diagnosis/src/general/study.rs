@@ -1,7 +1,7 @@
 //! From a problem to a diagnosis.
 
 use super::policy::GENERAL;
-use super::rest::{self, Rest};
+use super::residual::{self, Residual};
 use super::{amended, begun, long, mismatch, reading, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Gap, Verdict};
@@ -33,7 +33,7 @@ pub struct Studied {
     /// The path of every run with the nominal model.
     pub nominal: Vec<Path>,
     /// What process noise says.
-    pub rest: Rest,
+    pub residual: Residual,
     /// Numbers of the search.
     pub policy: Policy,
     /// Its last screening.
@@ -90,7 +90,7 @@ fn found(
     watch.stage("searching in all rows");
     let mut all = long::searched(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
-    let unknown = rest::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
+    let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
     });
     let effects = told::effects(problem, &all, unknown.is_some());
@@ -145,7 +145,7 @@ fn found(
 /// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
 /// for a part of that. What a user asked for stays.
 fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
-    let takes = trained.rest.unlisted.is_some() && options.fit.is_empty() && mismatch::widened(gaps);
+    let takes = trained.residual.unlisted.is_some() && options.fit.is_empty() && mismatch::widened(gaps);
     if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
 }
 
@@ -161,7 +161,7 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
     };
     let is_gone = |(effect, class): (&usize, &Vec<Alternative>)| unfit.contains(effect) || alike(class);
     let gone: Vec<bool> = all.effects.iter().zip(&all.classes).map(is_gone).collect();
-    if all.rest.unlisted.is_none() || !gone.contains(&true) {
+    if all.residual.unlisted.is_none() || !gone.contains(&true) {
         return Ok(());
     }
     let engine = &all.built.engine;
@@ -181,8 +181,8 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
         ));
     }
     let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| all.effects.contains(free)).collect();
-    all.fit = fit(engine, &start, &free, Some(&all.rest.sizes), &FitOptions::default())?;
-    all.rest = rest::judged(engine, &all.fit, &all.rest.sizes, &all.policy);
+    all.fit = fit(engine, &start, &free, Some(&all.residual.sizes), &FitOptions::default())?;
+    all.residual = residual::judged(engine, &all.fit, &all.residual.sizes, &all.policy);
     all.last = None;
     Ok(())
 }
@@ -298,17 +298,17 @@ pub fn studied(
     let (mut effects, mut here) = search.walk(effects, begun, watch)?;
     watch.end_at(end);
     here = search.fresh(here)?;
-    let mut rest = rest::judged(&built.engine, &here, &sizes, &search.policy);
-    if let Some(unlisted) = rest.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
+    let mut residual = residual::judged(&built.engine, &here, &sizes, &search.policy);
+    if let Some(unlisted) = residual.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
         // what has no name remembers: beside it only names count that explain more than it does
         search.story.push(format!(
             "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
-            rest.evidence
+            residual.evidence
         ));
         search.visited.clear();
-        beside = rest.sizes.clone();
+        beside = residual.sizes.clone();
         search.sizes = &beside;
-        search.policy = policy.beside(rest.evidence);
+        search.policy = policy.beside(residual.evidence);
         let mut start = here.at.clone();
         start.noise = unlisted;
         let again = search.visit(&effects, &start)?;
@@ -318,20 +318,20 @@ pub fn studied(
         here = search.fresh(here)?;
         (effects, here) = search.agreed(effects, here)?;
         (effects, here) = search.nearer(effects, here, policy, watch)?;
-        rest = rest::judged(&built.engine, &here, &beside, &search.policy);
+        residual = residual::judged(&built.engine, &here, &beside, &search.policy);
     }
     let mut alternatives = Vec::new();
     if classes {
         let found = effects.clone();
         (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
         if effects != found {
-            rest = rest::judged(&built.engine, &here, search.sizes, &search.policy);
+            residual = residual::judged(&built.engine, &here, search.sizes, &search.policy);
         }
     }
     let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
     let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
     built.notices.extend(search.doubts.into_iter().map(notice));
-    Ok(Studied { built, effects, fit: here, nominal, rest, story, classes: alternatives, policy, last })
+    Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
 }
 
 /// Fits the parameters that were asked for, and judges what is left.
@@ -346,7 +346,7 @@ fn given(
     let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
-    let rest = rest::judged(&built.engine, &here, sizes, &policy);
+    let residual = residual::judged(&built.engine, &here, sizes, &policy);
     let tells = |place: &&usize| {
         let (least, most) = parameters[**place].range;
         here.deviation(**place) < most - least
@@ -362,14 +362,14 @@ fn given(
     }
     let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
-    let told = if rest.unlisted.is_some() {
+    let told = if residual.unlisted.is_some() {
         "they don't explain the data: process noise stays above its floor"
     } else {
         "they explain the data: what is left is noise"
     };
     let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
     let nominal = start.paths.clone();
-    Ok(Studied { effects: free, fit: here, nominal, rest, story, classes, built, policy, last: None })
+    Ok(Studied { effects: free, fit: here, nominal, residual, story, classes, built, policy, last: None })
 }
 
 /// Whether the names that were given with options are parameters.

@@ -167,7 +167,7 @@ pub fn story(studied: &Studied) -> Vec<String> {
         story.push(format!("noise of {}: {sd:.4} {} ({how})", output.name, output.unit));
     }
     // Where it gains nothing, the search for its size may end a rounding below none.
-    let gain = studied.rest.evidence.max(0.0);
+    let gain = studied.residual.evidence.max(0.0);
     story.push(format!("process noise gains {gain:.1} of deviance over none in the end"));
     story
 }

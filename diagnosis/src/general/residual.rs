@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// What process noise says.
 #[derive(Debug, Clone)]
-pub struct Rest {
+pub struct Residual {
     /// Deviance that process noise or an unlisted input gains over none.
     pub evidence: f64,
     /// Deviance without either.
@@ -31,7 +31,7 @@ pub struct Rest {
 ///
 /// Beside an unlisted input no equation has process noise of its own, unless that is needed, too: white noise of a state
 /// that forgets within a row and the noise of its sensor are nearly the same, and free together one takes the other's part.
-pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Rest {
+pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Residual {
     let columns: Vec<usize> = (0..fit.free.len()).collect();
     let order = engine.machine.order();
     let exact = sizes.with_pinned(vec![true; order]);
@@ -55,11 +55,16 @@ pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Res
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let white = fit.deviance;
     let Some((noise, with)) = best else {
-        return Rest { evidence: without - white, none: without, unlisted: None, sizes: exact };
+        return Residual { evidence: without - white, none: without, unlisted: None, sizes: exact };
     };
     let (noise, with, own) = freed(engine, fit, exact, (noise, with), policy);
     let evidence = without - with.min(white);
-    Rest { evidence, none: without, unlisted: Some(noise).filter(|_| evidence > policy.unknown), sizes: own }
+    Residual {
+        evidence,
+        none: without,
+        unlisted: Some(noise).filter(|_| evidence > policy.unknown),
+        sizes: own,
+    }
 }
 
 /// Frees the process noise of one equation after the other, as long as that gains as much as a name must.
@@ -93,9 +98,9 @@ fn freed(
     }
 }
 
-/// The rest without a name, if there is one.
+/// What is left without a name, if there is something.
 pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
-    let noise = studied.rest.unlisted.as_ref()?;
+    let noise = studied.residual.unlisted.as_ref()?;
     let unlisted = noise.disturbance?;
     if !problem.ports.unknown_inputs {
         return Some(Unknown {
@@ -103,7 +108,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
             shape: "nobody asked where: [ports] unknown_inputs = false".into(),
             nearest: format!(
                 "process noise gains {:.0} of deviance, which no candidate takes away",
-                studied.rest.evidence
+                studied.residual.evidence
             ),
             ..Unknown::default()
         });
@@ -131,7 +136,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
         shape,
         nearest: format!(
             "an unlisted input there gains {:.0} of deviance over none, which no candidate takes away",
-            studied.rest.evidence
+            studied.residual.evidence
         ),
         trace: first,
         unit: format!("{unit}/s"),
@@ -227,7 +232,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
         let score = DVector::from_fn(columns.len(), |i, _| dot(columns[i], course));
         solve(&gram, &score).map_or(f64::INFINITY, |shift| dot(course, course) - shift.dot(&score))
     };
-    let (mut chosen, mut rest) = (Vec::new(), whole);
+    let (mut chosen, mut square) = (Vec::new(), whole);
     while chosen.len() < SEARCHING.terms {
         let best = (0..terms.len())
             .filter(|term| !chosen.contains(term))
@@ -239,11 +244,11 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((after, term)) = best else { break };
         let needed = if chosen.is_empty() { SEARCHING.follows } else { SEARCHING.further };
-        if rest - after < needed * whole {
+        if square - after < needed * whole {
             break;
         }
         chosen.push(term);
-        rest = after;
+        square = after;
     }
     if chosen.is_empty() {
         return (Vec::new(), "it follows no state, no input and no time".into());
@@ -251,7 +256,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
     let mut names: Vec<String> = chosen.iter().map(|term| terms[*term].0.clone()).collect();
     names.dedup();
     let words: Vec<String> = chosen.iter().map(|term| terms[*term].1.clone()).collect();
-    let share = 100.0 * (1.0 - rest / whole);
+    let share = 100.0 * (1.0 - square / whole);
     (names, format!("{}; that is {share:.0} % of its square", words.join(", then ")))
 }
 

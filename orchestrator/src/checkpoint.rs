@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Begins every file; the number is that of the format.
-const MAGIC: &[u8] = b"acroscope checkpoint 4\n";
+const MAGIC: &[u8] = b"acroscope checkpoint 5\n";
 
 /// Where checkpoints go, and how often they are made.
 #[derive(Debug, Clone)]
@@ -45,8 +45,6 @@ pub struct Checkpoint {
     lines: Vec<LineState>,
     /// What the algorithm knows beside.
     algorithm: Vec<f64>,
-    notices: Vec<String>,
-    replaced_starts: Vec<String>,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -202,7 +200,6 @@ impl Simulation {
                 state: state?,
             });
         }
-        let (notices, replaced_starts) = self.told();
         let system = &self.wiring.system;
         Ok(Checkpoint {
             identity: self.identity()?,
@@ -217,12 +214,10 @@ impl Simulation {
             units,
             lines: system.lines.iter().map(Line::save).collect(),
             algorithm: self.algorithm.save(),
-            notices,
-            replaced_starts,
         })
     }
 
-    /// Puts an initialised simulation where a checkpoint was made.
+    /// Puts an initialised simulation where a checkpoint was made. What was told of the start it has told by itself.
     pub(crate) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Error> {
         if let Some(what) = difference(&checkpoint.identity, &self.identity()?) {
             return Err(Error::Value {
@@ -251,7 +246,6 @@ impl Simulation {
         }
         self.algorithm.restore(&checkpoint.algorithm);
         self.now = Point { ticks: checkpoint.ticks, time: checkpoint.time };
-        self.tell_again(&checkpoint.notices, &checkpoint.replaced_starts);
         Ok(())
     }
 }

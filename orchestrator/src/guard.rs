@@ -9,6 +9,8 @@
 mod ending;
 #[cfg(unix)]
 mod signals;
+#[cfg(test)]
+mod tests;
 
 use crate::fmu::{Function, control_word};
 use crate::recorder::Waiting;
@@ -20,6 +22,12 @@ use std::sync::{Mutex, PoisonError};
 
 #[cfg(unix)]
 pub(crate) use ending::unpacked_in;
+
+/// Whether there is a folder to be removed.
+#[cfg(all(unix, test))]
+pub(crate) fn has_unpacked() -> bool {
+    ending::has_unpacked()
+}
 
 thread_local! {
     /// Atomic, so that another thread may look; that costs a step nothing.

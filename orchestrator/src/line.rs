@@ -203,3 +203,83 @@ impl Slope {
         Some(if share == 0.0 { value } else { value + share * (value - earlier) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Chance, Line, MANY};
+    use crate::link::{Conversion, Link};
+    use crate::noise::Draw;
+    use crate::recorder::Slot;
+    use crate::system::Values;
+
+    /// From the first real to the second.
+    fn line(delay: i64) -> (Line, Values) {
+        let link = Link { from: Slot::Real(0), to: Slot::Real(1), conversion: Conversion::Same };
+        (Line::new(link, 0, delay, 4), Values { reals: vec![0.0, 0.0], ..Values::default() })
+    }
+
+    #[test]
+    fn law_what_was_overtaken_does_not_pile_up() {
+        let (mut line, mut values) = line(0);
+        // The newest arrived long ago; all that was sent before it is still on its way.
+        (line.sent, line.delay) = (1_000_000, 2_000_000);
+        for sent in 0..10 * MANY as i64 {
+            line.push(&values, &[0], sent);
+            assert!(line.queue.len() < MANY, "{} of {sent}", line.queue.len());
+        }
+        line.deliver(&mut values, 1_500_000);
+        // What is not overtaken stays, and the next look at it comes when there is twice as much.
+        let mut looks = 0;
+        for sent in 0..10 * MANY as i64 {
+            let before = line.full;
+            line.push(&values, &[0], 1_000_000 + sent);
+            looks += usize::from(line.full != before);
+        }
+        assert!(line.queue.len() >= 10 * MANY && line.full > line.queue.len(), "{}", line.full);
+        assert_eq!(looks, 4, "at 64, 128, 256 and 512 samples");
+    }
+
+    #[test]
+    fn law_samples_arrive_in_the_order_of_their_arrival_and_the_newest_counts() {
+        let (mut line, mut values) = line(3);
+        for (sent, value) in [(0, 1.0), (1, 2.0)] {
+            values.reals[0] = value;
+            line.push(&values, &[0], sent);
+        }
+        // It overtakes both.
+        (line.delay, values.reals[0]) = (0, 3.0);
+        line.push(&values, &[0], 2);
+        let arrivals: Vec<i64> = line.queue.iter().map(|sample| sample.arrives).collect();
+        assert_eq!(arrivals, [2, 3, 4]);
+        line.deliver(&mut values, 2);
+        assert_eq!((values.reals[1], line.sent, line.queue.len()), (3.0, 2, 2));
+        line.deliver(&mut values, 4);
+        assert_eq!(
+            (values.reals[1], line.sent, line.queue.len()),
+            (3.0, 2, 0),
+            "the older ones change nothing"
+        );
+        // A unit that steps no more is sent nothing.
+        line.push(&values, &[i64::MAX], 5);
+        assert!(line.queue.is_empty());
+    }
+
+    #[test]
+    fn law_the_nth_sample_has_the_nth_numbers() {
+        let draw = Draw::new(3, "b.u1");
+        let mut chance = Chance { draw, jitter: 10.0, drop: 0.0, count: 0 };
+        for number in 0..20 {
+            let late = (100.0 + (10.0 * draw.normal(number)).ceil()) as i64;
+            assert_eq!(chance.arrival(7, 100), Some(7 + late), "{number}");
+        }
+        assert_eq!(chance.count, 20);
+        chance = Chance { draw, jitter: 0.0, drop: 0.45, count: 0 };
+        let found: Vec<bool> = (0..20).map(|_| chance.arrival(7, 100).is_none()).collect();
+        let expected: Vec<bool> = (0..20).map(|number| draw.uniform(number) < 0.45).collect();
+        assert_eq!(found, expected);
+        assert!((0..20).filter_map(|_| chance.arrival(7, 100)).all(|arrives| arrives == 107));
+        // Never before it was sent.
+        chance = Chance { draw, jitter: 1e6, drop: 0.0, count: 0 };
+        assert!((0..20).filter_map(|_| chance.arrival(7, 0)).all(|arrives| arrives >= 7));
+    }
+}

@@ -138,6 +138,34 @@ mod tests {
     }
 
     #[test]
+    fn law_a_step_that_leaves_as_much_as_before_is_halved() {
+        // Newton's step from 1 leads to -1, where as much is left; half of it leads to the solution. All of it is dyadic.
+        let left = |x: f64| if x >= 1.0 { 1.0 + (x - 1.0) / 2.0 } else { x };
+        let mut x = vec![1.0];
+        assert_eq!(solve::<Infallible>(&mut x, 1e-12, |x| Ok(vec![left(x[0]) + x[0]])), Ok(Some(1)));
+        assert_eq!(x, [0.0]);
+    }
+
+    #[test]
+    fn law_what_is_small_is_so_beside_large_values() {
+        // A line of slope -1/2 to 2²¹, where 2⁻³⁰ are left: less than 1e-12 of it, so it is solved in one step.
+        let (mut x, most) = (vec![0.0], f64::from(1 << 21));
+        let left = |x: f64| if x < most { (most - x) / 2.0 } else { 2f64.powi(-30) };
+        assert_eq!(solve::<Infallible>(&mut x, 1e-12, |x| Ok(vec![left(x[0]) + x[0]])), Ok(Some(1)));
+        assert_eq!(x, [most]);
+        // A steep line with a step near its zero: more is left there, but x can't be told more exactly.
+        let mut x = vec![most + 1.0];
+        let left = |x: f64| {
+            let off = x - most;
+            if off.abs() < 2f64.powi(-6) { 2f64.powi(-10) } else { 2f64.powi(-10) - 1024.0 * off }
+        };
+        assert_eq!(solve::<Infallible>(&mut x, 1e-12, |x| Ok(vec![left(x[0]) + x[0]])), Ok(Some(2)));
+        assert!((x[0] - most).abs() < 1e-5, "{x:?}");
+        // And a slope is none only beside others.
+        assert_eq!(found(&[0.0], |x| vec![x[0] - (x[0] - 3.0) / 131_072.0]), Some(vec![3.0]));
+    }
+
+    #[test]
     fn value_no_solution_is_told() {
         assert_eq!(found(&[0.0], |x| vec![x[0] + 1.0]), None, "parallel");
         assert_eq!(found(&[1.0], |x| vec![x[0] * x[0] + x[0] + 1.0]), None, "no real root");

@@ -58,6 +58,16 @@ mod tests {
     }
 
     #[test]
+    fn value_numbers_of_a_connection_are_those_of_every_version() {
+        // The same formulas in Python's integers; else a checkpoint would go on with other numbers.
+        let draw = Draw::new(3, "b.u1");
+        let found = [0, 1, 12_345].map(|sample| draw.uniform(sample));
+        assert_eq!(found, [0.4543257576152958, 0.42238163008649376, 0.6966912778151214]);
+        let radius = (-2.0 * libm::log(1.0 - 0.7284609009239627)).sqrt();
+        assert_eq!(draw.normal(1), radius * libm::cos(TAU * 0.45376310434219735));
+    }
+
+    #[test]
     fn law_moments_are_those_of_the_distributions() {
         const COUNT: u64 = 40_000;
         let mean = |f: &dyn Fn(u64) -> f64| (0..COUNT).map(f).sum::<f64>() / COUNT as f64;

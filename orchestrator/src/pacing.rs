@@ -115,11 +115,13 @@ impl Keeping {
             let left = due_after.saturating_sub(self.began.elapsed());
             if left.is_zero() {
                 break;
-            } else if left > WAKING {
-                std::thread::sleep((left - WAKING).min(LONGEST));
-                goes_on()?;
-            } else {
-                std::hint::spin_loop();
+            }
+            match nap(left) {
+                Some(nap) => {
+                    std::thread::sleep(nap);
+                    goes_on()?;
+                }
+                None => std::hint::spin_loop(),
             }
         }
         let came = self.began.elapsed().as_secs_f64();
@@ -129,9 +131,29 @@ impl Keeping {
     }
 }
 
+/// How long to sleep where so much is left, if it pays.
+fn nap(left: Duration) -> Option<Duration> {
+    (left > WAKING).then(|| (left - WAKING).min(LONGEST))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_a_nap_ends_before_the_point_is_due() {
+        let more = Duration::from_micros(10);
+        for (left, expected) in [
+            (Duration::ZERO, None),
+            (WAKING, None),
+            (WAKING + more, Some(more)),
+            (WAKING + LONGEST, Some(LONGEST)),
+            (WAKING + LONGEST + more, Some(LONGEST)),
+            (Duration::MAX, Some(LONGEST)),
+        ] {
+            assert_eq!(nap(left), expected, "{left:?}");
+        }
+    }
 
     #[test]
     fn value_mean_jitter_and_the_latest() {
@@ -164,6 +186,9 @@ mod tests {
         }
         assert!(keeping.lateness.missed >= 1 && keeping.lateness.points == 4, "{}", keeping.lateness);
         assert!(keeping.lateness.most >= 0.019, "due after 30 ms, came after 50");
+        // Counted from when it was due.
+        let due = (keeping.lateness.at - 1.0) / 10.0;
+        assert!(keeping.lateness.most <= came(&keeping).as_secs_f64() - due, "{}", keeping.lateness);
         // Whoever wants to end the run is heard while it waits.
         assert!(keeping.wait(1e9, || ControlFlow::Break(())).is_break());
     }

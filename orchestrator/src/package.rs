@@ -204,7 +204,10 @@ pub fn pack(files: &std::collections::BTreeMap<String, Vec<u8>>) -> std::io::Res
 #[cfg(test)]
 mod tests {
     use super::{Package, pack, split, unpack};
+    use crate::error::Error;
+    use crate::fmu::limits::Limits;
     use std::collections::BTreeMap;
+    use std::io::Cursor;
 
     fn files(list: &[(&str, &[u8])]) -> BTreeMap<String, Vec<u8>> {
         list.iter().map(|(name, bytes)| ((*name).to_owned(), bytes.to_vec())).collect()
@@ -239,5 +242,36 @@ mod tests {
         let mut package = Package::open(&path).expect("opens");
         assert_eq!(package.names(), ["in.ssp", "r/u.fmu"]);
         assert!(package.read("r/v.fmu").expect_err("not there").to_string().contains("r/u.fmu"));
+    }
+
+    #[test]
+    fn law_a_package_unpacks_just_as_much_as_it_may() {
+        let bytes =
+            pack(&files(&[("a.txt", b"12345"), ("b.txt", b"678"), ("c.txt", b"\xff")])).expect("packed");
+        let open = |unpacked: u64, entries: u64, description: u64| {
+            let limits = Limits { unpacked, entries, description };
+            Package::of(Box::new(Cursor::new(bytes.clone())), "x.ssp".into(), unpacked, limits)
+        };
+        let told = |error: Option<Error>| error.expect("refused").to_string();
+        // All files together, each read as often as it is.
+        let mut package = open(8, 3, 100).expect("opens");
+        assert_eq!(package.read("a.txt").expect("five"), b"12345");
+        assert_eq!(package.read("b.txt").expect("eight"), b"678");
+        let error = told(package.read("b.txt").err());
+        assert!(error.contains("what it unpacks to, as far as b.txt, exceeds the limit of 8;"), "{error}");
+        let error = told(open(8, 2, 100).err());
+        assert!(error.contains("the number of its entries, 3, exceeds the limit of 2;"), "{error}");
+        // A text has a limit of its own, unless less than that is left.
+        assert_eq!(open(100, 3, 5).expect("opens").read_text("a.txt").expect("just"), "12345");
+        let error = told(open(100, 3, 4).expect("opens").read_text("a.txt").err());
+        assert!(
+            error.contains("a.txt exceeds the limit of 4;") && error.contains("_DESCRIPTION="),
+            "{error}"
+        );
+        let error = told(open(4, 3, 5).expect("opens").read_text("a.txt").err());
+        assert!(error.contains("as far as a.txt, exceeds the limit of 4;"), "{error}");
+        assert!(
+            told(open(9, 3, 9).expect("opens").read_text("c.txt").err()).contains("c.txt: invalid utf-8")
+        );
     }
 }

@@ -55,3 +55,24 @@ fn what(is: FileType) -> &'static str {
     }
     "something else"
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::{open, read_text};
+
+    #[test]
+    fn every_thing_that_is_no_file_is_called_by_its_name() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let at = |name: &str| folder.path().join(name);
+        let told = |path: &std::path::Path| open(path).map(drop).expect_err("no file").to_string();
+        assert_eq!(told(folder.path()), "it is a folder, not a file; expected an ordinary file");
+        assert_eq!(told("/dev/null".as_ref()), "it is a device, not a file; expected an ordinary file");
+        let _socket = std::os::unix::net::UnixListener::bind(at("socket")).expect("bound");
+        assert_eq!(told(&at("socket")), "it is a socket, not a file; expected an ordinary file");
+        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().expect("of POSIX").success());
+        assert_eq!(told(&at("pipe")), "it is a pipe, not a file; expected an ordinary file");
+        std::fs::write(at("file"), "text").expect("writable");
+        assert_eq!(read_text(&at("file")).expect("a file"), "text");
+        assert_eq!(open(&at("none")).map(drop).expect_err("none").kind(), std::io::ErrorKind::NotFound);
+    }
+}

@@ -294,3 +294,35 @@ impl Pace {
         (time - self.start) / self.began.elapsed().as_secs_f64().max(1e-9)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Duration, Pace};
+
+    #[test]
+    fn law_the_clock_is_looked_at_less_often_the_quicker_the_steps_are() {
+        let mut pace = Pace::new(0.0);
+        pace.every = 8;
+        // So long ago was the last look: longer than the bound, whatever this takes beside; and no machine runs shorter than that.
+        let mut after = |seconds: u64| {
+            pace.looked -= Duration::from_secs(seconds);
+            pace.look(1.0);
+            assert_eq!(pace.left, pace.every);
+            pace.every
+        };
+        assert_eq!([1, 1, 1, 1].map(&mut after), [4, 2, 1, 1]);
+        pace.every = u32::MAX - 1;
+        pace.looked = std::time::Instant::now() + Duration::from_secs(3600);
+        pace.look(1.0);
+        assert_eq!(pace.every, u32::MAX, "a look that came at once");
+    }
+
+    #[test]
+    fn value_the_speed_is_simulated_seconds_a_second_since_the_start() {
+        let mut pace = Pace::new(10.0);
+        pace.began -= Duration::from_secs(10);
+        // A run of ten seconds, and what this test takes: far less than another ten.
+        let factor = pace.factor(40.0);
+        assert!(factor <= 3.0 && factor > 1.5, "{factor}");
+    }
+}

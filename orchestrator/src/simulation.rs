@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::recorder::{Column, Recorder, Row};
 use crate::run::Stop;
 use crate::scenario::{Scenario, UnitEntry};
-use crate::system::Point;
+use crate::system::{Point, System};
 use crate::unit_path::UnitPath;
 use crate::value::Value;
 use crate::wiring::{self, Wiring, start_value};
@@ -114,16 +114,6 @@ impl Simulation {
     /// How well the last run kept to it.
     pub fn lateness(&self) -> Option<&Lateness> {
         self.lateness.as_ref()
-    }
-
-    /// Notices and replaced start values, for a checkpoint.
-    pub(crate) fn told(&self) -> (Vec<String>, Vec<String>) {
-        (self.notices.clone(), self.replaced_starts.clone())
-    }
-
-    /// The same, from a checkpoint.
-    pub(crate) fn tell_again(&mut self, notices: &[String], replaced_starts: &[String]) {
-        (self.notices, self.replaced_starts) = (notices.to_vec(), replaced_starts.to_vec());
     }
 
     /// Back to before the start. Values set for the start stay as they are.
@@ -299,9 +289,13 @@ impl Simulation {
                 "only inputs and tunable parameters change while stepping; reset first".into(),
             ));
         }
-        self.wiring.system.units[variable.0].instance.set(description.reference, &typed)?;
+        let System { units, values, .. } = &mut self.wiring.system;
+        units[variable.0].instance.set(description.reference, &typed)?;
         if let Some(slot) = self.wiring.slots.get(&variable) {
-            self.wiring.system.values.put(*slot, &typed);
+            values.put(*slot, &typed);
+        }
+        if description.causality == Causality::Parameter {
+            units[variable.0].read_fixed(values, self.now.time).map_err(|error| *error)?;
         }
         Ok(())
     }

@@ -243,6 +243,15 @@ impl Unit {
         }
     }
 
+    /// Reads what stays as it is while nobody changes a tunable parameter.
+    #[cold]
+    pub(crate) fn read_fixed(&mut self, values: &mut Values, time: f64) -> Result<(), Box<Error>> {
+        match self.fixed.get(&mut self.instance, values)? {
+            true => Ok(()),
+            false => self.not_finite(values, time),
+        }
+    }
+
     /// A real that was read is not finite: an error where it goes to another unit; else it is kept for the notices, once a
     /// variable.
     #[cold]

@@ -358,6 +358,9 @@ mod tests {
         assert_eq!(rational("9007199254740993/9007199254740995").to_f64(), 0.9999999999999998);
         // One of the two is no double: n/d of CPython 3.11, which a division of doubles misses.
         assert_eq!(rational("411/295532457850265058").to_f64(), 1.3907101879423272e-15);
+        assert_eq!(rational("43/451769784114599452").to_f64(), 9.518122174610129e-17);
+        let fine = Clock::of([rational("1/451769784114599452")]).expect("fits");
+        assert_eq!(fine.seconds(43), 9.518122174610129e-17);
         assert_eq!(
             rational("9007199254740993").to_f64(),
             9007199254740992.0,

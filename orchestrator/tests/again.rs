@@ -101,12 +101,21 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         simulation.run(&mut csv, &mut Quiet).expect("runs");
         (String::from_utf8(csv.into_inner()).expect("UTF-8"), simulation.resolved())
     };
+    // A unit beside the scenario is not found by its name elsewhere.
+    let beside = folder.path().join("beside.fmu");
+    std::fs::copy(units.path().join("stateful.fmu"), &beside).expect("copied");
+    let mut other = scenario.clone();
+    other.units[0].fmu.value = "beside.fmu".into();
+    let full = format!("fmu = \"{}\"", beside.canonicalize().expect("there").display());
+    assert!(bytes(&other).1.lines().any(|line| line == full), "{full}");
     let (first, resolved) = bytes(&scenario);
     let again = Scenario::parse(&resolved, "elsewhere/resolved.toml").expect("loads");
     assert_eq!(again.report, scenario.report);
     assert_eq!(again.description, "a \"test\"");
     assert_eq!(bytes(&again), (first, resolved.clone()));
     for line in [
+        "fmu = \"stateful.fmu\"",
+        "fmu = \"feedthrough.fmu\"",
         "start = \"1/2\"",
         "interval = \"1/8\"",
         "latency = \"1/3\"",
@@ -116,6 +125,65 @@ fn law_the_resolved_scenario_names_every_value_and_gives_the_same_run() {
         "s_in = \"x\"",
     ] {
         assert!(resolved.lines().any(|l| l == line), "{line} in\n{resolved}");
+    }
+}
+
+#[test]
+fn law_what_follows_from_a_tunable_parameter_follows_it_while_stepping() {
+    let units = Units::new();
+    let follows = (
+        "causality=\"parameter\" variability=\"fixed\"><Real start=\"0\"/>",
+        "causality=\"calculatedParameter\" variability=\"tunable\"><Real/>",
+    );
+    let text = common::description(common::STATEFUL);
+    assert!(text.contains(follows.0), "x0");
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let doubles =
+        common::library_with(&[(set, &format!("{{ {set} ((Unit *)c)->r[X0] = 2 * ((Unit *)c)->r[K]; }}"))]);
+    units.pack("stateful.fmu", &text.replace(follows.0, follows.1), &doubles);
+    let parts = [unit("a", "stateful.fmu", "k = 3"), "[record]\nvariables = [\"a.x0\"]\n".into()];
+    let mut simulation = build(&units, &parts).expect("builds");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 6.0);
+    simulation.advance().expect("steps");
+    simulation.set("a.k", 5.0).expect("tunable");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 10.0);
+    simulation.advance().expect("steps");
+    assert_eq!(simulation.value("a.x0").expect("recorded"), 10.0);
+}
+
+#[test]
+fn every_option_and_limit_comes_back_from_the_resolved_scenario() {
+    let units = Units::new();
+    let resolved = |experiment: &str| {
+        let text =
+            format!("format = 1\nexperiment = {{ stop = 1{experiment} }}\n{}", unit("a", "stateful.fmu", ""));
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        Simulation::new(&scenario, &units.unit_path()).expect("builds").resolved()
+    };
+    let plain = resolved("");
+    assert!(!plain.contains("options") && !plain.contains("seed"), "{plain}");
+    let text =
+        resolved(", seed = 5, algorithm = \"iterated\", options = { tolerance = 0.001, iterations = 7 }");
+    let again = Scenario::parse(&text, "resolved.toml").expect("loads");
+    let options: Vec<(&str, f64)> =
+        again.options.iter().map(|(name, value)| (name.as_str(), value.value)).collect();
+    assert_eq!((again.seed, options), (5, vec![("iterations", 7.0), ("tolerance", 0.001)]), "{text}");
+}
+
+#[test]
+fn law_a_resolved_scenario_sets_what_the_unit_starts_with_by_itself_only_where_somebody_did() {
+    let units = Units::new();
+    let parameter = "name=\"k\" valueReference=\"4\" causality=\"parameter\" variability=\"tunable\"";
+    for (variability, initial) in [("continuous", "exact"), ("continuous", "approx"), ("tunable", "exact")] {
+        let local = format!(
+            "name=\"k\" valueReference=\"4\" causality=\"local\" variability=\"{variability}\" initial=\"{initial}\""
+        );
+        let text = common::description(common::STATEFUL).replace(parameter, &local);
+        units.pack("local.fmu", &text, &common::library());
+        let resolved = |set: &str| build(&units, &[unit("a", "local.fmu", set)]).expect("builds").resolved();
+        let (plain, set) = (resolved(""), resolved("k = 2.0"));
+        assert!(plain.contains("\nx0 = 0.0\n") && !plain.contains("\nk = "), "{local}: {plain}");
+        assert!(set.contains("\nk = 2.0\n"), "{local}: {set}");
     }
 }
 

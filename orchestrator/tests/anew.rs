@@ -92,6 +92,33 @@ fn law_an_instance_that_was_reset_is_fresh() {
 }
 
 #[test]
+fn law_an_instance_is_made_anew_only_where_a_reset_is_not_enough() {
+    let units = Units::new();
+    let tells = (
+        "    start(u);\n    return u;\n",
+        "    start(u);\n    callbacks->logger(callbacks->environment, name, 1, \"events\", \"born\");\n    return u;\n",
+    );
+    units.pack("honest.fmu", &description(STATEFUL), &library_with(&[tells]));
+    units.pack("leaky.fmu", &description(STATEFUL), &library_with(&[tells, LEAKY]));
+    // A step of status 4 is fatal: nothing of the instance may be called any more, a reset neither.
+    for (name, fault, anew) in
+        [("honest.fmu", 0, false), ("honest.fmu", 3, false), ("honest.fmu", 4, true), ("leaky.fmu", 0, true)]
+    {
+        let fmu = Fmu::open(units.path().join(name)).expect("opens");
+        let mut instance = fmu.instantiate("a").expect("instantiates");
+        instance.set_integer(&[2], &[fault]).expect("fault");
+        instance.set_real(&[6], &[0.0]).expect("fault_time");
+        instance.setup_experiment(0.0, None).expect("set up");
+        instance.enter_initialization().expect("enters");
+        instance.exit_initialization().expect("exits");
+        instance.do_step(0.0, 0.5, true);
+        instance.reset().expect("anew");
+        let log: Vec<String> = instance.log().into_iter().map(|line| line.text).collect();
+        assert_eq!(log, vec!["born"; usize::from(anew)], "{name}, fault {fault}");
+    }
+}
+
+#[test]
 fn law_a_unit_that_can_live_only_once_is_begun_anew_as_well() {
     let units = Units::new();
     let library = library_with(&[ONLY_ONCE[0], ONLY_ONCE[1], ONLY_ONCE[2], LEAKY]);

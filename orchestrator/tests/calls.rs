@@ -138,6 +138,31 @@ fn law_an_instance_that_is_dropped_is_ended_and_freed() {
 }
 
 #[test]
+fn law_a_unit_whose_step_was_fatal_is_called_no_more_and_one_that_failed_is_only_freed() {
+    // It gives no other one once it was called when it may not be.
+    let minds = [
+        ("API void *fmi2Instantiate(", "static int ended, freed;\nAPI void *fmi2Instantiate("),
+        ("    if (type != 1 ||", "    if (ended || freed != FREED) return NULL;\n    if (type != 1 ||"),
+        ("API void fmi2FreeInstance(void *c) { ", "API void fmi2FreeInstance(void *c) { freed++; "),
+        ("API int fmi2Terminate(void *c) { ", "API int fmi2Terminate(void *c) { ended++; "),
+    ];
+    for (fault, freed) in [(3, "1"), (4, "0")] {
+        let born = minds[1].1.replace("FREED", &format!("(born++ ? {freed} : 0)"));
+        let born = ("    if (type != 1 ||", &*format!("    static int born;\n{born}"));
+        let mut one = instance(&Units::new(), &[], &[minds[0], born, minds[2], minds[3]]);
+        let fmu = one.fmu().clone();
+        one.set_integer(&[2], &[fault]).expect("fault");
+        one.set_real(&[6], &[0.0]).expect("fault_time");
+        one.setup_experiment(0.0, None).expect("set up");
+        one.enter_initialization().expect("enters");
+        one.exit_initialization().expect("exits");
+        assert_eq!(one.do_step(0.0, 0.5, true), orchestrator::fmu::Status::from(fault));
+        drop(one);
+        fmu.instantiate("another").unwrap_or_else(|error| panic!("fault {fault}: {error}"));
+    }
+}
+
+#[test]
 fn law_resources_are_told_as_an_address() {
     let tells = (
         "    u->callbacks = callbacks;\n    start(u);\n",

@@ -300,6 +300,15 @@ fn law_a_saved_state_leads_on_to_the_same_bits() {
     other.go_back(&state).expect("the same scenario");
     assert_eq!(rest(&mut other), first);
 
+    // A description is words, and two of a run may differ.
+    let text = SYSTEM.replacen("format = 1", "format = 1\n    description = \"the same\"", 1);
+    let told = Scenario::parse(&text, "test.toml").expect("a scenario");
+    let mut other = Simulation::new(&told, &path).expect("builds");
+    other.go_back(&state).expect("the same run");
+    assert_eq!(rest(&mut other), first);
+    let back = other.save().and_then(|state| simulation.go_back(&state));
+    back.expect("the other way round");
+
     let mut changed = scenario.clone();
     changed.set("a.k", "2.5").expect("a parameter");
     let refused = Simulation::new(&changed, &path).expect("builds").go_back(&state).unwrap_err().to_string();

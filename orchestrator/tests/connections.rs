@@ -320,6 +320,11 @@ fn every_way_comes_back_from_the_resolved_scenario() {
         assert!(resolved.lines().any(|known| known == line), "{line}\n{resolved}");
     }
     assert!(bytes(&scenario) == bytes(&resolved.replace("seed = 3\n", "")));
+    let plain = simulation(&pair("1", "0.01", "0.02", ""), "gauss-seidel", &units).resolved();
+    for key in ["seed", "offset", "latency", "jitter", "drop", "hold", "gain", "bias", "convert_units", "map"]
+    {
+        assert!(!plain.lines().any(|line| line.starts_with(key)), "{key}\n{plain}");
+    }
 }
 
 #[test]

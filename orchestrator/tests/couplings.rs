@@ -264,6 +264,33 @@ fn law_kept_states_are_given_back_before_a_unit_is_reset() {
 }
 
 #[test]
+fn law_what_a_unit_used_is_what_its_input_was() {
+    // Gains in a loop, which settles far from its end: y1 is that of the recorded input to the bit.
+    let gain = |name: &str, k: f64| {
+        format!(
+            "[[units]]\nname = \"{name}\"\nfmu = \"feedthrough.fmu\"\ninterval = 0.25\nset = {{ mode = 1, k = {k}, x0 = 1 }}\n"
+        )
+    };
+    let text = format!(
+        "format = 1\nexperiment = {{ stop = 2, algorithm = \"iterated\", options = {{ tolerance = 0.1 }} }}\n{}{}\
+         [[connections]]\nfrom = \"a.y1\"\nto = \"b.u1\"\n[[connections]]\nfrom = \"b.y1\"\nto = \"a.u1\"\n\
+         [[sources]]\nto = \"a.u2\"\nkind = \"linear\"\npoints = [[0, 0], [2, 2]]\n\
+         [[connections]]\nfrom = \"a.y2\"\nto = \"c.u1\"\n[[connections]]\nfrom = \"c.y1\"\nto = \"b.u2\"\n{}",
+        gain("a", 0.75),
+        gain("b", 0.5),
+        gain("c", -0.7)
+    );
+    let results = results(&text);
+    let series = |name: &str| results.series(name).expect("recorded").to_vec();
+    for (unit, k) in [("a", 0.75), ("b", 0.5), ("c", -0.7)] {
+        let (inputs, outputs) = (series(&format!("{unit}.u1")), series(&format!("{unit}.y1")));
+        for (input, output) in inputs.iter().zip(&outputs) {
+            assert_eq!(k * input + 1.0, *output, "{unit} {input}");
+        }
+    }
+}
+
+#[test]
 fn every_loop_that_does_not_settle_is_told() {
     let units = Units::new();
     // Over a step b adds 40 · 0.25 s · y1, of which a makes -2: no iteration settles.

@@ -6,7 +6,7 @@
 mod common;
 
 use common::Units;
-use orchestrator::{CsvRecorder, Guard, NoRecorder, Quiet, Recorder, Scenario, Simulation};
+use orchestrator::{CsvRecorder, Guard, NoRecorder, Quiet, Recorder, Scenario, Simulation, Twice};
 use std::path::Path;
 use std::process::Command;
 
@@ -21,12 +21,31 @@ fn runs() {
     let scenario = Scenario::load(folder.join("scenario.toml")).expect("a scenario");
     let path = orchestrator::UnitPath::new().with(folder);
     let mut simulation = Simulation::new(&scenario, &path).expect("builds");
+    if folder.join("signalled").exists() {
+        let number = std::process::id().to_string();
+        Command::new("kill").args(["-USR1", &number]).status().expect("of POSIX");
+        // It comes to some thread of this program, while none is in a call.
+        std::thread::sleep(std::time::Duration::from_secs(60));
+    }
+    let again = folder.join("again").exists().then(Guard::begin);
     let mut csv = CsvRecorder::create(folder.join("results.csv")).expect("writable");
     let recorder: &mut dyn Recorder = if folder.join("unseen").exists() { &mut NoRecorder } else { &mut csv };
-    simulation.run(recorder, &mut Quiet).expect("runs");
+    if folder.join("twice").exists() {
+        simulation.run(&mut Twice(recorder, &mut NoRecorder), &mut Quiet).expect("runs");
+    } else {
+        simulation.run(recorder, &mut Quiet).expect("runs");
+    }
+    if folder.join("closed").exists() {
+        let standard = |place: u32| std::fs::read_link(format!("/proc/self/fd/{place}")).ok();
+        assert!((0..3).all(|place| standard(place).is_some_and(|to| to == Path::new("/dev/null"))));
+    }
     orchestrator::all_done(7);
     drop(simulation);
     orchestrator::fmu::discard_unpacked();
+    if folder.join("at_once").exists() {
+        orchestrator::exit_at_once(3);
+    }
+    drop(again);
     let status = guard.done(7);
     // The test harness would make it 0.
     std::process::exit(status.into());
@@ -91,6 +110,15 @@ fn every_end_of_the_program_by_a_unit_is_told_and_its_rows_are_kept() {
 }
 
 #[test]
+fn law_rows_of_the_first_of_two_recorders_are_kept() {
+    let units = Units::new();
+    std::fs::write(units.path().join("twice"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 10, "gauss-seidel", false);
+    assert_eq!((status, last), (Some(1), Some(0.125)), "{text}");
+    assert!(text.contains("the rows up to there are kept"), "{text}");
+}
+
+#[test]
 fn law_a_run_that_ends_by_itself_keeps_its_status() {
     assert_eq!(ended(0, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)));
     // A library that ends the program when it is freed is told, and changes the status no more.
@@ -100,6 +128,60 @@ fn law_a_run_that_ends_by_itself_keeps_its_status() {
         text.contains("note: all is done, but unit a ended the program by calling exit in fmi2FreeInstance"),
         "{text}"
     );
+    // Nor does one that ends the program at once when all is done.
+    let units = Units::new();
+    std::fs::write(units.path().join("at_once"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 0, "gauss-seidel", false);
+    assert_eq!((status, text.as_str(), last), (Some(7), "", Some(1.0)));
+}
+
+#[test]
+fn law_a_library_that_crashes_at_the_very_end_changes_no_status() {
+    // It stays in memory for its thread, and goes when the program does.
+    let crashes = (
+        "static int overflow(",
+        "__attribute__((destructor)) static void last(void) { *nowhere = 1; }\nstatic int overflow(",
+    );
+    let units = Units::new();
+    let library = common::library_with(&[crashes]);
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &library);
+    let (status, text, last) = ended_of(&units, 25, "gauss-seidel", false);
+    let told = "note: all is done, but a library of a unit crashed with a segmentation fault (SIGSEGV) when it was unloaded";
+    assert!(text.contains(told), "{text}");
+    assert_eq!((status, last), (Some(7), Some(1.0)), "{text}");
+}
+
+#[test]
+fn law_a_signal_from_elsewhere_ends_the_program_as_it_would_by_itself() {
+    let units = Units::new();
+    std::fs::write(units.path().join("signalled"), "").expect("writable");
+    std::fs::write(units.path().join("results.csv"), "").expect("writable");
+    let (status, text, _) = ended_of(&units, 0, "gauss-seidel", false);
+    assert!(
+        text.contains("error: the program was ended by SIGUSR1 outside of any call into a unit"),
+        "{text}"
+    );
+    assert_eq!(status, None, "by the signal: {text}");
+}
+
+#[test]
+fn law_a_signal_that_a_unit_handles_is_its_own() {
+    // It has its handler before the program is guarded anew, and one timer after the other.
+    let handles = [
+        (
+            "typedef struct {\n    double r[REALS]",
+            "static void handle(int number) { (void)number; }\ntypedef struct {\n    double r[REALS]",
+        ),
+        (
+            "    Unit *u = callbacks->allocate(",
+            "    signal(SIGALRM, handle);\n    Unit *u = callbacks->allocate(",
+        ),
+    ];
+    let units = Units::new();
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&handles));
+    std::fs::write(units.path().join("again"), "").expect("writable");
+    let (status, text, last) = ended_of(&units, 29, "gauss-seidel", false);
+    assert_eq!((status, text.as_str(), last), (Some(7), "", Some(1.0)));
 }
 
 #[test]
@@ -120,6 +202,10 @@ fn law_rows_are_kept_though_a_unit_has_closed_their_file() {
     for fault in [CLOSES_ALL, TAKES_ALL] {
         assert_eq!(ended(fault, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)), "fault {fault}");
     }
+    // Nothing else takes the places of standard input, output and error.
+    let units = Units::new();
+    std::fs::write(units.path().join("closed"), "").expect("writable");
+    assert_eq!(ended_of(&units, CLOSES_ALL, "gauss-seidel", false), (Some(7), String::new(), Some(1.0)));
     for (fault, done) in [(CLOSES_ALL, "close(i); break;"), (TAKES_ALL, "dup2(mine, i); break; }")] {
         let units = Units::new();
         let gives_up = common::library_with(&[(done, &done.replace("break;", "abort();"))]);

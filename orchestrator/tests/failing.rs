@@ -119,3 +119,150 @@ fn every_warning_before_a_saved_state_is_counted_after_it() {
     second.advance_to(1.0).expect("steps");
     assert_eq!(second.notices()[0].split(';').next(), told[0].split(';').next());
 }
+
+#[test]
+fn law_a_unit_is_not_called_for_nothing() {
+    let units = Units::new();
+    // It takes a call about no variables for a mistake.
+    let fields = [
+        (
+            "values[i] = ((Unit *)c)->FIELD[refs[i]];",
+            "{ values[i] = ((Unit *)c)->FIELD[refs[i]]; } if (!n) return 3;",
+        ),
+        (
+            "((Unit *)c)->FIELD[refs[i]] = values[i];",
+            "{ ((Unit *)c)->FIELD[refs[i]] = values[i]; } if (!n) return 3;",
+        ),
+        (
+            "values[i] = ((Unit *)c)->s[refs[i]];",
+            "values[i] = ((Unit *)c)->s[refs[i]];\n    if (!n) return 3;",
+        ),
+        (
+            "snprintf(((Unit *)c)->s[refs[i]], 64, \"%s\", values[i]);",
+            "snprintf(((Unit *)c)->s[refs[i]], 64, \"%s\", values[i]);\n    if (!n) return 3;",
+        ),
+    ];
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&fields));
+    for (from, to) in [("y1", "u1"), ("i_out", "i_in"), ("b_out", "b_in"), ("s_out", "s_in")] {
+        let parts = [
+            common::unit("a", "stateful.fmu", ""),
+            common::unit("b", "stateful.fmu", ""),
+            common::connection(&format!("a.{from}"), &format!("b.{to}")),
+            format!("[record]\nvariables = [\"b.{to}\"]\n"),
+        ];
+        let mut simulation = common::build(&units, &parts).expect("builds");
+        simulation.advance_to(1.0).unwrap_or_else(|error| panic!("{from}: {error}"));
+    }
+}
+
+#[test]
+fn every_call_that_no_run_makes_reaches_the_unit() {
+    let units = Units::new();
+    let frees = [
+        ("API void *fmi2Instantiate(", "static int nothing;\nAPI void *fmi2Instantiate("),
+        (
+            "    start(u);\n    return u;\n",
+            "    start(u);\n    callbacks->logger(callbacks->environment, name, 1, \"events\", \"%d\", nothing);\n    return u;\n",
+        ),
+        (
+            "API void fmi2FreeInstance(void *c) { ",
+            "API void fmi2FreeInstance(void *c) { if (!c) { nothing++; return; }\n",
+        ),
+        (
+            "    (void)c; (void)on; (void)n; (void)names;\n    return 0;",
+            "    Unit *u = c;\n    for (size_t i = 0; i < n; i++) u->callbacks->logger(u->callbacks->environment, \"u\", 0, \"\", \"%d %s\", \
+             on, names[i]);\n    return n > 1 ? 3 : 0;",
+        ),
+    ];
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&frees));
+    let fmu = orchestrator::fmu::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let log = |instance: &mut orchestrator::fmu::Instance| {
+        instance.take_log().into_iter().map(|line| line.text).collect::<Vec<_>>()
+    };
+    let mut first = fmu.instantiate("a").expect("instantiates");
+    // What it is to log is said once it was made.
+    assert_eq!(log(&mut first), ["0", "1 logStatusError"]);
+    fmu.free_nothing().expect("loaded");
+    let mut second = fmu.instantiate("b").expect("instantiates");
+    assert_eq!(log(&mut second), ["1", "1 logStatusError"]);
+    second.set_debug_logging(false, &["logEvents".into()]).expect("one is no error");
+    assert_eq!(log(&mut second), ["0 logEvents"]);
+    let error = second.set_debug_logging(true, &["a".into(), "b\0c".into()]).expect_err("two are");
+    assert_eq!(log(&mut second), ["1 a", "1 bc"]);
+    assert!(error.to_string().contains("fmi2SetDebugLogging"), "{error}");
+    second.free_no_state().expect("no state");
+}
+
+#[test]
+fn law_kept_states_are_given_back_before_their_unit_goes() {
+    let units = Units::new();
+    let mark = units.path().join("kept");
+    let leaves = format!(
+        "API void fmi2FreeInstance(void *c) {{ FILE *f = kept ? fopen(\"{}\", \"w\") : NULL; if (f) fclose(f);\n",
+        mark.display()
+    );
+    let counts = [
+        ("API void *fmi2Instantiate(", "static int kept;\nAPI void *fmi2Instantiate("),
+        ("    if (!*state) *state = malloc", "    if (!*state) kept++;\n    if (!*state) *state = malloc"),
+        ("    free(*state);\n", "    kept--;\n    free(*state);\n"),
+        ("API void fmi2FreeInstance(void *c) { ", &*leaves),
+    ];
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&counts));
+    let fmu = orchestrator::fmu::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
+    let mut instance = fmu.instantiate("a").expect("instantiates");
+    let _ = instance.save_state().expect("and never given back");
+    drop(instance);
+    assert!(mark.exists(), "it tells");
+    std::fs::remove_file(&mark).expect("there");
+    for algorithm in ["iterated", "step-halving"] {
+        let text = format!(
+            "format = 1\nexperiment = {{ stop = 1, algorithm = \"{algorithm}\" }}\n{}",
+            common::unit("a", "stateful.fmu", "")
+        );
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        simulation.advance_to(0.5).expect("steps");
+        drop(simulation);
+        assert!(!mark.exists(), "{algorithm}");
+    }
+}
+
+#[test]
+fn every_library_that_lacks_a_python_says_so() {
+    let units = Units::new();
+    for (symbol, is_python) in [("Py_Flag", true), ("_Py_NoneStruct", true), ("nobodys_flag", false)] {
+        let lacks = format!(
+            "extern int {symbol};\nAPI int *lacks(void) {{ return &{symbol}; }}\nAPI int fmi2Terminate("
+        );
+        let library = common::library_with(&[("API int fmi2Terminate(", &lacks)]);
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &library);
+        let built = common::build(&units, &[common::unit("a", "stateful.fmu", "")]).map(drop);
+        let error = built.expect_err("it can't be loaded").to_string();
+        assert!(error.contains(&format!("undefined symbol: {symbol}")), "{error}");
+        assert_eq!(
+            error.contains("the unit needs a Python interpreter in this process"),
+            is_python,
+            "{error}"
+        );
+    }
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[test]
+fn law_a_library_finds_its_own_symbols_first_where_the_program_has_the_same() {
+    let units = Units::new();
+    let own = (
+        "static void start(Unit *u) {\n",
+        "API int getppid(void) { return 42; }\nstatic int (*volatile parent)(void) = getppid;\nstatic void start(Unit *u) {\n",
+    );
+    let tells = ("u->i[I_OUT] = u->i[I_IN] + 1;", "u->i[I_OUT] = parent();");
+    units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&[own, tells]));
+    let parent = || {
+        let mut simulation = common::build(&units, &[common::unit("a", "stateful.fmu", "")]).expect("builds");
+        simulation.value("a.i_out").expect("known")
+    };
+    assert_ne!(parent(), 42.0, "the C library's");
+    // For a program that serves units and has functions of FMI of its own.
+    orchestrator::serve_units();
+    assert_eq!(parent(), 42.0, "its own");
+}

@@ -55,6 +55,14 @@ fn law_a_unit_that_wants_to_end_ends_the_run() {
     simulation.reset();
     while simulation.advance().expect("a regular end").is_some() {}
     assert_eq!(simulation.time(), 0.4375);
+    // One that does not get on at all has its last row already.
+    let stays = ("u->reached = from + size / 2;", "u->reached = from;");
+    units.pack("stateful.fmu", &common::description(STATEFUL), &common::library_with(&[stays]));
+    let ended = Ended::ByUnit { unit: "a".into(), time: 0.375 };
+    let mut simulation = build(&units, &faulty(15, "")).expect("builds");
+    assert_eq!(simulation.run(&mut results, &mut Quiet).expect("a regular end"), ended);
+    assert_eq!(results.times(), [0.0, 0.125, 0.25, 0.375]);
+    units.add(STATEFUL);
     // Beside a unit that has gone on to the point already, the row is that of the point.
     let text = faulty(15, "[[units]]\nname = \"b\"\nfmu = \"stateful.fmu\"\ninterval = 0.125\n");
     let (head, units_of) = text.split_once("[[units]]").expect("units");
@@ -81,6 +89,22 @@ fn law_what_is_not_finite_is_told_once_and_recorded() {
         let series = results.series(column).expect("recorded");
         assert!(series[3].is_finite() && !series[4].is_finite() && !series[8].is_finite());
     }
+}
+
+#[test]
+fn law_what_is_not_finite_at_the_start_is_told_or_an_error() {
+    let units = Units::new();
+    let parts = [
+        common::unit("a", "feedthrough.fmu", "mode = 1, k = 1e6, u1 = 1e303"),
+        common::unit("b", "stateful.fmu", ""),
+    ];
+    let mut simulation = common::build(&units, &parts).expect("builds");
+    simulation.initialize().expect("nobody has it");
+    assert_eq!(simulation.notices(), ["a.y1 is inf at t = 0 s, for the first time"]);
+    let delayed = format!("{}latency = 0.125\n", common::connection("a.y1", "b.u1"));
+    let mut simulation = common::build(&units, &[&parts[..], &[delayed]].concat()).expect("builds");
+    let error = simulation.initialize().expect_err("b would get it").to_string();
+    assert!(error.contains("a.y1") && error.contains("inf") && error.contains("t = 0 s"), "{error}");
 }
 
 #[test]

@@ -244,6 +244,8 @@ fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
             let orchestrator::PostMortem { inputs, calls, .. } = *post_mortem;
             assert_eq!(calls.last().map(String::as_str), Some("fmi2DoStep from 0.249 s by 0.001 s"));
             assert!(inputs.iter().any(|input| input.starts_with("u1 = 0.")), "{inputs:?}");
+            let names: Vec<&str> = inputs.iter().filter_map(|input| input.split(' ').next()).collect();
+            assert_eq!(names, ["u1", "u2"]);
             assert_eq!(results.times().last(), Some(&0.249));
             assert_eq!(calls.len(), 12, "{calls:?}");
             assert!(

@@ -54,6 +54,7 @@ fn law_a_loop_of_states_is_none_at_the_start() {
     let mut simulation = build(&Units::new(), &parts).expect("builds");
     assert_eq!(simulation.value("v.u1").expect("known"), 2.0);
     assert_eq!(simulation.notices(), Vec::<String>::new());
+    assert_eq!(simulation.replaced_starts(), ["v.u1 = 0.0 (now 2.0)"], "that of x stays 0");
 }
 
 #[test]
@@ -165,4 +166,54 @@ fn law_loops_begin_with_the_start_values() {
         value.to_bits()
     };
     assert_eq!(first(), first());
+}
+
+#[test]
+fn value_a_loop_that_grows_fast_is_left_before_it_overflows() {
+    // A thousand times as much each round: 1e300 after a hundred, and so in a product.
+    let parts =
+        [unit("a", "feedthrough.fmu", "mode = 1, k = -10000, x0 = 10001"), connection("a.y1", "a.u1")];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    // The residual is 1e-12 of 1, and the loop makes less of it.
+    assert!((simulation.value("a.y1").expect("known") - 1.0).abs() < 1e-11);
+    let told = simulation.notices().pop().expect("told");
+    assert!(told.ends_with("of Newton's method, since iterating does not converge"), "{told}");
+}
+
+#[test]
+fn law_units_that_say_nothing_start_after_all_their_inputs_each_by_itself() {
+    let units = Units::new();
+    // Without a list an output may depend on every input.
+    let text = common::description(FEEDTHROUGH)
+        .replace("<Unknown index=\"3\" dependencies=\"1 6\"/>", "<Unknown index=\"3\"/>");
+    assert!(!text.contains("\"1 6\""));
+    units.pack("silent.fmu", &text, &common::library());
+    let gain = |name: &str| unit(name, "silent.fmu", "mode = 1, k = 3");
+    let parts = [
+        gain("d"),
+        gain("c"),
+        gain("b"),
+        unit("a", "stateful.fmu", "x0 = 2"),
+        connection("c.y1", "d.u1"),
+        connection("b.y1", "c.u1"),
+        connection("a.y1", "b.u1"),
+    ];
+    let mut simulation = build(&units, &parts).expect("builds");
+    assert_eq!(simulation.value("d.y1").expect("known"), 54.0);
+    let order = ["b.u1 = 0.0 (now 2.0)", "c.u1 = 0.0 (now 6.0)", "d.u1 = 0.0 (now 18.0)"];
+    assert_eq!(simulation.replaced_starts(), order);
+    assert_eq!(simulation.notices(), Vec::<String>::new());
+}
+
+#[test]
+fn law_a_loop_settles_by_a_share_of_its_values() {
+    // y = y / 2 + 2²⁰ halves what is left of 2²¹ each time: 2⁻⁴⁰ of it is below 1e-12, and the first round is a look.
+    let parts = [unit("a", "feedthrough.fmu", "mode = 1, k = 0.5, x0 = 1048576"), connection("a.y1", "a.u1")];
+    let mut simulation = build(&Units::new(), &parts).expect("builds");
+    let off = simulation.value("a.y1").expect("known") / f64::from(1 << 21) - 1.0;
+    assert!(off != 0.0 && off.abs() < 2e-12, "{off}");
+    let told = simulation.notices().pop().expect("told");
+    let rounds =
+        told.split(' ').rev().nth(1).and_then(|rounds| rounds.parse::<u32>().ok()).expect("a number");
+    assert!((39..=42).contains(&rounds), "{told}");
 }

@@ -46,6 +46,16 @@ fn value_a_last_step_is_told_in_seconds() {
         Simulation::new(&Scenario::parse(text, "test.toml").expect("a scenario"), &units.unit_path())
             .expect("builds");
     assert!(simulation.notices()[0].ends_with("its last step has 2 s"), "{:?}", simulation.notices());
+    // One that ends with its first point makes no other one.
+    let only = text.replace("stop = 6", "stop = 2").replace("interval = 4", "interval = 4\noffset = 2");
+    let only = Simulation::new(&Scenario::parse(&only, "test.toml").expect("a scenario"), &units.unit_path());
+    assert_eq!(only.expect("builds").notices(), Vec::<String>::new());
+    // It is counted from the start.
+    let later = text.replace("stop = 6", "start = 1, stop = 6");
+    let later =
+        Simulation::new(&Scenario::parse(&later, "test.toml").expect("a scenario"), &units.unit_path());
+    let told = later.expect("builds").notices();
+    assert!(told[0].ends_with("its last step has 1 s"), "{told:?}");
     for stop in [6.0, 10.0] {
         assert!(simulation.end_at(stop));
         simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("runs");
@@ -72,6 +82,22 @@ fn law_a_limit_is_passed_and_not_reached() {
     assert_eq!(ended(Comparison::Below, -0.5), Some(0.625));
     assert_eq!(ended(Comparison::Above, -0.5), Some(0.0));
     assert_eq!(ended(Comparison::Above, 0.0), None);
+}
+
+#[test]
+fn law_what_is_to_be_known_of_a_scenario_is_among_the_notices() {
+    let text = "format = 1\nexperiment = { start = 1, stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 1\n";
+    let mut scenario = Scenario::parse(text, "test.toml").expect("a run may end where it begins");
+    scenario.note("read from elsewhere".into());
+    let mut simulation = Simulation::new(&scenario, &Units::new().unit_path()).expect("builds");
+    assert_eq!(simulation.notices(), ["read from elsewhere"]);
+    let mut results = MemoryRecorder::new();
+    simulation.run(&mut results, &mut Quiet).expect("runs");
+    assert_eq!(results.times(), [1.0]);
+    // What is wrong at the end of a line is told with that line.
+    let error =
+        Scenario::parse("format = 1\nunits =\n\nx = 1\n", "test.toml").expect_err("no value").to_string();
+    assert!(error.starts_with("test.toml:2: not a scenario: "), "{error}");
 }
 
 #[test]

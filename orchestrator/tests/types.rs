@@ -19,6 +19,10 @@ fn every_source_of_whole_values_is_looked_at() {
     assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 0], [0.5, 1]]"))), Ok(0.0));
     assert_eq!(out("a.b_out", &source("b_in", &hold("[[0, 1], [0.5, 0]]"))), Ok(1.0));
     assert_eq!(out("a.i_out", &source("i_in", &hold("[[0, -3], [0.5, 4]]"))), Ok(5.0));
+    // As far as an Integer goes.
+    for (points, last) in [("[[0, -2147483648]]", -2_147_483_648.0), ("[[0, 2147483647]]", 2_147_483_647.0)] {
+        assert_eq!(out("a.i_in", &source("i_in", &hold(points))), Ok(last));
+    }
     // A table may jump: at the ends of steps of 1/8 s three times 1 and five times 3.
     assert_eq!(
         out("a.y1", &source("u1", "kind = \"linear\"\npoints = [[0, 1], [0.5, 1], [0.5, 3], [1, 3]]")),
@@ -30,6 +34,11 @@ fn every_source_of_whole_values_is_looked_at() {
             source("i_in", &hold("[[0, 0], [0.5, 1.5]]")),
             "the value 1.5 at 0.5 s: the input is of type Integer",
         ),
+        (
+            source("i_in", &hold("[[0, 2147483648]]")),
+            "the value 2147483648 at 0 s: the input is of type Integer",
+        ),
+        (source("i_in", &hold("[[0, -2147483649]]")), "the value -2147483649 at 0 s: the input is"),
         (source("i_in", &hold("[[0, 3e9]]")), "the value 3000000000 at 0 s: the input is of type Integer"),
         (source("u1", &hold("[]")), "points: one or more [time, value], all finite"),
         (source("u1", &hold("[[0, 1], [1, nan]]")), "points: one or more [time, value], all finite"),

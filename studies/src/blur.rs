@@ -223,7 +223,7 @@ fn lost_in_the_loop(bench: &Bench) -> Result<Claim, Error> {
     const BEGIN: f64 = 4.0;
     const RUNS: u16 = 6;
     let speeds: Vec<u16> = (9..=23).step_by(2).collect();
-    let falls = |(hundredths, run): (u16, u16)| -> Result<usize, Error> {
+    let fates = |(hundredths, run): (u16, u16)| -> Result<usize, Error> {
         let duration = FAR_Z * PEAK / (f64::from(hundredths) / 100.0);
         // Another place within a frame and another pixel for the same speed.
         let begin = BEGIN + 0.0177 * f64::from(run);
@@ -233,7 +233,7 @@ fn lost_in_the_loop(bench: &Bench) -> Result<Claim, Error> {
         Ok(usize::from(!case.along(points, seconds).run(bench)?.is_stable()))
     };
     let runs: Vec<_> = speeds.iter().flat_map(|speed| (0..RUNS).map(|run| (*speed, run))).collect();
-    let fallen = runs.into_par_iter().map(falls).collect::<Result<Vec<_>, Error>>()?;
+    let fallen = runs.into_par_iter().map(fates).collect::<Result<Vec<_>, Error>>()?;
     let counts = fallen.chunks_exact(usize::from(RUNS)).map(|runs| runs.iter().sum::<usize>());
     let counts: Vec<(f64, usize)> =
         speeds.iter().map(|speed| f64::from(*speed) / 100.0).zip(counts).collect();
@@ -243,7 +243,7 @@ fn lost_in_the_loop(bench: &Bench) -> Result<Claim, Error> {
     Ok(Claim::new(
         [
             "C19.loop",
-            "the same in the closed loop: speed of the reference from which on the robot falls",
+            "the same in the closed loop: speed of the reference from which on the robot loses balance",
             "0.15 unit/s",
         ],
         format!(

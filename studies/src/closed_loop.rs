@@ -302,7 +302,7 @@ impl Trace {
 
     /// "stable", or when it fell.
     pub fn fate(&self) -> String {
-        self.fell.map_or_else(|| "stable".to_owned(), |time| format!("falls at {time:.1} s"))
+        self.fell.map_or_else(|| "stable".to_owned(), |time| format!("loses balance at {time:.1} s"))
     }
 }
 

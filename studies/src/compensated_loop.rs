@@ -88,7 +88,8 @@ impl Run {
     }
 
     fn fate(&self) -> String {
-        self.fell.map_or_else(|| format!("{:.4}", self.steady()), |time| format!("falls at {time:.1} s"))
+        self.fell
+            .map_or_else(|| format!("{:.4}", self.steady()), |time| format!("loses balance at {time:.1} s"))
     }
 }
 
@@ -131,7 +132,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
                 "possible",
             ],
             format!("z_d − z at z_d = 0.5: {}", texts.join("; ")),
-            "the corrected loop stands, its error below 0.01: three times the offset of the undistorted loop",
+            "the corrected loop is stable, its error below 0.01: three times the offset of the undistorted loop",
             measured.iter().all(|[_, with]| with.steady().abs() < 0.01),
             "",
         )

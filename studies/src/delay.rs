@@ -1,4 +1,4 @@
-//! Section 4.2.1: how much delay and blur the loop bears, how slow its camera may be (Section 5), and what counts as
+//! Section 4.2.1: how much delay and blur the loop tolerates, how slow its camera may be (Section 5), and what counts as
 //! a fall.
 
 use crate::closed_loop::{ALL, Case, DAMPED, Poles, SETS, Trace, run_all};
@@ -50,7 +50,7 @@ struct Fates {
     /// Lowest stable rates with vision and with the true state, Hz.
     lowest: [Option<u16>; 2],
     at_ten: Trace,
-    /// Places at which the loop with 1.5 T falls from rest.
+    /// Places at which the loop with 1.5 T loses balance from rest.
     falls_at: Vec<f64>,
 }
 
@@ -69,12 +69,12 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
             &mut outcome,
             &damped.one_and_half,
             "Section 4.2.1",
-            "1.5 T of delay at 30 Hz, σ = 15, N = 1: it falls",
+            "1.5 T of delay at 30 Hz, σ = 15, N = 1: it loses balance",
         )?;
         four_graphs::add(&mut outcome, &all.at_ten, "Section 5", "10 Hz without distortion, pole set all")?;
         outcome.claims = claims(damped, all, &fates);
     }
-    outcome.tables.push(("What each pole set bears".to_owned(), table(&fates)));
+    outcome.tables.push(("What each pole set tolerates".to_owned(), table(&fates)));
     Ok(outcome)
 }
 
@@ -171,10 +171,10 @@ fn claims(damped: &Fates, all: &Fates, fates: &[Fates]) -> Vec<Claim> {
         Claim::new(
             ["C42", "30 Hz with 1.5 T, σ = 15, N = 1, very slow reference", "unstable"],
             each(&|fates| fates.one_and_half.fate()),
-            "falls from (14), whatever the reference",
+            "loses balance from (14), whatever the reference",
             fates.iter().all(|fates| !fates.one_and_half.is_stable()),
             format!(
-                "shown with `damped`, which falls from rest anywhere on the arm; let go on the manifold at z = \
+                "shown with `damped`, which loses balance from rest anywhere on the arm; let go on the manifold at z = \
                  0, 0.1, ... 0.5 the sets fall at: {}",
                 each(&|fates| places(&fates.falls_at))
             ),
@@ -202,7 +202,7 @@ fn claims(damped: &Fates, all: &Fates, fates: &[Fates]) -> Vec<Claim> {
             format!(
                 "with the camera and differenced rates it holds for `all`, not for `damped` ({}): a bandwidth that makes \
                  the steady error of C46 needs a faster camera. The sentence speaks of sample rates; with the true state \
-                 sampled at 10 Hz every set stands, and then `damped` alone meets every statement of Sections 4.2 \
+                 sampled at 10 Hz every set is stable, and then `damped` alone meets every statement of Sections 4.2 \
                  and 5 but C51, which no set meets",
                 damped.at_ten.fate()
             ),

@@ -1,6 +1,6 @@
-//! First-order theory of the steady error: what an estimation error that stands still does to the place.
+//! First-order theory of the steady error: what a constant estimation error does to the place.
 //!
-//! To first order, whatever the scheduling, an estimation error e = q − q̂ that stands still moves the acrobot by
+//! To first order, whatever the scheduling, a constant estimation error e = q − q̂ moves the acrobot by
 //!
 //! ```text
 //! z − z_d = e₀ + (a₂/a₀)·e₂ + e₄/a₀,      e₀ = c·p·e,  e₂ = c·pK·e,  e₄ = c·pK²·e

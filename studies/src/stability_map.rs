@@ -1,4 +1,4 @@
-//! Frame rate against total delay: where the loop is stable by theory, and where it stands when simulated.
+//! Frame rate against total delay: where the loop is stable by theory, and where it is when simulated.
 
 use crate::closed_loop::{Case, ClosedLoop, DAMPED, Poles};
 use crate::{Bench, Claim, Error, Outcome, Study};
@@ -61,12 +61,12 @@ struct Square {
     delay: f64,
     /// Growth over a second by theory: ρ^rate, the largest of the places.
     growth: f64,
-    stands: bool,
+    simulated: bool,
 }
 
 impl Square {
     fn agrees(&self) -> bool {
-        (self.growth < 1.0) == self.stands
+        (self.growth < 1.0) == self.simulated
     }
 }
 
@@ -77,7 +77,7 @@ fn mechanics(error: mechanics::MechanicsError) -> Error {
 fn run(bench: &Bench) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     outcome.notes.push(format!(
-        "Pole set {}. A blue cell falls when simulated: let go at rest {KICK} rad beside the manifold at z = 0, 0.25 or \
+        "Pole set {}. A blue cell loses balance when simulated: let go at rest {KICK} rad beside the manifold at z = 0, 0.25 or \
          0.5, through the rendering camera. The line is the analytic boundary: the largest spectral radius of the \
          sampled loop (plant linearised at these places, torque held, first-order differences, total delay) is 1. \
          Total delay = T_delay + E_t·T/2. In the second map the shutter is open as long as the total delay allows: \
@@ -135,26 +135,26 @@ fn boundary() -> Result<Vec<(f64, f64)>, Error> {
 fn simulate(bench: &Bench, shutter: Shutter) -> Result<Vec<Square>, Error> {
     let plants = plants()?;
     let columns: Vec<(u16, f64)> = RATES.iter().flat_map(|&rate| PLACES.map(|z| (rate, z))).collect();
-    let stands = columns
+    let stable = columns
         .par_iter()
         .map(|&(rate, z)| column(bench, shutter, rate, z))
         .collect::<Result<Vec<_>, Error>>()?;
     let mut squares = Vec::new();
-    for (rate, stands) in RATES.iter().zip(stands.chunks(PLACES.len())) {
+    for (rate, stable) in RATES.iter().zip(stable.chunks(PLACES.len())) {
         for (index, eighths) in EIGHTHS.enumerate() {
             let delay = periods(eighths);
             squares.push(Square {
                 rate: *rate,
                 delay,
                 growth: radius(&plants, f64::from(*rate), delay)?.powi(i32::from(*rate)),
-                stands: stands.iter().all(|of_place| of_place[index]),
+                simulated: stable.iter().all(|of_place| of_place[index]),
             });
         }
     }
     Ok(squares)
 }
 
-/// Whether the loop stands, for each delay, at one rate and place. One instance of each unit serves the column.
+/// Whether the loop is stable, for each delay, at one rate and place. One instance of each unit serves the column.
 fn column(bench: &Bench, shutter: Shutter, rate: u16, z: f64) -> Result<Vec<bool>, Error> {
     let place = Place::new(&Theta::TABLE_2).map_err(mechanics)?;
     let q2 = place.q2(z);
@@ -164,14 +164,14 @@ fn column(bench: &Bench, shutter: Shutter, rate: u16, z: f64) -> Result<Vec<bool
     let case =
         Case::visual(POLES).with("camera.omega_cam", rate).every(rate, PARTS).resting([q1, q2], z, seconds);
     let mut closed: ClosedLoop = case.build(bench)?;
-    let mut stands = Vec::new();
+    let mut stable = Vec::new();
     for eighths in EIGHTHS {
         let (exposure, processing) = shutter.split(periods(eighths));
         closed.set("camera.E_t", exposure)?;
         closed.set("camera.T_delay", processing / f64::from(rate))?;
-        stands.push(closed.run()?.is_stable());
+        stable.push(closed.run()?.is_stable());
     }
-    Ok(stands)
+    Ok(stable)
 }
 
 fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<String, Error> {
@@ -185,7 +185,7 @@ fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<Stri
     // Squares run delay by delay within a rate; the map wants them rate by rate within a delay.
     let values = (0..rows)
         .flat_map(|row| (0..RATES.len()).map(move |column| column * rows + row))
-        .map(|at| if squares[at].stands { 0.0 } else { 0.6 })
+        .map(|at| if squares[at].simulated { 0.0 } else { 0.6 })
         .collect();
     let map = HeatMap {
         title: format!("Stable (white) and falling (blue), {words}"),
@@ -235,7 +235,7 @@ fn differing(counts: &[(&str, Vec<Square>)]) -> Table {
                 Cell::Number(square.rate.to_string()),
                 Cell::Number(format!("{:.3}", square.delay)),
                 Cell::Number(format!("{:.3}", square.growth)),
-                Cell::from(if square.stands { "stands" } else { "falls" }),
+                Cell::from(if square.simulated { "stable" } else { "unstable" }),
             ]
         })
     });

@@ -31,7 +31,7 @@ fn limited(case: Case, limit: f64) -> Case {
     course(case).with("plant.dtau_max", limit)
 }
 
-/// One set of poles on the grid: the lowest limit above which it stands, with vision and with the true state.
+/// One set of poles on the grid: the lowest limit above which it is stable, with vision and with the true state.
 struct Lowest {
     poles: Poles,
     visual: Option<f64>,
@@ -50,22 +50,23 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     outcome.notes.push(
         "`plant.dtau_max` limits the rate of the torque after the controller; the reference is 0 → 0.5 → 0 from (14). \
-         The boundary is the lowest limit with which the loop stands, found by halving its logarithm."
+         The boundary is the lowest limit with which the loop is stable, found by halving its logarithm."
             .to_owned(),
     );
     if let [below, _, above] = traces.as_slice() {
-        four_graphs::add(&mut outcome, below, "Section 5", "dtau_max = 5 N·m/s at 30 Hz: it falls")?;
+        four_graphs::add(&mut outcome, below, "Section 5", "dtau_max = 5 N·m/s at 30 Hz: it loses balance")?;
         outcome
             .graph(oscillation(&traces)?, "Tracking error at 30 Hz with three limits, pole set damped.")?;
         outcome.claims.push(statement(&lowest, below, above));
     }
     outcome.graph(
         graph(&boundaries)?,
-        "Below its line a pole set falls: the limit on the torque's rate that the loop needs, over the frame rate.",
+        "Below its line a pole set is unstable: the limit on the torque's rate that the loop needs, over the frame rate.",
     )?;
-    outcome
-        .tables
-        .push(("Lowest limit with which the loop stands, in N·m/s".to_owned(), table(&lowest, &boundaries)));
+    outcome.tables.push((
+        "Lowest limit with which the loop is stable, in N·m/s".to_owned(),
+        table(&lowest, &boundaries),
+    ));
     Ok(outcome)
 }
 
@@ -82,7 +83,7 @@ fn on_the_grid(bench: &Bench, poles: Poles) -> Result<Lowest, Error> {
     Ok(Lowest { poles, visual: lowest(visual), full: lowest(full) })
 }
 
-/// The lowest limit with which the visual loop stands, for each of [`RATES`]; `None` where it falls without any.
+/// The lowest limit with which the visual loop is stable, for each of [`RATES`]; `None` where it is unstable without any.
 fn boundary(bench: &Bench, poles: Poles) -> Result<Vec<Option<f64>>, Error> {
     RATES.par_iter().map(|&rate| boundary_at(bench, poles, rate)).collect()
 }
@@ -98,17 +99,17 @@ pub(crate) fn lowest_limits(bench: &Bench, cases: &[Case]) -> Result<Vec<Option<
 
 fn lowest_limit(bench: &Bench, case: Case) -> Result<Option<f64>, Error> {
     let mut closed = case.build(bench)?;
-    let mut stands = |limit: f64| {
+    let mut stable = |limit: f64| {
         closed.set("plant.dtau_max", limit)?;
         Ok::<_, Error>(closed.run()?.is_stable())
     };
-    if !stands(0.0)? {
+    if !stable(0.0)? {
         return Ok(None); // 0 is no limit at all
     }
     let (mut low, mut high) = SEARCH;
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();
-        if stands(middle)? { high = middle } else { low = middle }
+        if stable(middle)? { high = middle } else { low = middle }
     }
     Ok(Some(high))
 }
@@ -122,8 +123,11 @@ fn statement(lowest: &[Lowest], below: &Trace, above: &Trace) -> Claim {
         |set: &Lowest| matches!((set.visual, set.full), (Some(visual), Some(full)) if visual >= full);
     Claim::new(
         ["C54", "a limit on the torque's rate of change", "could cause oscillations or instability"],
-        format!("lowest limit with which it stands, visual and full state, in N·m/s: {}", listed.join("; ")),
-        "a step of the grid 0.3, 0.5, 1, 2, 3, 5, 10 N·m/s; the loop falls below, stands above, and vision never needs \
+        format!(
+            "lowest limit with which it is stable, visual and full state, in N·m/s: {}",
+            listed.join("; ")
+        ),
+        "a step of the grid 0.3, 0.5, 1, 2, 3, 5, 10 N·m/s; the loop is unstable below, stable above, and vision never needs \
          less than full state feedback",
         !below.is_stable() && above.is_stable() && lowest.iter().all(needs_more),
         "an independent implementation found 5, 5, 10 with vision and 3, 3, 5 with full state feedback; the boundary \
@@ -168,7 +172,7 @@ fn table(lowest: &[Lowest], boundaries: &[Boundary]) -> Table {
     let mut head = vec!["poles".to_owned(), "grid, visual".to_owned(), "grid, full state".to_owned()];
     head.extend(RATES.map(|rate| format!("{rate} Hz")));
     let number = |limit: Option<f64>| {
-        Cell::Number(limit.map_or_else(|| "falls".to_owned(), |limit| format!("{limit:.2}")))
+        Cell::Number(limit.map_or_else(|| "unstable".to_owned(), |limit| format!("{limit:.2}")))
     };
     let rows = lowest.iter().zip(boundaries).map(|(lowest, (_, limits))| {
         let mut row = vec![lowest.poles.name.into(), number(lowest.visual), number(lowest.full)];

@@ -1,7 +1,7 @@
 //! Which poles satisfy the closed-loop claims together. The paper's own are those of its reference [27], which is not
 //! available.
 //!
-//! To first order ([`crate::lever`]) an estimation error that stands still moves the acrobot by e₀ + (a₂/a₀)·e₂ + e₄/a₀,
+//! To first order ([`crate::lever`]) a constant estimation error moves the acrobot by e₀ + (a₂/a₀)·e₂ + e₄/a₀,
 //! so a small steady error wants large a₀, hence bandwidth; delay and a slow camera want little of it.
 
 use crate::closed_loop::{ALL, Case, DAMPED, Poles, SETS, TIGHT, Trace, run_all};
@@ -66,7 +66,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
          gives (e₀, e₂, e₄) = ({:.3}, {:.3}, {:.2}). So the steady error of C46 wants about 4 to 5 rad/s of bandwidth; \
          10 Hz with differenced rates (C44) wants less. No set is comfortable with both: `all` satisfies every claim on \
          stability, `tight` nearly every claim at the edge of stability, `damped` describes Section 4.2 best and gives \
-         up only 10 Hz with a camera; with the true state sampled at 10 Hz it stands. The shipped scenarios use \
+         up only 10 Hz with a camera; with the true state sampled at 10 Hz it is stable. The shipped scenarios use \
          `damped`.",
         lever.0[0], lever.0[1], lever.0[2]
     ));
@@ -78,7 +78,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     outcome.graph(
         cloud(&candidates, &lever)?,
         "Every set of the grid that satisfies C40 to C43, and the named ones, by bandwidth: the steady error \
-         falls with bandwidth; the sets that also bear 10 Hz end where the error is large.",
+         decreases with bandwidth; the sets that also tolerate 10 Hz end where the error is large.",
     )?;
     outcome.claims.push(conflict(&candidates));
     let grows = candidates.iter().filter(|candidate| candidate.p1_grows).count();
@@ -250,13 +250,13 @@ fn requirements(poles: Poles) -> Vec<(&'static str, Wanted, Case)> {
     let ten = Case::visual(poles).with("camera.omega_cam", 10).along(once.clone(), 20);
     let fast = Case::visual(poles).with("camera.omega_cam", 60).with("camera.E_t", 1);
     vec![
-        ("C37", Wanted::Stands, Case::visual(poles).along(once.clone(), 20)),
-        ("C40", Wanted::Stands, blurred(0.0).along(once.clone(), 20)),
-        ("C41", Wanted::Stands, blurred(0.5).along(once.clone(), 20)),
-        ("C42", Wanted::Falls, blurred(1.0).along(vec![(0.0, 0.0), (30.0, 0.1)], 30)),
-        ("C43", Wanted::Stands, fast.with("camera.T_delay", 1.0 / 60.0).along(once.clone(), 20)),
-        ("C44", Wanted::Stands, ten),
-        ("C44 true state", Wanted::Stands, Case::full_state(poles).every(10, 1).along(once.clone(), 20)),
+        ("C37", Wanted::Stable, Case::visual(poles).along(once.clone(), 20)),
+        ("C40", Wanted::Stable, blurred(0.0).along(once.clone(), 20)),
+        ("C41", Wanted::Stable, blurred(0.5).along(once.clone(), 20)),
+        ("C42", Wanted::Unstable, blurred(1.0).along(vec![(0.0, 0.0), (30.0, 0.1)], 30)),
+        ("C43", Wanted::Stable, fast.with("camera.T_delay", 1.0 / 60.0).along(once.clone(), 20)),
+        ("C44", Wanted::Stable, ten),
+        ("C44 true state", Wanted::Stable, Case::full_state(poles).every(10, 1).along(once.clone(), 20)),
         ("C46 +", Wanted::Error, radial(0.1)),
         ("C46 −", Wanted::Error, radial(-0.1)),
     ]
@@ -265,9 +265,9 @@ fn requirements(poles: Poles) -> Vec<(&'static str, Wanted, Case)> {
 /// What must become of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wanted {
-    Stands,
-    Falls,
-    /// Stands, with a steady error within 0.05 of 0.1.
+    Stable,
+    Unstable,
+    /// Stable, with a steady error within 0.05 of 0.1.
     Error,
 }
 
@@ -275,8 +275,8 @@ impl Wanted {
     fn judge(self, trace: &Trace) -> (bool, String) {
         let error = trace.steady_error(16.0, 20.0);
         match self {
-            Wanted::Stands => (trace.is_stable(), trace.fate()),
-            Wanted::Falls => (!trace.is_stable(), trace.fate()),
+            Wanted::Stable => (trace.is_stable(), trace.fate()),
+            Wanted::Unstable => (!trace.is_stable(), trace.fate()),
             Wanted::Error if trace.is_stable() => ((error.abs() - 0.1).abs() <= 0.05, format!("{error:.3}")),
             Wanted::Error => (false, trace.fate()),
         }
@@ -336,7 +336,7 @@ fn note(poles: Poles) -> &'static str {
         TIGHT => "it lies at the edge of stability: other paths fell it (C45)",
         DAMPED => {
             "C44 only if its 10 Hz are those of the camera, with differenced rates; with the true state, sampled and held \
-             at 10 Hz, it stands. Section 5 doesn't say which. In the second reading `damped` alone meets every statement \
+             at 10 Hz, it is stable. Section 5 doesn't say which. In the second reading `damped` alone meets every statement \
              of Sections 4.2 and 5 but C51, which no set meets"
         }
         _ => "its bandwidth is too small for the steady error of C46",

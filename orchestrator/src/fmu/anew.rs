@@ -83,3 +83,34 @@ fn shown(description: &Description) -> Vec<u32> {
     let all = description.variables.iter().filter(|variable| variable.kind == Kind::Real);
     all.map(|variable| variable.reference).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Description, moved, shown};
+
+    #[test]
+    fn value_inputs_move_by_a_share_and_stay_within_their_bounds() {
+        let variable = |(number, (causality, rest)): (usize, &(&str, &str))| {
+            format!(
+                "<ScalarVariable name=\"v{number}\" valueReference=\"{number}\" causality=\"{causality}\">{rest}</ScalarVariable>"
+            )
+        };
+        let variables = [
+            ("input", "<Real start=\"0\"/>"),
+            ("input", "<Real start=\"-200\"/>"),
+            ("input", "<Real start=\"200\" max=\"202\"/>"),
+            ("input", "<Real start=\"200\" max=\"201\"/>"),
+            ("input", "<Real start=\"1\" min=\"1\" max=\"1\"/>"),
+            ("input", "<Integer start=\"1\"/>"),
+            ("output", "<Real/>"),
+        ];
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><CoSimulation modelIdentifier=\"m\"/>\
+             <ModelVariables>{}</ModelVariables><ModelStructure/></fmiModelDescription>",
+            variables.iter().enumerate().map(variable).collect::<String>()
+        );
+        let description = Description::parse(&text).expect("a description");
+        assert_eq!(moved(&description), [(0, 0.01), (1, -198.0), (2, 202.0), (3, 198.0), (4, 1.0)]);
+        assert_eq!(shown(&description), [0, 1, 2, 3, 4, 6]);
+    }
+}

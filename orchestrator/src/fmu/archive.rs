@@ -46,10 +46,13 @@ pub(crate) struct Archive {
 
 impl Archive {
     pub(crate) fn unpack(path: &Path) -> Result<(Self, Description), Error> {
+        Self::unpack_within(path, Limits::from_environment()?)
+    }
+
+    fn unpack_within(path: &Path, limits: Limits) -> Result<(Self, Description), Error> {
         let file = plain::open(path).map_err(|source| Error::File { path: path.into(), source })?;
         let broken = |reason: String| Error::Archive { path: path.into(), reason };
         let mut zip = zip::ZipArchive::new(io::BufReader::new(file)).map_err(|e| broken(e.to_string()))?;
-        let limits = Limits::from_environment()?;
         if zip.len() as u64 > limits.entries {
             let what = format!("the number of its entries, {},", zip.len());
             return Err(broken(limits::exceeded(&what, limits.entries, limits::ENTRIES)));
@@ -172,4 +175,42 @@ fn write(path: &Path, from: &mut impl Read) -> io::Result<u64> {
         fs::create_dir_all(parent)?;
     }
     io::copy(from, &mut File::create(path)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Archive, Limits};
+    use crate::package::pack;
+
+    const DESCRIPTION: &str = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\">\
+        <CoSimulation modelIdentifier=\"m\"/><ModelVariables/><ModelStructure/></fmiModelDescription>";
+
+    #[test]
+    fn law_a_unit_unpacks_just_as_much_as_it_may() {
+        let path = tempfile::NamedTempFile::new().expect("a temporary file").into_temp_path();
+        let files = [
+            ("modelDescription.xml", DESCRIPTION.as_bytes()),
+            ("resources/a.txt", b"12345"),
+            ("resources/b.txt", b"678"),
+            ("documentation/c.txt", b"not unpacked"),
+        ];
+        let files = files.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
+        std::fs::write(&path, pack(&files.into()).expect("packed")).expect("writable");
+        let just = Limits { unpacked: 8, entries: 4, description: DESCRIPTION.len() as u64 };
+        let (archive, description) = Archive::unpack_within(&path, just).expect("just");
+        assert_eq!(description.guid, "g");
+        assert_eq!(std::fs::read(archive.folder.path().join("resources/b.txt")).expect("there"), b"678");
+        assert!(!archive.folder.path().join("documentation").exists());
+        for (less, told) in [
+            (Limits { unpacked: 7, ..just }, "as far as resources/b.txt, exceeds the limit of 7;"),
+            (Limits { entries: 3, ..just }, "the number of its entries, 4, exceeds the limit of 3;"),
+            (
+                Limits { description: just.description - 1, ..just },
+                "modelDescription.xml exceeds the limit of",
+            ),
+        ] {
+            let error = Archive::unpack_within(&path, less).map(drop).expect_err(told).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
 }

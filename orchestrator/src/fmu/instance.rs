@@ -280,9 +280,14 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2DoStep`. The status is returned as it is, since a discarded step is the master's business.
+    /// `fmi2DoStep`. The status is returned as it is, since a discarded step is the master's business; what it means for later
+    /// calls is kept in mind.
     pub fn do_step(&mut self, from: f64, size: f64, no_return: bool) -> Status {
-        self.entered(|instance| instance.step(from, size, no_return))
+        let status = self.entered(|instance| instance.step(from, size, no_return));
+        if status != Status::Ok {
+            self.note(status);
+        }
+        status
     }
 
     /// What a step's status other than Ok and Warning means: with the words of the unit, or how its process ended.

@@ -196,19 +196,34 @@ fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
-    use super::forbids_programs;
+    use super::{OWN_FIRST, Ordering, forbids_programs, open, prefer_own_symbols};
     use std::path::Path;
+
+    #[test]
+    fn law_a_library_opens_with_its_own_symbols_first_as_well() {
+        for own_first in [false, true] {
+            if own_first {
+                prefer_own_symbols();
+            }
+            assert_eq!(OWN_FIRST.load(Ordering::Relaxed), own_first);
+            open(Path::new("libm.so.6")).expect("every program for Linux with this C library has it");
+            assert!(open(Path::new("/not/there.so")).is_err());
+        }
+        OWN_FIRST.store(false, Ordering::Relaxed);
+    }
 
     #[test]
     fn law_a_file_system_forbids_programs_where_it_is_mounted_so() {
         let mounts = std::fs::read_to_string("/proc/mounts").expect("Linux has it");
-        let mut options = mounts.lines().rev().filter_map(|line| {
+        let mounted = mounts.lines().filter_map(|line| {
             let mut fields = line.split(' ').skip(1);
-            (fields.next()? == "/proc").then(|| fields.nth(1))?
+            Some((fields.next()?, fields.nth(1)?.split(',').any(|option| option == "noexec")))
         });
-        let noexec =
-            options.next().is_some_and(|options| options.split(',').any(|option| option == "noexec"));
-        assert_eq!(forbids_programs(Path::new("/proc")), noexec);
+        // The last one that is mounted somewhere is the one that is there; names with a blank are spelt otherwise.
+        let all: std::collections::BTreeMap<&str, bool> = mounted.collect();
+        for (folder, noexec) in all.into_iter().filter(|(folder, _)| Path::new(folder).is_dir()) {
+            assert_eq!(forbids_programs(Path::new(folder)), noexec, "{folder}");
+        }
         let program = std::env::current_exe().expect("a program");
         assert!(!forbids_programs(&program), "it runs");
         assert!(!forbids_programs(Path::new("/not/there")));

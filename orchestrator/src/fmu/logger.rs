@@ -175,3 +175,54 @@ unsafe extern "C" {
     /// `fmi2CallbackFreeMemory`: the C library's.
     pub(crate) fn free(memory: *mut c_void);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One at a time: a line for nobody goes to all logs of the program.
+    static ALONE: Mutex<()> = Mutex::new(());
+
+    #[cfg(unix)]
+    /// The texts that a log holds after a line of a caller with somebody's environment.
+    fn told(sink: &Arc<Sink>, environment: usize, caller: *const c_void) -> Vec<String> {
+        receive(environment as *const c_void, caller, 1, c"events".as_ptr(), c"word".as_ptr());
+        sink.take().into_iter().map(|line| line.to_string()).collect()
+    }
+
+    #[cfg(unix)] // elsewhere it is not known whose library an address is of
+    #[test]
+    fn law_a_line_for_nobody_goes_to_its_library_or_to_all() {
+        let _alone = locked(&ALONE);
+        let (here, libc) = (told as *const c_void, libc::getpid as *const c_void);
+        assert!(home_of(here) != 0 && home_of(libc) != 0 && home_of(here) != home_of(libc));
+        let (ours, theirs) = (Sink::new(here), Sink::new(libc));
+        assert_eq!(
+            told(&ours, ours.environment(), libc),
+            ["[warning, events] word"],
+            "by its own environment"
+        );
+        let unknown = ["[warning, events] unknown instance: word"];
+        assert_eq!(told(&ours, 8, here), unknown);
+        assert!(theirs.lines().is_empty(), "not its library");
+        // Of a library that is nobody's, or of none that is known.
+        drop(ours);
+        assert_eq!(told(&theirs, 8, here), unknown);
+        assert_eq!(told(&theirs, 8, ptr::null()), unknown);
+    }
+
+    #[test]
+    fn law_a_log_that_has_gone_is_off_the_list_and_one_that_is_long_keeps_its_end() {
+        let _alone = locked(&ALONE);
+        let sink = Sink::new(ptr::null());
+        let environment = sink.environment();
+        assert!(locked(&SINKS).contains_key(&environment));
+        for number in 0..=KEPT {
+            sink.push(LogLine { status: Status::Ok, category: String::new(), text: number.to_string() });
+        }
+        let lines = sink.lines();
+        assert_eq!((lines.len(), lines[0].text.as_str(), lines[KEPT - 1].text.as_str()), (KEPT, "1", "256"));
+        drop(sink);
+        assert!(locked(&SINKS).get(&environment).is_none_or(|other| other.upgrade().is_some()));
+    }
+}

@@ -124,8 +124,29 @@ pub fn discard_unpacked() {
 
 #[cfg(test)]
 mod tests {
-    use super::{ALIVE, PREFIX, locked, sweep};
+    use super::{ALIVE, Bench, PREFIX, locked, sweep};
     use std::fs;
+
+    /// In a process of its own: other tests unpack meanwhile.
+    #[cfg(unix)]
+    #[test]
+    fn law_a_folder_that_has_gone_is_nobodys_to_remove() {
+        const CHILD: &str = "ORCHESTRATOR_WORKSHOP";
+        if std::env::var_os(CHILD).is_none() {
+            let name = std::thread::current().name().map(str::to_owned).expect("that of the test");
+            let mut again = std::process::Command::new(std::env::current_exe().expect("this program"));
+            let done = again.args(["--exact", &name]).env(CHILD, "1").output().expect("starts");
+            assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stdout));
+            return;
+        }
+        assert!(!crate::guard::has_unpacked());
+        let (one, other) = (Bench::new().expect("a folder"), Bench::new().expect("another"));
+        assert!(one.path().is_dir() && one.path().parent() == other.path().parent());
+        drop(one);
+        assert!(crate::guard::has_unpacked() && other.path().is_dir());
+        drop(other);
+        assert!(!crate::guard::has_unpacked());
+    }
 
     #[test]
     fn law_folders_of_the_dead_are_swept_and_no_others() {

@@ -22,6 +22,11 @@ pub(crate) fn unpacked_in(folder: Option<&Path>) {
     }
 }
 
+#[cfg(test)]
+pub(super) fn has_unpacked() -> bool {
+    !UNPACKED.load(Ordering::Relaxed).is_null()
+}
+
 /// The program has done its work: what libraries do when they go changes its exit status no more.
 pub(super) fn done(status: u8) {
     DONE.store(i32::from(status) + 1, Ordering::Relaxed);

@@ -213,8 +213,13 @@ impl Drop for Shared {
 
 #[cfg(test)]
 mod tests {
-    use super::{AGAIN, Looks, MOST_LOOKS};
+    use super::{AGAIN, FEWEST_LOOKS, Looks, MOST_LOOKS, Part, Shared, Side};
     use std::cell::Cell;
+    use std::sync::{Mutex, PoisonError};
+    use std::time::{Duration, Instant};
+
+    /// One at a time: another mapping may come where one has gone.
+    static ALONE: Mutex<()> = Mutex::new(());
 
     #[test]
     fn law_looking_in_vain_stops_and_begins_again() {
@@ -233,5 +238,47 @@ mod tests {
         assert!(!looks.look(never) && seen.take() > MOST_LOOKS / 4, "it pays, so it looks more");
         let alone = Looks::new(0);
         assert!((0..1000).all(|_| !alone.look(never) && seen.take() <= 1), "one processor");
+        let few = Looks::new(4 * FEWEST_LOOKS);
+        let waits: Vec<u32> = (0..3).map(|_| (few.look(never), seen.take()).1).collect();
+        assert_eq!(waits, [4 * FEWEST_LOOKS, FEWEST_LOOKS, 1], "so many are still worth it");
+    }
+
+    #[test]
+    fn law_either_side_sleeps_until_its_turn_or_the_end_of_its_patience() {
+        let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let shared = Shared::new().expect("memory");
+        let patience = Duration::from_millis(30);
+        for (turn, waits) in [(Side::Client, Side::Server), (Side::Server, Side::Client)] {
+            shared.hand_to(turn);
+            assert!(shared.wait_for(turn, patience), "{turn:?} has it");
+            let began = Instant::now();
+            assert!(!shared.wait_for(waits, patience), "{waits:?} has not");
+            // It may look for a while before it sleeps, and the kernel sleeps no shorter than it is asked to.
+            assert!(began.elapsed() >= patience, "{waits:?} slept {:?}", began.elapsed());
+        }
+    }
+
+    #[test]
+    fn law_a_part_is_never_longer_than_it_is_and_nobody_looks_who_is_told_so() {
+        let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let shared = Shared::new().expect("memory");
+        shared.set_length(Part::Log, 7);
+        assert_eq!((shared.length(Part::Log), shared.length(Part::Request)), (7, 0));
+        shared.set_length(Part::Log, usize::MAX);
+        assert_eq!(shared.length(Part::Log), super::LOG);
+        let looked = |looks: bool| {
+            shared.have_looks(looks);
+            shared.looks.now.set(MOST_LOOKS);
+            assert!(!shared.wait_for(Side::Server, Duration::ZERO));
+            shared.looks.now.get() < MOST_LOOKS
+        };
+        assert!(looked(true) && !looked(false) && looked(true));
+        let mapped = || {
+            let maps = std::fs::read_to_string("/proc/self/maps").expect("Linux has it");
+            maps.lines().any(|line| line.contains("/memfd:unit"))
+        };
+        assert!(mapped());
+        drop(shared);
+        assert!(!mapped(), "it goes with its owner");
     }
 }

@@ -123,3 +123,41 @@ impl<'a> Reader<'a> {
         Some(bytes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Reader, Writer};
+
+    #[test]
+    fn value_what_was_written_is_read_and_no_more() {
+        let mut bytes = [0; 64];
+        let mut writer = Writer::at(&mut bytes, 8);
+        writer.number(7);
+        writer.bytes(b"abc");
+        writer.slice(&[1.5, -2.5]);
+        assert_eq!(writer.end(), Some(48), "padded to eight");
+        let mut reader = Reader::at(&bytes[..48], 8);
+        assert_eq!((reader.number(), reader.bytes()), (Some(7), Some(&b"abc"[..])));
+        assert!(!reader.is_empty());
+        assert_eq!(reader.values::<f64>(2), Some(vec![1.5, -2.5]));
+        assert!(reader.is_empty(), "at the end");
+        assert_eq!(reader.number(), None);
+    }
+
+    #[test]
+    fn law_a_message_that_does_not_fit_or_lies_is_told() {
+        let mut bytes = [0; 16];
+        let mut writer = Writer::at(&mut bytes, 0);
+        writer.number(u64::MAX);
+        writer.number(1);
+        assert_eq!(writer.end(), Some(16), "just");
+        let mut writer = Writer::at(&mut bytes, 16);
+        writer.number(1);
+        assert_eq!(writer.end(), None);
+        // A length of all that a number holds, and one more value than there is.
+        assert!(Reader::at(&bytes, 0).bytes().is_none());
+        assert_eq!(Reader::at(&bytes, 0).values::<u8>(17), None);
+        assert_eq!(Reader::at(&bytes, 0).values::<f64>(usize::MAX), None);
+        assert_eq!(Reader::at(&bytes, 0).values::<u8>(16).map(|all| all.len()), Some(16), "all of it");
+    }
+}

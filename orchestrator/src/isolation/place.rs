@@ -254,7 +254,9 @@ impl Place {
 
 #[cfg(test)]
 mod tests {
-    use super::{BETWEEN, Choice, HELD, State, Stepping, TRIAL, WARM, Way, here, mask, next};
+    use super::{
+        BETWEEN, Choice, HELD, Ordering, RUNNING, State, Stepping, TRIAL, WARM, Way, here, mask, next,
+    };
     use std::cell::Cell;
     use std::time::{Duration, Instant};
 
@@ -310,7 +312,7 @@ mod tests {
             // SAFETY: plain data.
             (0..1024).filter(|cpu| unsafe { libc::CPU_ISSET(*cpu, &mask) }).collect::<Vec<_>>()
         };
-        let before = cpus();
+        let (before, running) = (cpus(), RUNNING.load(Ordering::Relaxed));
         assert_eq!(next().processor, None, "no steps are made");
         let stepping = Stepping::begin();
         {
@@ -323,10 +325,15 @@ mod tests {
                 assert_eq!((cpus(), here()), (vec![processor], Some(processor)));
                 bound += 1;
             }
+            // The end comes in the midst of the trial, while it is bound.
+            if bound == TRIAL {
+                break;
+            }
         }
-        assert!(bound >= TRIAL, "{bound}");
+        assert_eq!(bound, TRIAL);
+        assert_eq!(RUNNING.load(Ordering::Relaxed), running + 1);
         drop(stepping);
-        assert_eq!(cpus(), before);
+        assert_eq!((cpus(), RUNNING.load(Ordering::Relaxed)), (before, running));
         assert_eq!(next().processor, None);
     }
 }

@@ -384,3 +384,6 @@ unsafe extern "C" fn get_output_derivatives(
     };
     remote.ask(Function::GetRealOutputDerivatives, question, |answer| answer.slice(values))
 }
+
+#[cfg(test)]
+mod tests;

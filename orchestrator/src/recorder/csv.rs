@@ -274,4 +274,28 @@ mod tests {
         text(&mut line, "b \"c\", d");
         assert_eq!(String::from_utf8_lossy(&line), "0 7 -10 2147483647 -2147483648 a\"b \"\"c\"\", d\"");
     }
+
+    #[test]
+    fn law_rows_wait_for_a_full_second_or_for_many_bytes() {
+        let mut recorder = CsvRecorder::new(Vec::new());
+        let column = Column { name: "a.s".into(), kind: crate::value::Kind::String, unit: None };
+        recorder.begin(&[column]).expect("written");
+        assert_eq!((recorder.waiting(), recorder.sink.as_slice()), (0, &b"time,a.s\n"[..]));
+        let mut row = |time: f64, length: usize| {
+            let strings = [crate::text::Text::from("x".repeat(length).as_str())];
+            let slots = [crate::recorder::Slot::String(0)];
+            recorder
+                .row(time, Row { slots: &slots, reals: &[], integers: &[], strings: &strings })
+                .expect("written");
+            (recorder.waiting(), recorder.written)
+        };
+        assert_eq!(row(0.25, 1), (0, 16), "the first");
+        assert_eq!(row(0.5, 2), (7, 16));
+        assert_eq!(row(0.75, 1), (14, 16));
+        assert_eq!(row(1.0, 1), (0, 36), "the second is full");
+        // One byte less than it takes, then just as many.
+        assert_eq!(row(1.5, WAITING - 6), (WAITING - 1, 36));
+        assert_eq!(row(2.0, 1).0, 0, "a second later");
+        assert_eq!(row(2.5, WAITING - 5).0, 0, "so many are handed over at once");
+    }
 }

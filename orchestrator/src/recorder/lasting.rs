@@ -102,3 +102,51 @@ fn fill_standard_places() {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    #[test]
+    fn law_half_a_row_is_taken_off_and_another_file_is_left_alone() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("results.csv");
+        let mut file = File::create(&path).expect("made");
+        let lasting = Lasting::new(&path, &file).expect("a file");
+        file.write_all(b"time\n0.5\n0.").expect("written");
+        lasting.cut_at(9);
+        assert_eq!(std::fs::read(&path).expect("there"), b"time\n0.5\n");
+        // Its number is another file's by now.
+        let other = folder.path().join("other");
+        std::fs::write(&other, b"whole").expect("written");
+        let theirs = File::options().write(true).open(&other).expect("there");
+        let lasting = Lasting { descriptor: theirs.as_raw_fd(), ..lasting };
+        lasting.cut_at(1);
+        assert_eq!(std::fs::read(&other).expect("there"), b"whole");
+    }
+
+    #[test]
+    fn law_a_closed_file_is_found_again_unless_another_one_has_its_name() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("results.csv");
+        std::fs::write(&path, b"time\n0.5\n0.").expect("written");
+        let file = File::open(&path).expect("there");
+        let mut lasting = Lasting::new(&path, &file).expect("a file");
+        assert!(lasting.found(9).expect("there").is_none(), "nobody has closed it");
+        lasting.descriptor = -1;
+        let mut again = lasting.found(9).expect("there").expect("opened again");
+        again.write_all(b"1.0\n").expect("at its end");
+        assert_eq!(std::fs::read(&path).expect("there"), b"time\n0.5\n1.0\n", "without half a row");
+        lasting.append(b"1.5\n");
+        lasting.descriptor = -1;
+        lasting.append(b"2.0\n");
+        assert_eq!(std::fs::read(&path).expect("there"), b"time\n0.5\n1.0\n1.5\n2.0\n");
+        std::fs::remove_file(&path).expect("there");
+        std::fs::write(&path, b"mine").expect("written");
+        let error = lasting.found(9).expect_err("another one").to_string();
+        assert!(error.ends_with("another file has its name now"), "{error}");
+        lasting.append(b"1.5\n");
+        assert_eq!(std::fs::read(&path).expect("there"), b"mine");
+    }
+}

@@ -179,3 +179,19 @@ fn put(out: &mut String, key: &str, value: &Toml) {
         false => writeln!(out, "{} = {value}", Toml::String(key.to_owned())),
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Toml, put};
+
+    #[test]
+    fn value_keys_are_quoted_where_toml_asks_for_it() {
+        let mut out = String::new();
+        for key in ["a_1", "a-b", "a.b", "a b", "", "ä"] {
+            put(&mut out, key, &Toml::Float(1e300));
+        }
+        let keys = ["a_1", "a-b", "\"a.b\"", "\"a b\"", "\"\"", "\"ä\""];
+        assert_eq!(out, keys.map(|key| format!("{key} = 1e+300\n")).concat());
+        assert_eq!(out.parse::<toml::Table>().expect("TOML").len(), 6);
+    }
+}

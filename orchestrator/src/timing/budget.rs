@@ -249,6 +249,42 @@ mod tests {
         let found =
             |most: usize| budget(&scenario, most).map(|(loops, more)| (loops.len(), more)).expect("ticks");
         assert_eq!((found(9), found(2), found(1), found(0)), ((2, false), (2, false), (1, true), (0, true)));
+        let alone = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"x\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                     [[connections]]\nfrom = \"x.y\"\nto = \"x.u\"\n";
+        let (found, more) =
+            budget(&Scenario::parse(alone, "test.toml").expect("a scenario"), 9).expect("ticks");
+        assert_eq!((found.len(), more), (1, false), "all of one unit");
+    }
+
+    #[test]
+    fn law_ways_that_lead_out_of_a_loop_and_a_unit_that_drives_itself_hide_none() {
+        // The first way of x leads to w, which drives nobody; v drives itself, too.
+        let units = ["x", "w", "v"].map(|name| (name, "interval = 0.1"));
+        let ways = [("x>w", ""), ("x>v", ""), ("v>x", ""), ("v>v", "")];
+        let found = of("gauss-seidel", &units, &ways);
+        let names: Vec<String> = found.iter().map(|budget| budget.units.join(" ")).collect();
+        assert_eq!(names, ["v", "x v"]);
+        // It steps when its value of this instant is not sent yet.
+        close(found[0].terms(), [0.0, 0.05, 0.0, 0.0]);
+        assert_eq!(found[0].legs[0].age, (0.1, 0.1));
+    }
+
+    #[test]
+    fn law_two_hundred_loops_are_enough() {
+        // Each of seven units drives all others: 2359 loops, which are walked through soon.
+        let names: Vec<String> = (0..7).map(|unit| format!("a{unit}")).collect();
+        let mut text = "format = 1\nexperiment = { stop = 1 }\n".to_owned();
+        for name in &names {
+            text += &format!("[[units]]\nname = \"{name}\"\nfmu = \"x.fmu\"\ninterval = 1\n");
+        }
+        for (from, to) in names.iter().flat_map(|from| names.iter().map(move |to| (from, to))) {
+            if from != to {
+                text += &format!("[[connections]]\nfrom = \"{from}.y\"\nto = \"{to}.{from}\"\n");
+            }
+        }
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let (found, more) = budget(&scenario, 10_000).expect("ticks");
+        assert_eq!((found.len(), more), (200, true));
     }
 
     #[test]
@@ -321,5 +357,10 @@ mod tests {
         let names: Vec<String> = found.iter().map(|budget| budget.units.join(" ")).collect();
         assert_eq!(names, ["a b", "a b c"]);
         assert!((found[0].terms().transport - 0.4).abs() < 1e-12);
+        // Of those that are equally late the first one is told.
+        let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                    [[connections]]\nfrom = \"a.y\"\nto = \"a.u\"\n[[connections]]\nfrom = \"a.z\"\nto = \"a.w\"\n";
+        let found = budget(&Scenario::parse(text, "test.toml").expect("a scenario"), 9).expect("ticks").0;
+        assert_eq!((found.len(), found[0].legs[0].from.as_str()), (1, "a.y"));
     }
 }

@@ -169,7 +169,26 @@ mod tests {
         let ways: Vec<_> = later.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect();
         let shifted = expected.map(|((from, sent), (to, taken))| ((from, sent + 2.0), (to, taken + 2.0)));
         assert_eq!(ways, shifted);
+        // A run that ends with the first point of b.
+        let text = "format = 1\nexperiment = { stop = 0.25 }\n[[units]]\nname = \"b\"\nfmu = \"x.fmu\"\ninterval = 1\noffset = 0.25\n";
+        let short = diagram(&Scenario::parse(text, "test.toml").expect("a scenario")).expect("ticks");
+        assert_eq!(short.lanes[0].points, [0.0, 0.25]);
         // Gauss-Seidel takes what there is at the end of a step: nothing at the start.
         assert_eq!(scenario("gauss-seidel").arrows[0].to, (1, 0.25));
+    }
+
+    #[test]
+    fn value_a_unit_that_steps_later_is_seen_a_step_later() {
+        let text = "format = 1\nexperiment = { stop = 9, algorithm = \"gauss-seidel\" }\n\
+                    [[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                    [[units]]\nname = \"b\"\nfmu = \"x.fmu\"\ninterval = 1\n\
+                    [[connections]]\nfrom = \"a.y\"\nto = \"b.u\"\n\
+                    [[connections]]\nfrom = \"b.y\"\nto = \"a.u\"\n";
+        let found = diagram(&Scenario::parse(text, "test.toml").expect("a scenario")).expect("ticks");
+        let ways: Vec<_> = found.arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect();
+        // a steps first: what b sends at a point comes to a at the next one.
+        let expected =
+            [((0, 1.0), (1, 1.0)), ((0, 2.0), (1, 2.0)), ((1, 0.0), (0, 1.0)), ((1, 1.0), (0, 2.0))];
+        assert_eq!(ways, expected);
     }
 }

@@ -229,7 +229,7 @@ pub(super) fn signal(
     let whole = |(_, value): &(f64, f64)| match (kind, variable.items.as_deref()) {
         (Kind::Boolean, _) => *value == 0.0 || *value == 1.0,
         (_, Some(items)) => items.iter().any(|(_, known)| f64::from(*known) == *value),
-        _ => value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX),
+        _ => value.fract() == 0.0 && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(value),
     };
     match kind {
         Kind::Real => {}

@@ -104,11 +104,6 @@ impl Layout {
                     Slot::String(at)
                 }
             };
-            if let Some(start) = &description.start
-                && start.kind() == kind
-            {
-                values.put(slot, start);
-            }
             references.push(description.reference);
             self.slots.insert(variable, slot);
         }

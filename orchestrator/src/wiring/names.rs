@@ -212,7 +212,7 @@ impl Names {
         let nodes = graph::loop_through(&graph.edges, component);
         let variables = nodes.into_iter().filter_map(|node| graph.nodes.get(node));
         let mut names: Vec<String> = variables.map(|variable| self.full(*variable)).collect();
-        if names.len() < 2 || names.first() != names.last() {
+        if names.first() != names.last() {
             // It began with the inputs of a unit all together.
             names.extend(names.first().cloned());
         }

@@ -194,6 +194,8 @@ mod tests {
             ("*.q1", "plant.q1", true),
             ("*.q1", "plant.dq11", false),
             ("*q*", "plant.q1", true),
+            ("*q*q*", "plant.q1", false),
+            ("*q*q*", "plant.dq_q1", true),
             ("p*.q*1", "plant.q1", true),
             ("p*.q*1", "plant.q2", false),
             ("*", "x.y", true),

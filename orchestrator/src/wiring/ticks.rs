@@ -98,3 +98,28 @@ pub(crate) fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
         Error::Tick { place: scenario.place.clone(), times: all.join(", ") }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Scenario, clock};
+
+    #[test]
+    fn every_time_leaves_room_for_the_sums_of_a_run() {
+        // Ticks of a nanosecond: half of the range are 4.6e9 s, all of it 9.2e9 s.
+        let ticks = |start: &str, stop: &str, latency: &str| {
+            let text = format!(
+                "format = 1\nexperiment = {{ start = {start}, stop = {stop} }}\n[[units]]\nname = \"a\"\nfmu = \"x.fmu\"\n\
+                 interval = 1e-9\n[[connections]]\nfrom = \"a.y\"\nto = \"a.u\"\nlatency = {latency}\n"
+            );
+            clock(&Scenario::parse(&text, "test.toml").expect("a scenario")).map(|(_, ticks)| ticks.stop)
+        };
+        assert_eq!(ticks("-4.6e9", "4.6e9", "4.6e9").expect("fits"), 4_600_000_000_000_000_000);
+        // Ticks of 4.5 s fit, and their times don't: 9e18 s is 2e18 ticks of nine halves.
+        let text = "format = 1\nexperiment = { stop = 9e18 }\n[[units]]\nname = \"a\"\nfmu = \"x.fmu\"\ninterval = 4.5\n";
+        assert!(clock(&Scenario::parse(text, "test.toml").expect("a scenario")).is_err());
+        for (start, stop, latency) in [("-4.7e9", "0", "0"), ("0", "4.7e9", "0"), ("0", "1", "4.7e9")] {
+            let error = ticks(start, stop, latency).expect_err("too long").to_string();
+            assert!(error.contains("have no common tick that fits 64 bits"), "{error}");
+        }
+    }
+}

@@ -90,9 +90,9 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
     let by_theory =
         shown.stairs.iter().zip(&theory).all(|(stairs, theory)| is_by_theory(stairs.at(FAR), *theory));
     let falling = shown.each(|stairs| {
-        let falls: Vec<String> =
+        let unstable: Vec<String> =
             stairs.iter().filter(|stairs| !stairs.is_stable()).map(|stairs| stairs.lens.label()).collect();
-        Ok(if falls.is_empty() { "none".to_owned() } else { falls.join("/") })
+        Ok(if unstable.is_empty() { "none".to_owned() } else { unstable.join("/") })
     })?;
     let (plus, minus) = (far(shown.stairs, "k1", true)?, far(shown.stairs, "k1", false)?);
     let largest = shown.of("k1", true)?.largest().max(shown.of("k1", false)?.largest());
@@ -102,7 +102,7 @@ fn sizes(shown: &Shown<'_>) -> Result<Vec<Claim>, Error> {
             format!("z_d − z at z_d = 0.5: {}", listed.join("; ")),
             SIGN_AND_SIZE,
             shown.stairs.iter().all(Stairs::is_stable) && by_theory,
-            format!("shown with `damped`; stairs on which a set falls: {falling}"),
+            format!("shown with `damped`; stairs on which a set loses balance: {falling}"),
         ),
         Claim::new(
             ["C46", "steady error at z_d = 0.5 for k1 = ±0.1", "about 0.1 for both signs"],
@@ -204,7 +204,7 @@ fn larger(measured: &Measured) -> Claim {
     Claim::new(
         ["C53", "larger distortions force the system unstable near z = 0.5", "could easily"],
         texts.join("; "),
-        "falls on the way to z = 0.5, which is reached at 12 s, or there",
+        "loses balance on the way to z = 0.5, which is reached at 12 s, or there",
         measured.large.iter().all(|(_, _, trace)| trace.fell.is_some_and(|time| (2.0..18.0).contains(&time))),
         "N_min = 15 and N_max = 400, so that it is not the identification that fails",
     )

@@ -196,7 +196,7 @@ struct Measured {
     looks: Vec<Look>,
     /// The two curves over z that have the shape of a W.
     fine: Vec<Fine>,
-    /// The smallest value of each parameter with which `damped` falls on the way to z = 0.5.
+    /// The smallest value of each parameter with which `damped` loses balance on the way to z = 0.5.
     limits: Vec<(&'static str, f64)>,
 }
 
@@ -284,18 +284,18 @@ fn measure(bench: &Bench) -> Result<Measured, Error> {
     Ok(measured)
 }
 
-/// For each parameter the smallest positive value with which the damped loop falls, within 2 %.
+/// For each parameter the smallest positive value with which the damped loop loses balance, within 2 %.
 fn limits(bench: &Bench) -> Result<Vec<(&'static str, f64)>, Error> {
     let limit = |&parameter: &&'static str| {
         let course = vec![(0.0, 0.0), (2.0, 0.0), (12.0, 0.5)];
         let mut closed = Case::visual(DAMPED).finding_everything().along(course, 20).build(bench)?;
-        let (mut stands, mut falls): (f64, f64) = (0.02, 0.4);
-        while falls > 1.02 * stands {
-            let middle = (stands * falls).sqrt();
+        let (mut stable, mut unstable): (f64, f64) = (0.02, 0.4);
+        while unstable > 1.02 * stable {
+            let middle = (stable * unstable).sqrt();
             closed.set(&format!("camera.{parameter}"), middle)?;
-            if closed.run()?.is_stable() { stands = middle } else { falls = middle }
+            if closed.run()?.is_stable() { stable = middle } else { unstable = middle }
         }
-        Ok((parameter, falls))
+        Ok((parameter, unstable))
     };
     ["k1", "p1", "p2", "s1", "s2"].par_iter().map(limit).collect()
 }
@@ -316,7 +316,7 @@ fn graph(stairs: &[Stairs], positive: bool) -> Result<Graph, Error> {
 
 /// An error, or that there is none.
 fn size(error: f64) -> String {
-    if error.is_finite() { format!("{error:.3}") } else { "falls".to_owned() }
+    if error.is_finite() { format!("{error:.3}") } else { "unstable".to_owned() }
 }
 
 fn table(poles: Poles, stairs: &[Stairs]) -> Table {

@@ -134,7 +134,7 @@ fn delay(measured: &[Both]) -> Claim {
             "the inner loop guarantees stability; performance suffers (introduction)",
         ],
         fates.join("; "),
-        "the dual loop stands with each, the direct one falls from 1.5 T on",
+        "the dual loop is stable with each, the direct one is unstable from 1.5 T on",
         DELAYS.iter().all(|index| measured[*index].0[0].is_stable())
             && DELAYS[1..].iter().all(|index| !measured[*index].0[1].is_stable()),
         "",

@@ -58,7 +58,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
             Cell::Number(newton_metres(moving)),
             Cell::Number(newton_metres(resting)),
             Cell::Number(newton_metres(traces[index].ripple(AT_REST.0, AT_REST.1))),
-            Cell::Number(limits[index].map_or_else(|| "falls".to_owned(), |limit| format!("{limit:.1}"))),
+            Cell::Number(limits[index].map_or_else(|| "unstable".to_owned(), |limit| format!("{limit:.1}"))),
         ]
     });
     let table = Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() };
@@ -109,7 +109,7 @@ fn gentler(limits: &[Option<f64>]) -> Claim {
     Claim::new(
         [
             "S6.rate-limit",
-            "lowest limit on the torque's rate that the loop bears, with better centres",
+            "lowest limit on the torque's rate that the loop tolerates, with better centres",
             "\"a fixed maximum of the torque's rate\" is future work",
         ],
         format!("{} N·m/s", listed.join(", ")),

@@ -91,7 +91,7 @@ fn claim(traces: &[Trace], ripples: [f64; 4]) -> Claim {
             "\"N_x/2 × N_y/2 at twice this rate\"; no statement on control",
         ],
         format!("rms step of the torque between pictures in N·m: {}", listed.join("; ")),
-        "the loop stands with fields, and they make the torque rougher by half at least",
+        "the loop is stable with fields, and they make the torque rougher by half at least",
         traces[1].is_stable() && fields > 1.5 * frames,
         "our unit halves the rows only: a field has all columns; the paper's halved columns are a sensor of 256 × 256 px",
     )

@@ -37,7 +37,7 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
         figure(&of)?,
         "Steady error at z_d = 0.5 over the height of the ground line in the picture, pole set damped.",
     )?;
-    let text = |error: f64| if error.is_finite() { format!("{error:.3}") } else { "falls".to_owned() };
+    let text = |error: f64| if error.is_finite() { format!("{error:.3}") } else { "unstable".to_owned() };
     let head = std::iter::once("lens".to_owned()).chain(GROUNDS.map(|ground| format!("ground at {ground}")));
     let rows = LENSES.iter().enumerate().map(|(index, (name, value))| {
         let cells = of(index).iter().map(|error| Cell::Number(text(*error)));

@@ -272,4 +272,19 @@ mod tests {
         assert!(rest(0.0, 110.0).is_worse(&rest(0.0, 0.1)) && !rest(0.0, 90.0).is_worse(&rest(0.0, 0.1)));
         assert!(rest(0.0, 140.0).is_near(100.0) && !rest(0.0, 160.0).is_near(100.0));
     }
+
+    #[test]
+    fn law_a_look_follows_what_swings_wide_with_rates_that_nobody_measures_and_costs_little() {
+        let problem = crate::dynamics::tests::swung("looks", 400);
+        let longer = way(Change::Time(2.0)).read(&problem);
+        let share =
+            |problem: &Problem, glance: &Glance| super::rest(problem, glance).share.expect("it moves");
+        // to judge by: as it is read nothing is left, in other times most
+        assert!(share(&problem, &DOUBTS.long) < 0.001 && share(&longer, &DOUBTS.long) > 0.5);
+        // to choose by: so little that no way is passed over
+        assert!(share(&problem, &DOUBTS.short) < 0.01);
+        // rows that are simulated, of four states; a hundred ways are chosen from and a few are judged, with a unit of some microseconds a row
+        let rows = |glance: &Glance| glance.stretches * glance.rows * glance.rounds * 5;
+        assert!(100 * rows(&DOUBTS.short) < 300_000 && rows(&DOUBTS.long) < 30_000);
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::build::{Built, build};
 use super::schedule::Schedule;
+use super::worker::Job;
 use crate::observe::{Problem, load};
 use orchestrator::UnitPath;
 use std::path::Path;
@@ -45,6 +46,26 @@ pub fn pendulum(name: &str, rows: u32) -> Problem {
 /// Its engine.
 pub fn built(problem: &Problem) -> Built {
     build(problem, &problem.whole_runs()).expect("it can be followed")
+}
+
+/// The same, with what the model itself does from a wide start on in the place of the log.
+pub fn swung(name: &str, rows: u32) -> Problem {
+    let mut problem = pendulum(name, rows);
+    let built = built(&problem);
+    let (machine, grid) = (&built.engine.machine, &built.engine.grids[0]);
+    let schedule = Schedule::new(machine, grid, &machine.neutral());
+    let (pi, mut out) = (std::f64::consts::PI, Vec::new());
+    let start = [pi + 0.48, pi - 0.32, 0.8, -1.2];
+    let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &start);
+    let job = Job { probe: true, reads: &[], ..whole };
+    built.engine.with_worker(|worker| worker.interval(machine, &job, &mut out)).expect("it swings");
+    let courses = out[machine.order()..].chunks(machine.channels.len());
+    for (row, shown) in courses.enumerate() {
+        for (output, value) in machine.channels.iter().zip(shown) {
+            problem.runs[0].series[output.channel].values[row] = *value;
+        }
+    }
+    problem
 }
 
 /// Place of a parameter by its name, of the unit or of what is added at its ports.

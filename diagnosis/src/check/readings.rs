@@ -15,14 +15,14 @@ use std::time::Instant;
 
 /// What the model leaves of all channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Rest {
+struct Residual {
     /// The largest share of its motion that is left of a channel that tells; nothing where none does.
     share: Option<f64>,
     /// What is left beyond the sensors' noise, in their variances.
     excess: f64,
 }
 
-impl Rest {
+impl Residual {
     /// Nothing follows, or the model fails.
     const ALL: Self = Self { share: Some(f64::INFINITY), excess: f64::INFINITY };
 
@@ -75,15 +75,15 @@ fn counted(stated: f64, scatter: f64) -> f64 {
 }
 
 /// How well the model follows a data set.
-fn rest(problem: &Problem, glance: &Glance) -> Rest {
+fn residual(problem: &Problem, glance: &Glance) -> Residual {
     let runs = problem.whole_runs();
-    let Ok(mut built) = build(problem, &runs) else { return Rest::ALL };
+    let Ok(mut built) = build(problem, &runs) else { return Residual::ALL };
     let engine = &mut built.engine;
     // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
         *sd = counted(*sd, scatter.noise);
     }
-    let look = |engine: &Engine| engine.followed(glance).map_or(Rest::ALL, |left| Rest::of(&left));
+    let look = |engine: &Engine| engine.followed(glance).map_or(Residual::ALL, |left| Residual::of(&left));
     let after = look(engine);
     // an output may follow an input at once
     if engine.at_once().ok().flatten().is_none() {
@@ -95,12 +95,12 @@ fn rest(problem: &Problem, glance: &Glance) -> Rest {
 }
 
 /// How well the model follows a data set; nothing where an isolated unit didn't come back within its limit: it would in no other way.
-fn tried(problem: &Problem, glance: &Glance) -> Option<Rest> {
+fn tried(problem: &Problem, glance: &Glance) -> Option<Residual> {
     let began = Instant::now();
-    let rest = rest(problem, glance);
+    let residual = residual(problem, glance);
     let mut limits = problem.model.scenario.units.iter().filter_map(|unit| unit.isolation.as_ref());
-    let hangs = rest == Rest::ALL && limits.any(|limit| began.elapsed() >= limit.step_limit);
-    (!hangs).then_some(rest)
+    let hangs = residual == Residual::ALL && limits.any(|limit| began.elapsed() >= limit.step_limit);
+    (!hangs).then_some(residual)
 }
 
 /// The way in which the model follows the logs, if it doesn't as they are read.
@@ -112,8 +112,8 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
         if !tried(&read, &DOUBTS.short)?.is_right(way) {
             continue;
         }
-        let rest = tried(&read, &DOUBTS.long)?;
-        if rest.is_right(way) && is_exact(way, problem, &rest) {
+        let residual = tried(&read, &DOUBTS.long)?;
+        if residual.is_right(way) && is_exact(way, problem, &residual) {
             return Some(told(way, &[], None));
         }
     }
@@ -122,30 +122,31 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
         return None;
     }
     let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
-    let fits = |way: &&Way| rest(&way.read(problem), &DOUBTS.short).is_right(way);
-    let judged = ways.iter().filter(fits).map(|way| (rest(&way.read(problem), &DOUBTS.long), way));
-    let mut found: Vec<(Rest, &Way)> = judged.filter(|(rest, way)| is_it(way, problem, rest, &own)).collect();
-    let least = found.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    found.retain(|(rest, _)| rest.is_near(least));
+    let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).is_right(way);
+    let judged = ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way));
+    let mut found: Vec<(Residual, &Way)> =
+        judged.filter(|(residual, way)| is_it(way, problem, residual, &own)).collect();
+    let least = found.iter().map(|(residual, _)| residual.excess).min_by(f64::total_cmp)?;
+    found.retain(|(residual, _)| residual.is_near(least));
     let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
     Some(told(found[0].1, &others, Some((found[0].0, own))))
 }
 
 /// Whether the model follows the logs in this way and not as they are read.
-fn is_it(way: &Way, problem: &Problem, rest: &Rest, own: &Rest) -> bool {
-    rest.is_right(way)
-        && rest.is_less(way, own)
-        && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, rest))
+fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
+    residual.is_right(way)
+        && residual.is_less(way, own)
+        && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
 }
 
 /// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
-fn turns(way: &Way, problem: &Problem, own: &Rest) -> bool {
-    way.beside(problem).iter().all(|beside| rest(beside, &DOUBTS.long).excess <= HALF * own.excess)
+fn turns(way: &Way, problem: &Problem, own: &Residual) -> bool {
+    way.beside(problem).iter().all(|beside| residual(beside, &DOUBTS.long).excess <= HALF * own.excess)
 }
 
 /// Whether the model follows the logs clearly worse a little beside this way.
-fn is_exact(way: &Way, problem: &Problem, rest: &Rest) -> bool {
-    way.beside(problem).iter().all(|beside| self::rest(beside, &DOUBTS.long).is_worse(rest))
+fn is_exact(way: &Way, problem: &Problem, residual: &Residual) -> bool {
+    way.beside(problem).iter().all(|beside| self::residual(beside, &DOUBTS.long).is_worse(residual))
 }
 
 /// The signs with which the model follows the logs.
@@ -163,23 +164,23 @@ pub(crate) struct Signs {
 pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
     let own = tried(problem, &DOUBTS.long)?;
     let turns = ways::signs(problem).into_iter();
-    let mut all: Vec<(Rest, Vec<String>)> = turns
-        .map(|way| (rest(&way.read(problem), &DOUBTS.long), way.channels(problem)))
-        .filter(|(rest, _)| (rest.excess - own.excess).abs() > SLIGHT * own.excess)
+    let mut all: Vec<(Residual, Vec<String>)> = turns
+        .map(|way| (residual(&way.read(problem), &DOUBTS.long), way.channels(problem)))
+        .filter(|(residual, _)| (residual.excess - own.excess).abs() > SLIGHT * own.excess)
         .collect();
     all.push((own, Vec::new()));
-    let least = all.iter().map(|(rest, _)| rest.excess).min_by(f64::total_cmp)?;
-    let near = all.iter().filter(|(rest, _)| rest.is_near(least));
-    let (rest, turned) = near.min_by_key(|(_, turned)| turned.len())?;
-    let left = rest.share.filter(|share| *share < DOUBTS.extreme.0)?;
-    let is_worse = |other: &Rest| other.excess >= SEVERAL * rest.excess;
+    let least = all.iter().map(|(residual, _)| residual.excess).min_by(f64::total_cmp)?;
+    let near = all.iter().filter(|(residual, _)| residual.is_near(least));
+    let (residual, turned) = near.min_by_key(|(_, turned)| turned.len())?;
+    let left = residual.share.filter(|share| *share < DOUBTS.extreme.0)?;
+    let is_worse = |other: &Residual| other.excess >= SEVERAL * residual.excess;
     let mut others = all.iter().filter(|(_, other)| other.len() < 2 && other != turned);
     (all.len() > 1 && others.all(|(other, _)| is_worse(other)))
         .then(|| Signs { turned: turned.clone(), left })
 }
 
-fn told(way: &Way, others: &[&Way], shares: Option<(Rest, Rest)>) -> Doubt {
-    let share = |rest: Rest| match rest.share {
+fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
+    let share = |residual: Residual| match residual.share {
         Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
         _ => "more than ten times as much".into(),
     };
@@ -212,8 +213,8 @@ mod tests {
         Left { error: error * all, motion: motion * all, count: 200.0, variance: 4.0 }
     }
 
-    fn rest(share: f64, excess: f64) -> Rest {
-        Rest { share: Some(share), excess }
+    fn residual(share: f64, excess: f64) -> Residual {
+        Residual { share: Some(share), excess }
     }
 
     fn way(change: Change) -> Way {
@@ -223,10 +224,10 @@ mod tests {
     #[test]
     fn value_a_channel_tells_from_five_deviations_of_its_sensor() {
         // 4.9² and 5.1² variances, of motion or of error
-        assert_eq!(Rest::of(&[left(24.0, 1.0)]).share, None, "noise");
-        assert!(Rest::of(&[left(26.0, 1.0)]).share.is_some(), "motion");
-        assert_eq!(Rest::of(&[left(1.0, 24.0)]).share, None);
-        assert!(Rest::of(&[left(1.0, 26.0)]).share.is_some(), "error");
+        assert_eq!(Residual::of(&[left(24.0, 1.0)]).share, None, "noise");
+        assert!(Residual::of(&[left(26.0, 1.0)]).share.is_some(), "motion");
+        assert_eq!(Residual::of(&[left(1.0, 24.0)]).share, None);
+        assert!(Residual::of(&[left(1.0, 26.0)]).share.is_some(), "error");
     }
 
     #[test]
@@ -240,17 +241,17 @@ mod tests {
     #[test]
     fn value_what_the_model_leaves_as_logs_are_read() {
         // a fiftieth of the motion is no wrong reading: gains and offsets of that size are sound sensors'
-        assert!(rest(0.018, 1e4).is_followed() && !rest(0.022, 1e4).is_followed());
-        assert!(Rest { share: None, excess: 1e4 }.is_followed(), "no channel tells");
+        assert!(residual(0.018, 1e4).is_followed() && !residual(0.022, 1e4).is_followed());
+        assert!(Residual { share: None, excess: 1e4 }.is_followed(), "no channel tells");
     }
 
     #[test]
     fn value_what_the_model_leaves_in_another_way() {
         let sign = way(Change::Values(vec![(0, Affine { scale: -1.0, offset: 0.0 })]));
         // a tenth of the motion, and of what it leaves as they are read
-        assert!(rest(0.09, 1.0).is_right(&sign) && !rest(0.11, 1.0).is_right(&sign));
-        assert!(rest(0.0, 90.0).is_less(&sign, &rest(1.0, 1000.0)));
-        assert!(!rest(0.0, 110.0).is_less(&sign, &rest(1.0, 1000.0)));
+        assert!(residual(0.09, 1.0).is_right(&sign) && !residual(0.11, 1.0).is_right(&sign));
+        assert!(residual(0.0, 90.0).is_less(&sign, &residual(1.0, 1000.0)));
+        assert!(!residual(0.0, 110.0).is_less(&sign, &residual(1.0, 1000.0)));
         // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
         for far in [
             Change::Time(60.0),
@@ -258,19 +259,25 @@ mod tests {
             Change::Values(vec![(0, Affine { scale: 1e-3, offset: 0.0 })]),
         ] {
             let far = way(far);
-            assert!(rest(0.45, 1.0).is_right(&far) && !rest(0.55, 1.0).is_right(&far));
-            assert!(rest(0.0, 18.0).is_less(&far, &rest(1.0, 1000.0)));
-            assert!(!rest(0.0, 22.0).is_less(&far, &rest(1.0, 1000.0)));
+            assert!(residual(0.45, 1.0).is_right(&far) && !residual(0.55, 1.0).is_right(&far));
+            assert!(residual(0.0, 18.0).is_less(&far, &residual(1.0, 1000.0)));
+            assert!(!residual(0.0, 22.0).is_less(&far, &residual(1.0, 1000.0)));
         }
     }
 
     #[test]
     fn value_what_is_left_beside_a_way_and_in_ways_that_are_as_good() {
         // much noise: twice as much is worse, a half more is not
-        assert!(rest(0.0, 2.1e4).is_worse(&rest(0.0, 1e4)) && !rest(0.0, 1.9e4).is_worse(&rest(0.0, 1e4)));
+        assert!(
+            residual(0.0, 2.1e4).is_worse(&residual(0.0, 1e4))
+                && !residual(0.0, 1.9e4).is_worse(&residual(0.0, 1e4))
+        );
         // hardly anything left: ten standard deviations, squared, whatever it is a multiple of
-        assert!(rest(0.0, 110.0).is_worse(&rest(0.0, 0.1)) && !rest(0.0, 90.0).is_worse(&rest(0.0, 0.1)));
-        assert!(rest(0.0, 140.0).is_near(100.0) && !rest(0.0, 160.0).is_near(100.0));
+        assert!(
+            residual(0.0, 110.0).is_worse(&residual(0.0, 0.1))
+                && !residual(0.0, 90.0).is_worse(&residual(0.0, 0.1))
+        );
+        assert!(residual(0.0, 140.0).is_near(100.0) && !residual(0.0, 160.0).is_near(100.0));
     }
 
     #[test]
@@ -278,7 +285,7 @@ mod tests {
         let problem = crate::dynamics::tests::swung("looks", 400);
         let longer = way(Change::Time(2.0)).read(&problem);
         let share =
-            |problem: &Problem, glance: &Glance| super::rest(problem, glance).share.expect("it moves");
+            |problem: &Problem, glance: &Glance| super::residual(problem, glance).share.expect("it moves");
         // to judge by: as it is read nothing is left, in other times most
         assert!(share(&problem, &DOUBTS.long) < 0.001 && share(&longer, &DOUBTS.long) > 0.5);
         // to choose by: so little that no way is passed over

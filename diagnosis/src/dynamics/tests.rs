@@ -57,7 +57,7 @@ pub fn swung(name: &str, rows: u32) -> Problem {
     let (pi, mut out) = (std::f64::consts::PI, Vec::new());
     let start = [pi + 0.48, pi - 0.32, 0.8, -1.2];
     let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &start);
-    let job = Job { probe: true, reads: &[], ..whole };
+    let job = Job { each_row: true, reads: &[], ..whole };
     built.engine.with_worker(|worker| worker.interval(machine, &job, &mut out)).expect("it swings");
     let courses = out[machine.order()..].chunks(machine.channels.len());
     for (row, shown) in courses.enumerate() {

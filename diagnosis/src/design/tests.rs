@@ -1,3 +1,5 @@
+//! How much is simulated for an experiment, and when members count as told apart.
+
 use super::*;
 use crate::dynamics::tests::{built, pendulum, place, units};
 

@@ -160,10 +160,13 @@ fn likeness(
         (Some(true), Some(unit), Some(own)) => format!(", and {unit} converts to {own}"),
         _ => String::new(),
     };
-    Some((
-        best + if fits == Some(true) { IMPORT.fitting_unit } else { 0.0 },
-        format!("column {:?} by {exact} {why}{unit}", header.text),
-    ))
+    Some((scored(best, fits == Some(true)), format!("column {:?} by {exact} {why}{unit}", header.text)))
+}
+
+/// A likeness with what a fitting unit of measurement adds: the same name goes before any that is similar.
+fn scored(alike: f64, fits: bool) -> f64 {
+    let same = if alike >= 1.0 { 1.0 } else { 0.0 };
+    alike + same + if fits { IMPORT.fitting_unit } else { 0.0 }
 }
 
 /// Lower-case words of a name: `phi_cmd`, `motorSpeed`, `T box`.
@@ -233,6 +236,14 @@ mod tests {
         assert_eq!(numbered("Heater 1", "Q1"), IMPORT.alike);
         assert_eq!(numbered("Heater 2", "Q1"), 0.0);
         assert_eq!(numbered("Heater", "Q"), 0.0);
+    }
+
+    #[test]
+    fn law_the_same_name_goes_before_a_similar_one_whose_unit_fits() {
+        let words_of = |one: &str, other: &str| same(&words(one), &words(other));
+        let (own, wall) = (words_of("box T", "box_T"), words_of("box T", "box_T_wall"));
+        assert!(scored(own, false) > scored(wall, true) && scored(own, true) > scored(own, false));
+        assert!(scored(wall, true) > scored(wall, false));
     }
 
     #[test]

@@ -1,3 +1,5 @@
+//! What signs, units of measurement and offsets are believed by.
+
 use super::*;
 
 #[test]

@@ -243,17 +243,18 @@ impl<'a> Held<'a> {
     }
 }
 
-/// The best one or two of the columns, then forward selection: two that only together tell a course (a gain, and a place of rest) are found
-/// in no other way.
+/// Forward selection of the columns, from the best one; where no single one does a part that counts, from the best two. (From the best two
+/// in any case a true name gave way to a resistance and a lag that together did a little more.)
 fn selected(columns: &[Column], course: &[f64], within: &dyn Fn(usize, f64) -> bool) -> Option<Nearest> {
     let held = Held::new(columns, course, within);
     let all = || 0..columns.len();
-    let single = held.best(all().map(|place| vec![place]));
+    let counts = |(near, _): &(Nearest, Vec<usize>)| near.share >= SEARCHING.follows;
+    let single = || held.best(all().map(|place| vec![place])).filter(counts);
     let larger = |i: usize, j: usize| if held.alone(i) >= held.alone(j) { vec![i, j] } else { vec![j, i] };
-    let pair = held.best(all().flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| larger(i, j)));
-    let alone = single.as_ref().map_or(0.0, |(near, _)| near.share);
-    let both = pair.filter(|(near, _)| near.share >= SEARCHING.further + alone.max(SEARCHING.follows));
-    let (mut near, mut chosen) = both.or(single.filter(|_| alone >= SEARCHING.follows))?;
+    let pair = || {
+        held.best(all().flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| larger(i, j))).filter(counts)
+    };
+    let (mut near, mut chosen) = single().or_else(pair)?;
     while chosen.len() < SEARCHING.terms {
         let further = held.best(all().map(|place| chosen.iter().copied().chain([place]).collect()));
         match further {

@@ -69,7 +69,7 @@ impl Clock {
         let wrong = |option, given: f64, wanted: &str| {
             Err(Error::Option { option, given: given.to_string(), problem: format!("expected {wanted}") })
         };
-        if !(self.rate > 0.0 && self.rate.is_finite()) {
+        if !(self.rate > 0.0 && self.rate.is_finite() && self.rate.recip().is_finite()) {
             return wrong("--rate", self.rate, "rows a second, above 0");
         }
         if !self.start.is_finite() {

@@ -104,12 +104,13 @@ impl Text {
                 ),
             ));
         };
-        let row = (head + 1..lines.len()).find(|at| !is_comment(lines[*at]));
-        if let (Separator::Blanks, Some(row)) = (separator, row) {
-            let (above, below) = (separator.cells(names).len(), separator.cells(lines[row]).len());
-            if above != below {
+        if separator == Separator::Blanks {
+            let names = separator.cells(names).len();
+            let row = |at: &usize| !is_comment(lines[*at]) && separator.cells(lines[*at]).len() != names;
+            if let Some(row) = (head + 1..lines.len()).find(row) {
                 let problem = format!(
-                    "{below} cells below {above} names: where blanks separate columns a name can have none; commas between columns would do"
+                    "{} cells below {names} names: blanks don't say which is missing, and a name can have none; commas between columns would do",
+                    separator.cells(lines[row]).len()
                 );
                 return Err(wrong(row + 1, problem));
             }
@@ -154,6 +155,8 @@ mod tests {
         let told = read("t motor speed\n0.0 1\n0.1 2\n").unwrap_err();
         assert!(told.contains("line 2") || told.contains(":2"), "{told}");
         assert!(told.contains("2 cells below 3 names"), "{told}");
+        let ragged = read("t u w\n0.0 1 2\n\n0.1 1\n0.2 1 2\n").unwrap_err();
+        assert!(ragged.contains(":4: 2 cells below 3 names"), "{ragged}");
     }
 
     #[test]

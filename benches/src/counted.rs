@@ -42,7 +42,7 @@ fn plant_steps() {
 }
 
 /// Short runs of the closed loop with reused units: what a run costs beyond its steps. None of them is the opening alone, most
-/// of which is the unpacking of the units' files.
+/// of which is the unpacking of the units' files; two of them pay for the look whether a reset brings each unit back.
 fn short_runs(count: usize) {
     let scenario = benches::closed_loop::scenario("1/10", &[]);
     let mut simulation =
@@ -98,12 +98,13 @@ fn main() {
         Some("texts") => master_steps(&Ring::of_feedthroughs(true)),
         Some("plant") => plant_steps(),
         Some("opening") => short_runs(0),
-        Some("runs") => short_runs(20),
+        Some("again") => short_runs(2),
+        Some("runs") => short_runs(22),
         Some("large") => large_texts(),
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
         None => {
-            panic!("which work? a, b16, c, d, master, mixed, texts, plant, opening, runs, large or loop30")
+            panic!("which work? a, b16, c, d, master, mixed, texts, plant, opening, again, runs, large or loop30")
         }
     }
 }

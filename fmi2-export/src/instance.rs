@@ -11,7 +11,10 @@ use crate::model::{Description, Experiment, Model, Step};
 use crate::state_machine::{Call, Mode, legal};
 use crate::table::{Causality, Kind, Slot, Table, Variable};
 use serde::{Deserialize, Serialize};
+use std::any::TypeId;
+use std::collections::BTreeMap;
 use std::ffi::CString;
+use std::sync::{Mutex, PoisonError};
 
 /// Rounding that a master may have made when it computed a time, relative to the times at hand. A million steps
 /// of an accumulating master stay below 1e-10, and no step that a unit can feel is that short.
@@ -260,7 +263,10 @@ impl<M: Model> Instance<M> {
     }
 }
 
-/// The GUID that belongs to `M`'s description.
+/// The GUID that belongs to `M`'s description. Made once a model: it takes the whole description and its digest, and an instance of a
+/// small unit would cost little else.
 pub fn guid<M: Model>() -> String {
-    description::Unit::of::<M>().guid()
+    static KNOWN: Mutex<BTreeMap<TypeId, String>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    known.entry(TypeId::of::<M>()).or_insert_with(|| description::Unit::of::<M>().guid()).clone()
 }

@@ -103,6 +103,7 @@ mod text;
 pub mod time;
 pub mod timing;
 mod unit_path;
+mod unread;
 mod value;
 mod wiring;
 pub mod xml;

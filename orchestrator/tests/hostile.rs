@@ -92,6 +92,27 @@ fn law_what_is_not_finite_is_told_once_and_recorded() {
 }
 
 #[test]
+fn law_what_is_not_finite_is_told_at_the_end_where_nobody_reads_it() {
+    let units = Units::new();
+    for (record, expected) in [
+        ("a.y1", vec!["a.y2 is NaN at t = 1 s, at the end; nothing reads it"]),
+        ("a.*", vec!["a.y2 is NaN at t = 0.5 s, for the first time"]),
+    ] {
+        let text = faulty(17, &format!("[record]\nvariables = [\"{record}\"]\n"));
+        let mut simulation = build(&units, &text).expect("builds");
+        for _ in 0..2 {
+            simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect("nobody reads it");
+            simulation.look_over();
+            simulation.look_over();
+            assert_eq!(simulation.notices(), expected);
+        }
+        simulation.terminate();
+        simulation.look_over();
+        assert_eq!(simulation.notices(), expected, "a unit that was ended is asked nothing");
+    }
+}
+
+#[test]
 fn law_what_is_not_finite_at_the_start_is_told_or_an_error() {
     let units = Units::new();
     let parts = [

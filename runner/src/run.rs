@@ -228,6 +228,9 @@ fn go(
 ) -> Result<Ended, Error> {
     let _looking = Looking::now();
     let ended = simulation.run_on(from, checkpoints, recorder, progress);
+    if ended.is_ok() {
+        simulation.look_over();
+    }
     simulation.terminate();
     Ok(ended?)
 }

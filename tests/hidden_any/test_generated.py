@@ -56,6 +56,21 @@ def test_a_name_that_widens_the_gap_beside_something_unlisted_is_withdrawn(tmp_p
     assert all(gap["after"] == gap["before"] for gap in said["gaps"]), said["gaps"]
 
 
+def test_a_payload_in_one_run_is_told_with_its_run(tmp_path):
+    motor = ALL["motor"]
+    runs = sets.Runs(motor, np.random.default_rng(1), 4)
+    both = runs.outputs([{"J": 0.05}, {"J": 0.07}])
+    clean = [{name: values[:, int(run is both[1])] for name, values in run.items()} for run in both]
+    sets.write(motor, runs, clean, runs.rng, tmp_path / "set", {"motor": motor.build(motor, tmp_path)})
+    said = told(tmp_path)
+    assert said["verdict"] == "unknown" and said["effects"] == [], said["effects"]
+    shape = said["unknown"]["shape"]
+    assert shape.startswith("runs that differ: motor.J (inertia of motor and load) would be ") and "; or " not in shape, shape
+    values = [float(words.split(" in ")[0]) for words in shape.split(" would be ")[1].split(", ")]
+    # each run knows its inertia to a part in a thousand
+    assert np.allclose(values, [0.05, 0.07, 0.05, 0.05], rtol=3e-3), shape
+
+
 def test_a_sensors_lag_below_a_row_is_not_called_a_delay(tmp_path):
     said = diagnosed(dataclasses.replace(ALL["motor"], runs=4), "w:lag", 3, tmp_path)
     # least squares by scipy over start states and either: chi2 of 7203.2 with the lag, of 7208.3 with a delay, so that both are told

@@ -5,6 +5,7 @@
 //! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
 //! - `residual.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
@@ -22,6 +23,7 @@ mod mismatch;
 mod policy;
 mod reading;
 mod residual;
+mod runs;
 mod sensor;
 mod study;
 mod table;

@@ -2,7 +2,7 @@
 
 use super::policy::GENERAL;
 use super::residual::{self, Residual};
-use super::{amended, begun, long, mismatch, reading, sensor, told};
+use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Gap, Verdict};
 use crate::dynamics::Machine;
@@ -93,6 +93,7 @@ fn found(
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
     });
+    let unknown = runs::shaped(problem, &all, unknown, watch)?;
     let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
         Verdict::Unknown

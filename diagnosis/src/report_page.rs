@@ -22,7 +22,12 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     }
     if let Some(unknown) = &diagnosis.unknown {
         page.heading("What has no name");
-        page.text(&format!("{}: {}. {}.", unknown.signal, unknown.shape, unknown.nearest));
+        page.text(&format!(
+            "{}: {}. {}.",
+            sentence(&unknown.signal),
+            unknown.shape,
+            sentence(&unknown.nearest)
+        ));
         report_graphs::unlisted(unknown, &mut page)?;
         if let Some(correction) = &diagnosis.correction {
             page.text(&corrected(correction));
@@ -174,6 +179,16 @@ fn summary(diagnosis: &Diagnosis) -> String {
 /// Unit of a variable of the model.
 fn unit(diagnosis: &Diagnosis, name: &str) -> Cell {
     diagnosis.units.get(name).cloned().unwrap_or_default().into()
+}
+
+/// With a capital, unless it begins with the name of a variable.
+fn sentence(words: &str) -> String {
+    let first = words.split(' ').next().unwrap_or_default();
+    let mut letters = words.chars();
+    match letters.next().filter(|_| !first.contains('.')) {
+        Some(letter) => letter.to_uppercase().chain(letters).collect(),
+        None => words.to_owned(),
+    }
 }
 
 fn effects(diagnosis: &Diagnosis) -> Table {

@@ -20,6 +20,8 @@ pub struct Known {
     pub point: Vec<f64>,
     /// Those that are on.
     pub active: Vec<usize>,
+    /// The plant was compared by the torques that it lacks, since it doesn't follow its logs.
+    pub by_torques: bool,
 }
 
 /// Who hears of the work.

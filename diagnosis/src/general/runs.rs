@@ -44,7 +44,12 @@ pub fn shaped(
     }
     watch.stage("comparing the runs");
     Ok(Some(match differ(problem, studied, watch)? {
-        Some(shape) => Unknown { shape, depends_on: Vec::new(), ..left },
+        Some(shape) => Unknown {
+            shape,
+            depends_on: Vec::new(),
+            nearest: "with one value in all runs no listed effect takes it away".into(),
+            ..left
+        },
         None => left,
     }))
 }

@@ -83,6 +83,7 @@ pub(super) fn left_out(
     let point: Vec<f64> = kept.iter().map(|index| first.point[*index]).collect();
     let on = |index: &usize| first.parts.iter().any(|part| part.study.active.contains(index));
     let active: Vec<usize> = (0..kept.len()).filter(|place| on(&kept[*place])).collect();
+    let by_torques = first.parts.iter().any(|part| part.torque && part.study.discrepancy_dominated);
     let all = folds(data);
     for (place, fold) in all.iter().enumerate() {
         watch.stage("the search is repeated for the gap");
@@ -90,7 +91,7 @@ pub(super) fn left_out(
         if watch.is_over(REPEATED) {
             return Ok(None);
         }
-        watch.begin_from(Some(Known { point: point.clone(), active: active.clone() }));
+        watch.begin_from(Some(Known { point: point.clone(), active: active.clone(), by_torques }));
         let compared = compare(&fold.kept, model, &shorter, options, watch);
         watch.begin_from(None);
         let Compared { parts, point, .. } = compared?;

@@ -23,6 +23,11 @@ pub(super) fn plant_part(
         notices.extend(data.runs.iter().filter_map(not_compared));
         return Ok(logged_poses(data));
     };
+    if let Some(part) = by_torques_again(data, model, list, point, watch)? {
+        point.clone_from(&part.study.last.point);
+        parts.push(part);
+        return Ok(None);
+    }
     watch.stage("plant: windows of the logs");
     let (compared, all) = rows.windows();
     if compared < all {
@@ -70,6 +75,23 @@ pub(super) fn plant_part(
     }
     rows.linearise(point, &[])?;
     pose_of(data, &mut rows, point, sigma)
+}
+
+/// A repeated search compares by torques at once where the first one found that the plant doesn't follow its logs; where images need the
+/// motion, it is followed all the same.
+fn by_torques_again(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+    point: &[f64],
+    watch: &mut Watch<'_>,
+) -> Result<Option<Part>, Error> {
+    let by_torques = watch.known().is_some_and(|known| known.by_torques);
+    if !by_torques || data.runs.iter().any(|run| run.camera.is_some()) {
+        return Ok(None);
+    }
+    let weak = Weak::new(data, model, list.clone())?.map(Tracked::new);
+    weak.map(|mut weak| part(&mut weak, list, point, &[], true, watch)).transpose()
 }
 
 /// The motions as they were logged, and how well they are known, rad; `None` where there are none.

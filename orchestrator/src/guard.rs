@@ -7,6 +7,7 @@
 
 #[cfg(unix)]
 mod ending;
+mod lookout;
 #[cfg(unix)]
 mod signals;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use std::sync::{Mutex, PoisonError};
 
 #[cfg(unix)]
 pub(crate) use ending::unpacked_in;
+pub use lookout::{beat, look_out};
 
 /// Whether there is a folder to be removed.
 #[cfg(all(unix, test))]

@@ -90,3 +90,12 @@ def test_a_unit_that_ends_a_diagnosis_in_its_own_process_is_told(tmp_path, fault
         assert done.returncode == 1 and done.stdout == "", done
         assert all(word in done.stderr for word in (told, "unit motor", "fmi2DoStep", "--isolate")), done.stderr
         assert not (tmp_path / "found").exists()
+
+
+@pytest.mark.parametrize("isolate", [[], ["--isolate"]])
+def test_what_a_unit_prints_is_no_answer(tmp_path, isolate):
+    unit = bad_set(tmp_path, "", "extern int puts(const char *); puts(\"a word of the unit\");")
+    logs = sorted((tmp_path / "set").glob("run-*.csv"))[:1]
+    done = done_by("import", *logs, "--fmu", unit, "--out", tmp_path / "imported", *isolate)
+    assert done.returncode == 0 and "a word of the unit" in done.stderr, done.stderr[-300:]
+    assert "then: acroscope diagnose" in done.stdout and "a word of the unit" not in done.stdout, done.stdout

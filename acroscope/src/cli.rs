@@ -1,8 +1,10 @@
 //! What can be typed.
 
+mod called;
 mod import;
 mod units;
 
+pub use called::Called;
 pub use import::{Import, StampOf};
 pub use units::{Check, Containing, New, Packing};
 
@@ -97,12 +99,9 @@ pub struct Diagnose {
     /// Fit these parameters, in place of a search: values with intervals, and whether they explain the data (format = 2).
     #[arg(long, value_name = "UNIT.VARIABLE,...", value_delimiter = ',')]
     pub fit: Vec<String>,
-    /// Run every unit in a process of its own: one that crashes or hangs ends the diagnosis with what it did (format = 2).
-    #[arg(long)]
-    pub isolate: bool,
-    /// Seconds that a call into an isolated unit may take [default: 30].
-    #[arg(long, value_name = "S", value_parser = above_zero, requires = "isolate")]
-    pub step_limit: Option<f64>,
+    /// Whether units have processes of their own, and limits.
+    #[command(flatten)]
+    pub called: Called,
     /// Folder of an earlier diagnosis of the same machine, before an experiment: what it told apart counts, too.
     #[arg(long, value_name = "DIR")]
     pub after: Option<PathBuf>,

@@ -36,6 +36,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     runner::signals::listen();
+    runner::tell::apart();
     match commands::dispatch(&arguments) {
         Ok(()) => 0,
         Err(error) => {

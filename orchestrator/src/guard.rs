@@ -7,6 +7,9 @@
 
 #[cfg(unix)]
 mod ending;
+mod lookout;
+#[cfg(unix)]
+mod prints;
 #[cfg(unix)]
 mod signals;
 #[cfg(test)]
@@ -22,6 +25,9 @@ use std::sync::{Mutex, PoisonError};
 
 #[cfg(unix)]
 pub(crate) use ending::unpacked_in;
+pub use lookout::{beat, look_out};
+#[cfg(unix)]
+pub use prints::own_output;
 
 /// Whether there is a folder to be removed.
 #[cfg(all(unix, test))]

@@ -40,6 +40,7 @@ fn command_line() -> u8 {
         }
     };
     signals::listen();
+    runner::tell::apart();
     match asked(&run).and_then(|()| runner::run(&run, quiet, &|_| Ok(()))) {
         Ok(()) => 0,
         Err(error) => {

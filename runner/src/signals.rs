@@ -4,7 +4,6 @@
 //! since it is no run, or its unit hangs, or the person asks a second time, ends at once; units that were unpacked and
 //! folders that are empty are taken away first. The exit status is 128 + the signal's number, as a shell has it.
 
-#[cfg(unix)]
 use crate::complain;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
 
@@ -130,7 +129,21 @@ fn end_at_once(signal: i32) {
     for word in orchestrator::give_up() {
         complain!("error: {word}");
     }
+    end_with(exit_status(signal));
+}
+
+/// Ends the program with an error, whatever its threads are at: one of them is in a unit that does not come back.
+pub fn end_with_error(why: &str) {
+    ENDING.store(true, Ordering::Release);
+    complain!("error: {why}");
+    end_with(1);
+}
+
+fn end_with(status: u8) {
     orchestrator::fmu::discard_unpacked();
     crate::folder::remove_empty();
-    signal_hook::low_level::exit(i32::from(exit_status(signal)));
+    #[cfg(unix)]
+    signal_hook::low_level::exit(i32::from(status));
+    #[cfg(not(unix))]
+    std::process::exit(i32::from(status));
 }

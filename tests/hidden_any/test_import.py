@@ -54,6 +54,16 @@ def channels(folder):
     return {entry["variable"]: entry for entry in head["channel"]}, head
 
 
+def test_a_number_below_no_name_is_an_error_with_its_line(tmp_path, motor):
+    columns = {"u": ("u (V)", 1.0, 0.0), "i": ("i (A)", 1.0, 0.0), "w": ("w (rad/s)", 1.0, 0.0)}
+    path = log(tmp_path / "log.csv", ALL["motor"], columns)
+    rows = path.read_text().splitlines()
+    for more, status in [(",", 0), (",7.5", 2)]:
+        path.write_text("\n".join([*rows[:9], rows[9] + more, *rows[10:]]) + "\n")
+        said = run("import", path, "--fmu", motor, "--out", tmp_path / f"out{status}", status=status)
+        assert (f"{path}:10: 5 cells below 4 names: 7.5 stands below none" in said) == (status == 2), said
+
+
 def test_a_column_of_words_is_left_out_and_told(tmp_path, motor):
     path = log(tmp_path / "log.csv", ALL["motor"], {"u": ("u (V)", 1.0, 0.0), "i": ("i (A)", 1.0, 0.0), "w": ("w (rad/s)", 1.0, 0.0)})
     head, *rows = path.read_text().splitlines()

@@ -1,5 +1,6 @@
 //! What can be typed after `acroscope import`.
 
+use super::Called;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -40,6 +41,9 @@ pub struct Import {
     /// Value of the brightest pixel of images of 16 bit [default: 65535].
     #[arg(long, requires = "frames", value_name = "LEVEL", value_parser = clap::value_parser!(u16).range(1..))]
     pub white: Option<u16>,
+    /// How the unit is called.
+    #[command(flatten)]
+    pub called: Called,
     /// Replace a data set that is in that folder.
     #[arg(long, conflicts_with = "frames")]
     pub force: bool,

@@ -4,7 +4,6 @@ use crate::cli::Diagnose;
 use crate::error::Error;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use orchestrator::Isolation;
 use runner::folder::Folder;
 use runner::request::folder_name;
 use std::io::IsTerminal as _;
@@ -17,14 +16,13 @@ const MINUTE: f64 = 60.0;
 /// Diagnoses the data set and writes `diagnosis.json`, `amended.toml` and `report.html`.
 pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(arguments));
-    // Before the work, so that a folder that can't be made costs no minute; it vanishes if nothing comes of the work.
-    let folder = Folder::make(&out)?;
+    // Before the work, so that a folder that can't be made costs no minute; it vanishes again, since a unit may end the program.
+    drop(Folder::make(&out)?);
     let spinner = spinner(quiet);
     let earlier = arguments.after.as_deref().map(Earlier::load).transpose()?;
-    let limit = arguments.step_limit.map(Duration::from_secs_f64);
-    let step_limit = limit.unwrap_or(Isolation::default().step_limit);
+    arguments.called.look_out();
     let options = Options {
-        isolation: arguments.isolate.then(|| Isolation { step_limit, ..Isolation::default() }),
+        isolation: arguments.called.isolation(),
         without: arguments.without.clone(),
         earlier,
         budget: arguments.budget.map_or(Budget::EachRun(MINUTE), Budget::All),
@@ -39,6 +37,7 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     diagnosis.provenance.command = command(arguments);
     let commit = runner::provenance::program().commit;
     diagnosis.provenance.version.push_str(&format!(", commit {commit}"));
+    let folder = Folder::make(&out)?;
     folder.clear(&diagnosis::FILES)?;
     diagnosis.write(&out)?;
     if !quiet {

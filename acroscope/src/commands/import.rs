@@ -25,7 +25,9 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
     }
     let units = scenarios::unit_path();
     let clock = arguments.rate.map(|rate| diagnosis::Clock { rate, start: arguments.start });
-    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units, clock)?;
+    arguments.called.look_out();
+    let (limits, isolate) = (arguments.called.limited(), arguments.called.isolate);
+    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units, clock, &limits, isolate)?;
     if quiet {
         return Ok(());
     }

@@ -269,6 +269,7 @@ impl Worker {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(unit))?;
             }
+            orchestrator::beat();
             match self.instances[unit].do_step(from, span, true) {
                 Status::Ok | Status::Warning => {}
                 status => {

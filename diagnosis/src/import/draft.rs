@@ -1,18 +1,15 @@
 //! The data set as far as columns and names tell it, tried as a diagnosis would read it: with which signs stretches of the logs are followed,
 //! and whether the model remembers states that no variable shows.
 //!
-//! It lies in a folder of its own within the one that was asked for, and goes when it was tried: what a failed or killed import leaves is
-//! no data set.
+//! It lies in a temporary folder: what an import leaves that failed, or that a unit ended, is nothing.
 
 use super::{starts, write};
 use crate::check::{self, Signs};
 use crate::dynamics::build::build;
 use crate::observe::{self, Problem};
-use orchestrator::{Fmu, UnitPath};
-use std::path::{Path, PathBuf};
-
-/// Name of its folder.
-const FOLDER: &str = ".import";
+use orchestrator::fmu::Bench;
+use orchestrator::{Fmu, Isolation, UnitPath};
+use std::path::Path;
 
 /// What a draft tells.
 #[derive(Debug, Default)]
@@ -23,27 +20,18 @@ pub(super) struct Tried {
     pub unshown: Vec<usize>,
 }
 
-/// The folder, with what there was of the one that holds it.
-struct Draft {
-    path: PathBuf,
-}
-
-impl Drop for Draft {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.path);
-        // only one that is empty goes
-        let _ = self.path.parent().map(std::fs::remove_dir);
-    }
-}
-
 /// Tries what was found so far. What can't be read is told by the data set itself.
-pub(super) fn of(out: &Path, file: &Path, fmu: &Fmu, units: &UnitPath, found: &write::Found<'_>) -> Tried {
-    let draft = Draft { path: out.join(FOLDER) };
-    // of an import that was killed
-    let _ = std::fs::remove_dir_all(&draft.path);
+pub(super) fn of(
+    file: &Path,
+    fmu: &Fmu,
+    units: &UnitPath,
+    isolation: Option<&Isolation>,
+    found: &write::Found<'_>,
+) -> Tried {
+    let Ok(draft) = Bench::new() else { return Tried::default() };
     let read = |found: &write::Found<'_>| {
-        write::folder(&draft.path, file, fmu, found).ok()?;
-        observe::load(&draft.path, units, None).ok()
+        write::folder(draft.path(), file, fmu, found).ok()?;
+        observe::load(draft.path(), units, isolation).ok()
     };
     let Some(problem) = read(found) else { return Tried::default() };
     let suffices = |unshown: &[usize]| {

@@ -26,7 +26,7 @@ pub(super) struct Found {
 pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let began = Instant::now();
     let mut found = Found::default();
-    let Ok(Some(nominal)) = trial.run(&[], Duration::MAX) else {
+    let Ok(Some(nominal)) = trial.run(&[], None) else {
         return Found { untried: parameters.len(), ..found };
     };
     let limit = limit(began.elapsed());
@@ -53,7 +53,7 @@ fn is_idle(trial: &Trial<'_>, nominal: &MemoryRecorder, place: usize, limit: Dur
         return false;
     }
     for value in values {
-        match trial.run(&[(variable.name.clone(), value)], limit) {
+        match trial.run(&[(variable.name.clone(), value)], Some(limit)) {
             Ok(Some(moved)) if differ(trial, nominal, &moved) => return false,
             Ok(None) => return true,
             _ => {}

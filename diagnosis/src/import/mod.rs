@@ -25,7 +25,7 @@ mod write;
 
 use crate::error::Error;
 use crate::observe::{self, Affine};
-use orchestrator::{Fmu, UnitPath};
+use orchestrator::{Fmu, Isolation, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
 
@@ -79,19 +79,24 @@ impl Clock {
     }
 }
 
-/// Makes a data set of logs and a unit; `clock` is for logs without a column of time.
+/// Makes a data set of logs and a unit; `clock` is for logs without a column of time. The first run of the unit is made in a process of its
+/// own within `limits`, where there can be one; all of them, if they are to be `isolated`.
 ///
 /// # Errors
-/// A log or the unit can't be read, no column is an output of the unit, or the folder can't be written.
+/// A log or the unit can't be read, no column is an output of the unit, the unit can't be run, or the folder can't be written.
 pub fn import(
     logs: &[PathBuf],
     fmu: &Path,
     out: &Path,
     units: &UnitPath,
     clock: Option<Clock>,
+    limits: &Isolation,
+    isolated: bool,
 ) -> Result<Imported, Error> {
+    let isolation = isolated.then_some(limits);
     clock.map_or(Ok(()), Clock::checked)?;
     let unit = units.open(fmu).map_err(crate::opened::model)?;
+    let unit = isolation.map_or_else(|| unit.clone(), |isolation| unit.isolated(isolation.clone()));
     let mut sheets = Vec::new();
     for log in logs {
         let mut sheet = Sheet::read(log)?;
@@ -120,6 +125,17 @@ pub fn import(
     let (time, told) = first.time_column(unit.description())?;
     let told = clock.map_or(told, |clock| format!("{} rows a second, as asked for", clock.rate));
     let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
+    let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
+    trial::Trial {
+        fmu: &unit,
+        units,
+        sheet: longest,
+        time: &time,
+        starts: &[],
+        matches: &matches,
+        isolation,
+    }
+    .rehearsed(limits)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
     let starts = starts::of(&unit, &measured);
     let mut candidates = write::parameters(&unit, &starts);
@@ -133,7 +149,7 @@ pub fn import(
         candidates: &candidates,
         tried: &idle::Found::default(),
     };
-    let draft::Tried { signs, unshown } = draft::of(out, fmu, &unit, units, &plain);
+    let draft::Tried { signs, unshown } = draft::of(fmu, &unit, units, isolation, &plain);
     candidates.retain(|place| !unshown.contains(place));
     let known = trial::Known {
         fmu: &unit,
@@ -142,14 +158,21 @@ pub fn import(
         time: &time,
         starts: &starts,
         signs: signs.as_ref(),
+        isolation,
     };
     trial::against_model(&known, &mut matches, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
-    let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
-    let trial =
-        trial::Trial { fmu: &unit, units, sheet: longest, time: &time, starts: &starts, matches: &matches };
+    let trial = trial::Trial {
+        fmu: &unit,
+        units,
+        sheet: longest,
+        time: &time,
+        starts: &starts,
+        matches: &matches,
+        isolation,
+    };
     let tried = idle::of(&trial, &candidates);
     let found = write::Found {
         sheets: &sheets,
@@ -163,7 +186,7 @@ pub fn import(
     };
     let guesses = write::folder(out, fmu, &unit, &found)?;
     // what was written must read
-    let problem = observe::load(out, units, None)?;
+    let problem = observe::load(out, units, isolation)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));
     Ok(Imported { guesses, notices })
 }

@@ -82,6 +82,13 @@ impl Sheet {
                 continue;
             }
             decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
+            if let Some(cell) = record.iter().skip(columns.len()).find(|cell| number(cell, comma).is_some()) {
+                let (cells, names) = (record.len(), columns.len());
+                return Err(wrong(
+                    line,
+                    format!("{cells} cells below {names} names: {cell} stands below none"),
+                ));
+            }
             let mut row: Vec<f64> = Vec::with_capacity(columns.len());
             for (place, cell) in record.iter().take(columns.len()).enumerate() {
                 row.push(match (cell, number(cell, comma)) {

@@ -3,6 +3,7 @@
 //! A parameter is tried where its name says so (`x_initial`, `initialPositionY`): variables that are there after initialisation, at two
 //! values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
 
+use super::instance;
 use super::policy::IMPORT;
 use crate::observe;
 use orchestrator::fmu::{Begin, Causality, Description, Variable};
@@ -134,7 +135,7 @@ fn is_shown(shown: f64, value: f64, by: f64) -> bool {
 
 /// What variables show after initialisation, with a parameter's value.
 fn begun(fmu: &Fmu, shown: &[usize], set: Option<(u32, f64)>) -> Result<Vec<f64>, orchestrator::Error> {
-    let mut instance = fmu.instantiate("start")?;
+    let mut instance = fmu.instantiate(&instance(fmu))?;
     let (reals, values): (Vec<u32>, Vec<f64>) = set.into_iter().unzip();
     instance.begin(0.0, None, Begin { reals: &reals, values: &values, settings: &[] })?;
     instance.exit_initialization()?;

@@ -6,12 +6,14 @@ use super::sheet::Sheet;
 use super::starts::{self, Start};
 use super::{Match, Time, instance};
 use crate::check::{STRETCH, Signs};
+use crate::error::Error;
 use crate::observe::{Affine, measure};
+use crate::statistics::levels::SEVERAL;
+use ended::{Failed, Within};
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
-use orchestrator::{Fmu, MemoryRecorder, Place, Progress, Quiet, Scenario, Simulation, UnitPath};
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use orchestrator::{Fmu, Isolation, MemoryRecorder, Place, Scenario, Simulation, UnitPath};
+use std::time::Duration;
 
 /// Units that logs are written in, beside the model's own.
 const USUAL: [&str; 22] = [
@@ -28,11 +30,12 @@ pub(super) struct Known<'a> {
     pub starts: &'a [Start],
     /// The signs that stretches of the logs tell, where they do.
     pub signs: Option<&'a Signs>,
+    pub isolation: Option<&'a Isolation>,
 }
 
 /// Tries every match against the model and writes what it says beside it.
 pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &mut Vec<String>) {
-    let Known { fmu, units, sheets, time, starts, signs } = *known;
+    let Known { fmu, units, sheets, time, starts, signs, isolation } = *known;
     let Some(sheet) = sheets.iter().max_by_key(|sheet| sheet.rows.len()) else { return };
     if let Some(signs) = signs {
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
@@ -46,7 +49,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match (Trial { fmu, units, sheet, time, starts, matches }).compared(&sign) {
+        let lines = match (Trial { fmu, units, sheet, time, starts, matches, isolation }).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
@@ -67,7 +70,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
         }
     }
     let Some((_, turns, lines)) = best else {
-        let why = failed.unwrap_or_else(|| "nothing to run".into());
+        let why = failed.as_ref().map_or("nothing to run", Failed::in_short);
         notices.push(format!("signs and units were not tried against the model: {why}"));
         return;
     };
@@ -215,6 +218,8 @@ pub(super) struct Trial<'a> {
     pub time: &'a Time,
     pub starts: &'a [Start],
     pub matches: &'a [Match],
+    /// In processes of its own, if that is asked for.
+    pub isolation: Option<&'a Isolation>,
 }
 
 /// Name of a matched variable in a scenario of the unit alone.
@@ -230,8 +235,8 @@ struct Stretch {
 }
 
 impl Trial<'_> {
-    fn stretch(&self) -> Result<Stretch, String> {
-        let place = self.sheet.place(&self.time.name).ok_or("no time")?;
+    fn stretch(&self) -> Result<Stretch, Failed> {
+        let place = self.sheet.place(&self.time.name).ok_or_else(|| Failed::other("no time"))?;
         let (all, usual) = (self.sheet.column(place), self.sheet.usual_gap(place));
         let stretch = whole_stretch(&all, usual);
         let stamps = &all[stretch.clone()];
@@ -249,14 +254,35 @@ impl Trial<'_> {
         known.map(|(time, value)| (*time, sign * affine.apply(value))).collect()
     }
 
+    /// Runs it as the data set has it so far, in a process of its own whatever was asked for: nobody here has run this unit before, and that
+    /// process tells the most of how it ended. What else a run may be refused for is told by what follows.
+    ///
+    /// # Errors
+    /// The unit crashed, ended its process, or did not come back from a call.
+    pub(super) fn rehearsed(&self, limits: &Isolation) -> Result<(), Error> {
+        let mut within = Within::new(None);
+        let run = self
+            .stretch()
+            .and_then(|stretch| self.simulated(&stretch, &|_| 1.0, &[], Some(limits), &mut within));
+        let Err(Failed { why, died: true }) = run else { return Ok(()) };
+        let (log, file) = (self.sheet.path.display(), self.fmu.path().display());
+        Err(Error::Model(format!(
+            "{file} can't be run on {log}, and nothing was written: {why}\n`acroscope check {file}` tells what is wrong with a unit; one that is \
+             only slow has more time with --step-limit"
+        )))
+    }
+
     /// Runs it with some parameters set in a process of its own, `None` beyond a limit of real time; an error is why it didn't run.
     pub(super) fn run(
         &self,
         set: &[(String, String)],
-        limit: Duration,
-    ) -> Result<Option<MemoryRecorder>, String> {
-        let mut within = Within { began: Instant::now(), limit, over: false };
-        let results = self.simulated(&self.stretch()?, &|_| 1.0, set, Some(&mut within))?;
+        limit: Option<Duration>,
+    ) -> Result<Option<MemoryRecorder>, Failed> {
+        let own = self.isolation.cloned().unwrap_or_default();
+        let call = limit.map(|limit| limit.mul_f64(SEVERAL)).unwrap_or(own.step_limit);
+        let isolation = Isolation { step_limit: call.min(own.step_limit), ..own };
+        let mut within = Within::new(limit);
+        let results = self.simulated(&self.stretch()?, &|_| 1.0, set, Some(&isolation), &mut within)?;
         Ok((!within.over).then_some(results))
     }
 
@@ -265,9 +291,11 @@ impl Trial<'_> {
         stretch: &Stretch,
         sign: &dyn Fn(usize) -> f64,
         set: &[(String, String)],
-        within: Option<&mut Within>,
-    ) -> Result<MemoryRecorder, String> {
-        let mut scenario = scenario(self.fmu, &stretch.times, stretch.gap, within.is_some())?;
+        isolation: Option<&Isolation>,
+        within: &mut Within,
+    ) -> Result<MemoryRecorder, Failed> {
+        let mut scenario = scenario(self.fmu, &stretch.times, stretch.gap)?;
+        scenario.units.iter_mut().for_each(|unit| unit.isolation = isolation.cloned());
         let own = |parameter: &str| format!("{}.{parameter}", instance(self.fmu));
         for (at, matched) in self.matches.iter().enumerate() {
             let points = self.values(stretch, matched, sign(at));
@@ -281,25 +309,19 @@ impl Trial<'_> {
                 let _ = scenario.set(&own(start), &first.to_string());
             }
         }
-        let said =
-            |error: orchestrator::Error| error.to_string().lines().next().unwrap_or_default().to_owned();
         for (parameter, value) in set {
-            scenario.set(&own(parameter), value).map_err(said)?;
+            scenario.set(&own(parameter), value)?;
         }
         let mut results = MemoryRecorder::new();
-        let run = &mut Simulation::new(&scenario, self.units).map_err(said)?;
-        match within {
-            Some(within) => run.run(&mut results, within),
-            None => run.run(&mut results, &mut Quiet),
-        }
-        .map_err(said)?;
+        Simulation::new(&scenario, self.units)?.run(&mut results, within)?;
         Ok(results)
     }
 
     /// Runs it and gives each output its line.
-    fn compared(&self, sign: &dyn Fn(usize) -> f64) -> Result<Vec<Option<Line>>, String> {
+    fn compared(&self, sign: &dyn Fn(usize) -> f64) -> Result<Vec<Option<Line>>, Failed> {
         let stretch = self.stretch()?;
-        let results = self.simulated(&stretch, sign, &[], None)?;
+        let mut within = Within::new(None);
+        let results = self.simulated(&stretch, sign, &[], self.isolation, &mut within)?;
         let outputs = || self.matches.iter().filter(|matched| !matched.fed);
         let begun = stretch.first == 0
             || outputs().all(|matched| starts::find(self.starts, matched.variable).is_some());
@@ -309,20 +331,6 @@ impl Trial<'_> {
             Some(Line { begun, ..found })
         };
         Ok(self.matches.iter().enumerate().map(line_of).collect())
-    }
-}
-
-/// Ends a run that takes too long.
-struct Within {
-    began: Instant,
-    limit: Duration,
-    over: bool,
-}
-
-impl Progress for Within {
-    fn at(&mut self, _: f64, _: f64) -> ControlFlow<()> {
-        self.over |= self.began.elapsed() > self.limit;
-        if self.over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -337,21 +345,21 @@ fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
 }
 
 /// The unit alone, for the span of a log.
-fn scenario(fmu: &Fmu, times: &[f64], gap: f64, isolated: bool) -> Result<Scenario, String> {
+fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, Failed> {
     let own = fmu.description().default_experiment.step_size.filter(|step| *step > 0.0).unwrap_or(gap);
     // no finer than a tenth of a row: this is a trial
     let interval = format!("{:.3e}", gap.min(own).max(0.1 * gap));
     let stop = format!("{:.6e}", times.last().copied().unwrap_or(0.0));
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
-    let path = fmu.path().canonicalize().map_err(|error| error.to_string())?;
+    let path = fmu.path().canonicalize().map_err(Failed::other)?;
     let text = format!(
-        "format = 1\n[experiment]\nstop = {stop}\n[[units]]\nname = {}\nfmu = {}\ninterval = {interval}\n{}",
+        "format = 1\n[experiment]\nstop = {stop}\n[[units]]\nname = {}\nfmu = {}\ninterval = {interval}\n",
         quoted(&instance(fmu)),
         quoted(&path.to_string_lossy()),
-        if isolated { "isolate = true\nstep_limit = 5\n" } else { "" }
     );
-    Scenario::parse(&text, "import.toml").map_err(|error| error.to_string())
+    Ok(Scenario::parse(&text, "import.toml")?)
 }
 
+mod ended;
 #[cfg(test)]
 mod tests;

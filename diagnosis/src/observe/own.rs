@@ -15,7 +15,8 @@ pub(super) fn take(model: &mut Nominal, notices: &mut Vec<Notice>) {
             .map(|(id, value)| (model.variable(*id).reference, value.clone()))
             .collect();
         // a unit that can't be asked tells why when it is to be run
-        let Ok(others) = others(&model.fmus[unit], &set) else { continue };
+        let name = &model.scenario.units[unit].name;
+        let Ok(others) = others(&model.fmus[unit], name, &set) else { continue };
         for (place, value) in others {
             let id = VariableId { unit, place };
             if model.set.iter().any(|(known, _)| *known == id) {
@@ -33,7 +34,7 @@ pub(super) fn take(model: &mut Nominal, notices: &mut Vec<Notice>) {
 }
 
 /// Real parameters whose value after initialisation is another than the description says.
-fn others(fmu: &Fmu, set: &[(u32, Value)]) -> Result<Vec<(usize, f64)>, orchestrator::Error> {
+fn others(fmu: &Fmu, name: &str, set: &[(u32, Value)]) -> Result<Vec<(usize, f64)>, orchestrator::Error> {
     let description = fmu.description();
     let places: Vec<usize> =
         (0..description.variables.len()).filter(|place| is_a_start(&description.variables[*place])).collect();
@@ -41,7 +42,7 @@ fn others(fmu: &Fmu, set: &[(u32, Value)]) -> Result<Vec<(usize, f64)>, orchestr
     if references.is_empty() {
         return Ok(Vec::new());
     }
-    let mut instance = fmu.instantiate("values")?;
+    let mut instance = fmu.instantiate(name)?;
     instance.begin(0.0, None, Begin { settings: set, ..Begin::default() })?;
     instance.exit_initialization()?;
     let mut values = vec![f64::NAN; references.len()];

@@ -84,6 +84,7 @@ impl Instance {
             environment: sink.environment() as *mut c_void,
         });
         const CO_SIMULATION: c_int = 1;
+        guard::beat();
         // SAFETY: all strings end in zero and live over the call; callbacks and sink outlive the instance.
         let component = guard::around(label, Function::Instantiate, || unsafe {
             (functions.instantiate)(

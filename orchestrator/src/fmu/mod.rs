@@ -32,7 +32,7 @@ pub use instance::Instance;
 pub use logger::LogLine;
 pub use probe::platforms;
 pub use state::SavedState;
-pub use workshop::discard_unpacked;
+pub use workshop::{Bench, discard_unpacked};
 
 use crate::error::Error;
 use crate::guard::Label;

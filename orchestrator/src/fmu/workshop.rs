@@ -40,21 +40,26 @@ impl Drop for Workshop {
     }
 }
 
-/// A folder for one unit. Dropping it deletes it.
+/// A folder for one unit, or for what is tried with one. Dropping it deletes it; an end of the process that a unit brings about does, too.
 #[derive(Debug)]
-pub(crate) struct Bench {
+pub struct Bench {
     // Dropped before the workshop that it lies in.
     folder: TempDir,
     _workshop: Arc<Workshop>,
 }
 
 impl Bench {
-    pub(crate) fn new() -> io::Result<Self> {
+    /// An empty one.
+    ///
+    /// # Errors
+    /// There is no room for temporary files.
+    pub fn new() -> io::Result<Self> {
         let workshop = Workshop::of_this_process()?;
         Ok(Self { folder: TempDir::with_prefix_in("unit-", workshop.folder.path())?, _workshop: workshop })
     }
 
-    pub(crate) fn path(&self) -> &Path {
+    /// Where it is.
+    pub fn path(&self) -> &Path {
         self.folder.path()
     }
 }

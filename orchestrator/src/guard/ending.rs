@@ -4,12 +4,14 @@ use super::{GUARDED, Ordering, RESCUE, RUNNING, Running, called, under_way};
 use std::ffi::{CString, c_char, c_int};
 use std::path::Path;
 use std::ptr;
-use std::sync::atomic::{AtomicI32, AtomicPtr};
+use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicUsize};
 
 /// The folder in which units are unpacked, as a C string of whoever takes it out; null if there is none.
 static UNPACKED: AtomicPtr<c_char> = AtomicPtr::new(ptr::null_mut());
 /// Exit status of a program that has done its work, and one more; 0 before that.
 static DONE: AtomicI32 = AtomicI32::new(0);
+/// The thread that ends the process; 0 before one does.
+static ENDING: AtomicUsize = AtomicUsize::new(0);
 
 /// Where units are unpacked from now on: to be removed at an end of the process that nobody expects.
 pub(crate) fn unpacked_in(folder: Option<&Path>) {
@@ -37,8 +39,21 @@ pub(super) fn is_guarded() -> bool {
     GUARDED.load(Ordering::Relaxed) == unsafe { libc::getpid() }
 }
 
+/// Where another thread ends the process already, this one waits for that: several that call the same unit crash at once, or exit, and the
+/// second one would cut short what the first one says, and its exit status with it.
+fn wait_if_another_ends() {
+    let ending = ENDING.load(Ordering::Relaxed);
+    // SAFETY: a question, and a sleep.
+    unsafe {
+        while ending != 0 && ending != libc::pthread_self() as usize {
+            libc::pause();
+        }
+    }
+}
+
 /// A signal that stands for a crash has come to this thread. Returns if it is nobody's unit that it met.
 pub(super) fn crashed(what: &str) {
+    wait_if_another_ends();
     if is_guarded() && under_way().is_some() {
         end(what);
     }
@@ -74,6 +89,12 @@ pub(super) fn crashed(what: &str) {
 
 /// Something has called `exit`.
 pub(super) extern "C" fn on_exit() {
+    if is_guarded() || ENDING.load(Ordering::Relaxed) != 0 {
+        // The C library has taken this off its list. A second thread that calls `exit` meanwhile is to come by here as well.
+        // SAFETY: the function is `extern "C"` and does not unwind.
+        unsafe { libc::atexit(on_exit) };
+    }
+    wait_if_another_ends();
     if is_guarded() {
         end("ended the program by calling exit");
     }
@@ -81,6 +102,7 @@ pub(super) extern "C" fn on_exit() {
 
 /// Ends the process as the C library's `_exit` does; of a unit, the word comes first.
 pub(super) fn exit_at_once(status: c_int) -> ! {
+    wait_if_another_ends();
     if is_guarded() && under_way().is_some() {
         end("ended the program by calling _exit");
     }
@@ -92,6 +114,11 @@ pub(super) fn exit_at_once(status: c_int) -> ! {
 
 /// Says what happened, has the rows written, and ends the process. Calls only what a signal handler may.
 fn end(what: &str) -> ! {
+    // SAFETY: a question.
+    let this = unsafe { libc::pthread_self() as usize };
+    if ENDING.compare_exchange(0, this, Ordering::Relaxed, Ordering::Relaxed).is_err() {
+        wait_if_another_ends();
+    }
     // Only once, whatever happens below.
     GUARDED.store(0, Ordering::Relaxed);
     let done = DONE.load(Ordering::Relaxed);

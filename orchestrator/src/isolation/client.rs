@@ -191,6 +191,8 @@ impl Remote {
         self.shared.hand_to(Side::Server);
         let mut limit = None;
         while !self.shared.wait_for(Side::Client, LOOK) {
+            // It has a limit here.
+            crate::guard::beat();
             let ended = match self.child.try_wait() {
                 Ok(None) => None,
                 Ok(Some(status)) => Some(super::death::how(status, &self.isolation)),

@@ -299,6 +299,7 @@ impl<'a> Search<'a> {
         Study {
             name: cut.name(),
             explained: cut.policy().explained,
+            tick_drift: cut.policy().tick_drift,
             discrepancy_dominated: cut.policy().discrepancy_dominated,
             seen: seen(cut, self.candidates),
             noise: floor::of(&self.nominal, &self.last, cut.signals()),
@@ -343,13 +344,15 @@ mod tests {
     use super::*;
     use crate::rigs::acrobot::candidates::Side;
     use crate::rigs::acrobot::selection::examples::{candidate, toy};
+    use crate::watch::Doing;
 
     #[test]
     fn law_what_another_cut_found_gives_way_to_a_better_one() {
         let candidates = [candidate(Side::Plant, false), candidate(Side::Plant, false)];
         // 30 of the second, of which the first takes all but 35 of deviance: no screen of one block says so
         let mut cut = toy(|x| vec![30.0 - x[0] - x[1], -0.2 * x[0]]);
-        let watch = &mut Watch::new(&mut |_| {}, None);
+        let mut nobody = |_: &Doing<'_>| {};
+        let watch = &mut Watch::new(&mut nobody, None);
         let found = study(&mut cut, &candidates, &[30.0, 0.0], &[0], watch).expect("runs");
         assert_eq!(found.active, [1]);
         assert!(

@@ -172,6 +172,18 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     gains[..usual].iter().sum()
 }
 
+/// How well encoders and torques are known to drift apart by the same in all runs, by the slopes of the lines that gave their ticks, s a second:
+/// a slope over a time T is known to √6/T of what its line is off by.
+pub fn tick_drift(runs: &[Run]) -> f64 {
+    let driven: Vec<&Run> =
+        runs.iter().filter(|run| run.plant.is_some() && run.controller.is_some()).collect();
+    let variance = |run: &&Run| {
+        let (from, to) = run.span();
+        6.0 * (run.tick_error() / (to - from)).powi(2)
+    };
+    driven.iter().map(variance).sum::<f64>().sqrt() / driven.len().max(1) as f64
+}
+
 /// What scattering timestamps of the torque do: each step of it comes a little early or late, an impulse too much or too
 /// little, and together they are a torque over a part of a window. Root mean square over runs, N·m.
 ///

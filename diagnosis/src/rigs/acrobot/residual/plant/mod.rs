@@ -322,7 +322,8 @@ impl Cut for PlantCut {
     }
 
     fn policy(&self) -> Policy {
-        Policy { clock_doubt: self.doubt, explained: self.explained, ..Policy::USUAL }
+        let tick_drift = jitter::tick_drift(&self.runs);
+        Policy { clock_doubt: self.doubt, explained: self.explained, tick_drift, ..Policy::USUAL }
     }
 
     fn initial(&self) -> Nuisances {

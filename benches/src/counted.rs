@@ -104,7 +104,9 @@ fn main() {
         Some(name) if name.starts_with("loop") => closed_loop(&name[4..]),
         Some(name) => frames(name),
         None => {
-            panic!("which work? a, b16, c, d, master, mixed, texts, plant, opening, again, runs, large or loop30")
+            panic!(
+                "which work? a, b16, c, d, master, mixed, texts, plant, opening, again, runs, large or loop30"
+            )
         }
     }
 }

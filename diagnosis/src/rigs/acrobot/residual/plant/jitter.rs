@@ -83,7 +83,9 @@ impl PlantCut {
 
     /// Puts the timestamps' columns before the slack torques: one for all rows, whose ticks are off together, then one for each row.
     pub(super) fn timestamps(&self, window: &Window, layout: &Layout, base: &[Row], cell: &mut Cell) {
-        let ticks = self.runs[window.run].tick_error();
+        // the windows of a run are off together: a prior for each by itself lets as many move alike as one for all of them would
+        let alike = self.windows.iter().filter(|other| other.run == window.run).count();
+        let ticks = self.runs[window.run].tick_error() * (alike as f64).sqrt();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         if ticks > 0.0 {
             let slopes = self.slopes(window, layout, base);

@@ -22,7 +22,8 @@ pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
     let stamps = [(clock, "timestamps of the plant's log"), (delay, "timestamps of the image")];
     stamps.into_iter().find_map(|(index, signal)| {
         let index = index?;
-        let (rate, clear) = steadiness(&study.last, index, &study.active)?.drift;
+        let drift = steadiness(&study.last, index, &study.active)?.drift;
+        let (rate, clear) = (drift.0, beside(drift, study.tick_drift));
         let told = || Unknown {
             signal: signal.to_owned(),
             depends_on: vec!["time".into()],
@@ -32,4 +33,23 @@ pub fn drifting(study: &Study, candidates: &[Candidate]) -> Option<Unknown> {
         };
         (clear.abs() > POLICY.clear).then(told)
     })
+}
+
+/// By how many standard errors a drift (with those that rows give it) is one, where ticks are known to drift by no more than so much.
+fn beside((rate, clear): (f64, f64), known: f64) -> f64 {
+    if clear == 0.0 { 0.0 } else { rate / (rate / clear).hypot(known) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_lines_that_gave_ticks_drift_by_what_they_are_off_by() {
+        // 20 standard errors by rows, of a drift of 10 us a second
+        let clear = |known: f64| beside((1e-5, 20.0), known);
+        assert!((clear(0.0) - 20.0).abs() < 1e-9 && (beside((-1e-5, -20.0), 0.0) + 20.0).abs() < 1e-9);
+        assert!(clear(2e-6) > POLICY.clear && clear(2.4e-6) < POLICY.clear);
+        assert_eq!(beside((0.0, 0.0), 0.0), 0.0);
+    }
 }

@@ -96,6 +96,12 @@ impl Run {
         (log.time[0], log.time[log.len() - 1] + POLICY.steps * typical)
     }
 
+    /// How well encoders and torque are known to be of one time, s, standard deviation: each has a line through timestamps of its own.
+    pub fn tick_error(&self) -> f64 {
+        let logs = [&self.controller, &self.plant].into_iter().flatten();
+        logs.map(|log| log.tick_error * log.tick_error).sum::<f64>().sqrt()
+    }
+
     /// The speed of an angle of `plant.csv` that is exceeded in a twentieth of its rows, rad/s.
     pub fn speed(&self) -> f64 {
         let Some(log) = &self.plant else { return 0.0 };

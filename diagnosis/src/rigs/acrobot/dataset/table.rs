@@ -14,6 +14,9 @@ pub struct Table {
     pub time: Vec<f64>,
     /// Line of each row in its file, counted from 1.
     pub line: Vec<usize>,
+    /// How well the times are known together, s, standard deviation: those that were read off a line through scattering timestamps are off by
+    /// as much as that line.
+    pub tick_error: f64,
     /// Places before which rows were ignored.
     broken: Vec<usize>,
     columns: Vec<(String, Vec<f64>)>,
@@ -23,7 +26,7 @@ impl Table {
     /// A table from columns of equal length, for logs that are simulated instead of read.
     pub fn new(time: Vec<f64>, columns: Vec<(String, Vec<f64>)>) -> Self {
         let line = (0..time.len()).map(|row| row + 2).collect();
-        Self { time, line, broken: Vec::new(), columns }
+        Self { time, line, tick_error: 0.0, broken: Vec::new(), columns }
     }
 
     /// Times between which rows of the file were ignored, s.

@@ -187,6 +187,7 @@ mod tests {
             folds: Folds { of: vec![0, 1], count: 2, runs: vec![0, 1] },
             seen: vec![0],
             explained: 0.0,
+            tick_drift: 0.0,
             discrepancy_dominated: false,
             noise: vec![1.0],
         }

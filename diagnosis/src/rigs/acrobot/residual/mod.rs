@@ -90,6 +90,8 @@ pub struct Policy {
     pub clock_doubt: f64,
     /// Size of the discrepancy that scattering timestamps of the torque explain, in its own unit.
     pub explained: f64,
+    /// How well clocks of the log are known to go alike, s a second.
+    pub tick_drift: f64,
 }
 
 impl Policy {
@@ -102,6 +104,7 @@ impl Policy {
         discrepancy_dominated: false,
         clock_doubt: 0.0,
         explained: 0.0,
+        tick_drift: 0.0,
     };
 }
 

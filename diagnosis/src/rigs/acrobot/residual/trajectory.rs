@@ -100,6 +100,11 @@ impl Drive {
         Self { events, before }
     }
 
+    /// The state is wanted where it begins, with nothing driven before.
+    pub fn begins_wanted(&self) -> bool {
+        self.events[0].wanted
+    }
+
     /// Where it begins, s.
     pub fn start(&self) -> f64 {
         self.events[0].time
@@ -239,7 +244,7 @@ pub fn simulate(
             outputs[MOTION] -= joint;
             Ok::<_, Error>(outputs)
         };
-        if drive.events[0].wanted {
+        if drive.begins_wanted() {
             rows.push(row(instance, first.1)?);
         }
         for pair in drive.events.windows(2) {

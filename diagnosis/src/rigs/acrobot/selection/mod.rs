@@ -73,6 +73,8 @@ pub struct Study {
     pub seen: Vec<usize>,
     /// Size of the discrepancy that scattering timestamps explain.
     pub explained: f64,
+    /// How well clocks of the log are known to go alike, s a second.
+    pub tick_drift: f64,
     /// What the model lacks outweighs noise.
     pub discrepancy_dominated: bool,
     /// Standard deviation that noise alone gives a row of each signal, whatever the model.

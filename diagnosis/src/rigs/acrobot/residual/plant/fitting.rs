@@ -224,7 +224,7 @@ impl PlantCut {
             }
         }
         cell.columns = columns;
-        self.timestamps(layout, &base, &mut cell);
+        self.timestamps(window, layout, &base, &mut cell);
         let mut state = [0.0; 4];
         for row in &base {
             for (sum, value) in state.iter_mut().zip(row) {

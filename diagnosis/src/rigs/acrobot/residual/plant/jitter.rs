@@ -25,11 +25,15 @@ impl PlantCut {
         let unit = self.settle_all(point, &[], from.in_vain);
         self.jitter = 0.0;
         let (unit, mut in_vain) = unit?;
+        let runs = self.runs.clone();
         let judged = |size: f64| {
             let mut blocks = unit.clone();
-            for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
-                for place in 0..cell.discrepancy {
-                    cell.soft.column_mut(place).scale_mut(size / uneven);
+            for block in &mut blocks {
+                let ticks = usize::from(runs[block.run].tick_error() > 0.0);
+                for cell in &mut block.cells {
+                    for place in ticks..cell.discrepancy {
+                        cell.soft.column_mut(place).scale_mut(size / uneven);
+                    }
                 }
             }
             Evaluation::of(blocks, point, &[], &self.signals)
@@ -77,28 +81,38 @@ impl PlantCut {
         logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Puts the timestamps' columns before the slack torques.
-    pub(super) fn timestamps(&self, layout: &Layout, base: &[Row], cell: &mut Cell) {
-        if self.jitter == 0.0 {
-            return;
+    /// Puts the timestamps' columns before the slack torques: one for all rows, whose ticks are off together, then one for each row.
+    pub(super) fn timestamps(&self, window: &Window, layout: &Layout, base: &[Row], cell: &mut Cell) {
+        // the windows of a run are off together: a prior for each by itself lets as many move alike as one for all of them would
+        let alike = self.windows.iter().filter(|other| other.run == window.run).count();
+        let ticks = self.runs[window.run].tick_error() * (alike as f64).sqrt();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        if ticks > 0.0 {
+            let slopes = self.slopes(window, layout, base);
+            columns.push(slopes.iter().map(|slope| ticks * slope).collect());
         }
-        let mut groups: Vec<&Vec<usize>> = Vec::new();
-        for (signal, rows) in &layout.bins {
-            if *signal < 2 && !groups.contains(&rows) {
-                groups.push(rows);
-            }
-        }
-        let mut soft = DMatrix::zeros(layout.len(), groups.len() + cell.soft.ncols());
-        for (bin, (signal, rows)) in layout.bins.iter().enumerate() {
+        if self.jitter > 0.0 {
+            let mut groups: Vec<&Vec<usize>> = Vec::new();
             // rates that were logged change little in that time
-            if *signal < 2
-                && let Some(place) = groups.iter().position(|group| *group == rows)
-            {
-                soft[(bin, place)] = self.jitter * rate(base, *signal, rows);
+            for (_, rows) in layout.bins.iter().filter(|(signal, _)| *signal < 2) {
+                if !groups.contains(&rows) {
+                    groups.push(rows);
+                }
             }
+            columns.extend(groups.into_iter().map(|group| {
+                let late = |(signal, rows): &(usize, Vec<usize>)| {
+                    if *signal < 2 && rows == group { self.jitter * rate(base, *signal, rows) } else { 0.0 }
+                };
+                layout.bins.iter().map(late).collect()
+            }));
         }
-        soft.columns_mut(groups.len(), cell.soft.ncols()).copy_from(&cell.soft);
-        cell.discrepancy = groups.len();
+        let (priors, slack) = (columns.len(), cell.soft.ncols());
+        let mut soft = DMatrix::zeros(layout.len(), priors + slack);
+        for (place, column) in columns.iter().enumerate() {
+            soft.column_mut(place).copy_from_slice(column);
+        }
+        soft.columns_mut(priors, slack).copy_from(&cell.soft);
+        cell.discrepancy = priors;
         cell.soft = soft;
     }
 
@@ -158,6 +172,18 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     gains.sort_by(f64::total_cmp);
     let usual = gains.len() - (WINDOWS.events * gains.len() as f64) as usize;
     gains[..usual].iter().sum()
+}
+
+/// How well encoders and torques are known to drift apart by the same in all runs, by the slopes of the lines that gave their ticks, s a second:
+/// a slope over a time T is known to √6/T of what its line is off by.
+pub fn tick_drift(runs: &[Run]) -> f64 {
+    let driven: Vec<&Run> =
+        runs.iter().filter(|run| run.plant.is_some() && run.controller.is_some()).collect();
+    let variance = |run: &&Run| {
+        let (from, to) = run.span();
+        6.0 * (run.tick_error() / (to - from)).powi(2)
+    };
+    driven.iter().map(variance).sum::<f64>().sqrt() / driven.len().max(1) as f64
 }
 
 /// What scattering timestamps of the torque do: each step of it comes a little early or late, an impulse too much or too

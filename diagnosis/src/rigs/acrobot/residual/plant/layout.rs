@@ -17,7 +17,9 @@ impl Layout {
         for (signal, name) in COLUMNS.iter().enumerate() {
             let Some(values) = log.column(name) else { continue };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
-                let tells = |place: &usize| values[window.rows[*place]].is_finite();
+                // what arrives as a log begins is of commands before it
+                let settled = |place: usize| signal < MOTION || place > 0 || !window.drive.begins_wanted();
+                let tells = |place: &usize| values[window.rows[*place]].is_finite() && settled(*place);
                 let rows: Vec<usize> = chunk.iter().copied().filter(tells).collect();
                 if !rows.is_empty() {
                     bins.push((signal, rows));

@@ -269,10 +269,23 @@ impl PlantCut {
         if let Some(angle) = log::angle(&self.candidates[candidate]) {
             return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
         }
-        let (Some(through), Some(log)) = (&self.through, &self.runs[window.run].plant) else {
-            return vec![0.0; layout.len()];
+        let Some(through) = &self.through else { return vec![0.0; layout.len()] };
+        if through.index == Some(candidate) {
+            return self.slopes(window, layout, base).iter().map(|slope| -slope).collect();
+        }
+        let moves = |row: &usize, signal: usize| {
+            let all = &through.poses.moves[window.run];
+            all.get(window.rows[*row]).map_or(0.0, |moves| moves[(signal, place)])
         };
-        // per second; of what is no angle, by neighbouring rows
+        (layout.bins.iter())
+            .map(|(signal, rows)| rows.iter().map(|row| moves(row, *signal)).sum::<f64>() / rows.len() as f64)
+            .collect()
+    }
+
+    /// How fast what goes into each bin changes, per second.
+    fn slopes(&self, window: &Window, layout: &Layout, base: &[Row]) -> Vec<f64> {
+        let Some(log) = &self.runs[window.run].plant else { return vec![0.0; layout.len()] };
+        // of what is no angle, by neighbouring rows
         let slope = |row: usize, signal: usize| {
             if signal < 2 {
                 return base[row][2 + signal];
@@ -283,16 +296,7 @@ impl PlantCut {
         };
         (layout.bins.iter())
             .map(|(signal, rows)| {
-                let of = |row: &usize| {
-                    if through.index == Some(candidate) {
-                        -slope(*row, *signal)
-                    } else {
-                        through.poses.moves[window.run]
-                            .get(window.rows[*row])
-                            .map_or(0.0, |moves| moves[(*signal, place)])
-                    }
-                };
-                rows.iter().map(of).sum::<f64>() / rows.len() as f64
+                rows.iter().map(|row| slope(*row, *signal)).sum::<f64>() / rows.len() as f64
             })
             .collect()
     }
@@ -318,7 +322,8 @@ impl Cut for PlantCut {
     }
 
     fn policy(&self) -> Policy {
-        Policy { clock_doubt: self.doubt, explained: self.explained, ..Policy::USUAL }
+        let tick_drift = jitter::tick_drift(&self.runs);
+        Policy { clock_doubt: self.doubt, explained: self.explained, tick_drift, ..Policy::USUAL }
     }
 
     fn initial(&self) -> Nuisances {

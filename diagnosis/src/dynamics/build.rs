@@ -14,6 +14,7 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
+use crate::statistics::levels::anywhere_in;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -168,7 +169,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         Some(sd) if sd > 0.0 => None,
         // rounding is uniform: its standard deviation is a quantum over √12
         _ => Some(
-            (scatter.quantum / 12f64.sqrt())
+            anywhere_in(scatter.quantum)
                 .max(DYNAMICS.exact_sensor * scatter.size)
                 .max(1e-300)
                 .max(0.02 * scatter.noise),

@@ -1,7 +1,7 @@
 //! Parameters of the log that are nobody's fault: noise, quantisation, timestamps. Estimated with everything else, never
 //! candidates.
 
-use crate::statistics::levels::MIDDLE;
+use crate::statistics::levels::{MIDDLE, anywhere_in};
 
 pub mod outliers;
 mod policy;
@@ -52,7 +52,7 @@ pub fn scatter(runs: &[&[f64]]) -> Scatter {
     let noise = if noise.is_finite() { noise } else { size };
     let quantum = quantum(&all);
     // rounding is uniform: its standard deviation is a quantum over √12
-    Scatter { noise, quiet: quiet.max(quantum / 12f64.sqrt()).min(noise), quantum, size }
+    Scatter { noise, quiet: quiet.max(anywhere_in(quantum)).min(noise), quantum, size }
 }
 
 fn quantum(values: &[f64]) -> f64 {
@@ -91,7 +91,7 @@ mod tests {
         let rounded: Vec<f64> = noisy.iter().map(|v| (v / 0.02).round() * 0.02).collect();
         assert!((scatter(&[&rounded]).quantum - 0.02).abs() < 1e-9);
         let quiet = scatter(&[&rounded]).quiet;
-        assert!(quiet >= 0.02 / 12f64.sqrt(), "rounding alone leaves more than {quiet}");
+        assert!(quiet >= anywhere_in(0.02), "rounding alone leaves more than {quiet}");
     }
 
     #[test]

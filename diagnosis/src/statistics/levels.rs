@@ -46,6 +46,11 @@ pub const FINE: f64 = 1e-3;
 /// Share of a scale over which a difference is taken: far above rounding, far below where models bend.
 pub const STEP: f64 = 1e-2;
 
+/// Standard deviation of what lies anywhere in a span, as a value does within the quantum that it was rounded to.
+pub fn anywhere_in(span: f64) -> f64 {
+    span / 12f64.sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

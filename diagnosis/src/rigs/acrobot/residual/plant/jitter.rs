@@ -6,7 +6,7 @@ use super::*;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::MIDDLE;
+use crate::statistics::levels::{MIDDLE, anywhere_in};
 use crate::statistics::linear::Reduced;
 
 impl PlantCut {
@@ -175,13 +175,13 @@ fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
 }
 
 /// How well encoders and torques are known to drift apart by the same in all runs, by the slopes of the lines that gave their ticks, s a second:
-/// a slope over a time T is known to √6/T of what its line is off by.
+/// a line that is off by e, root mean square over a time T, has a slope that is off by (e/√2) / (T/√12).
 pub fn tick_drift(runs: &[Run]) -> f64 {
     let driven: Vec<&Run> =
         runs.iter().filter(|run| run.plant.is_some() && run.controller.is_some()).collect();
     let variance = |run: &&Run| {
         let (from, to) = run.span();
-        6.0 * (run.tick_error() / (to - from)).powi(2)
+        0.5 * (run.tick_error() / anywhere_in(to - from)).powi(2)
     };
     driven.iter().map(variance).sum::<f64>().sqrt() / driven.len().max(1) as f64
 }

@@ -8,11 +8,11 @@ use crate::description;
 use crate::error::Error;
 use crate::logger::{self, Logger};
 use crate::model::{Description, Experiment, Model, Step};
+use crate::saved::GUID_LENGTH;
 use crate::state_machine::{Call, Mode, legal};
 use crate::table::{Causality, Kind, Slot, Table, Variable};
 use serde::{Deserialize, Serialize};
 use std::any::TypeId;
-use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::sync::{Mutex, PoisonError};
 
@@ -263,10 +263,15 @@ impl<M: Model> Instance<M> {
     }
 }
 
-/// The GUID that belongs to `M`'s description. Made once a model: it takes the whole description and its digest, and an instance of a
-/// small unit would cost little else.
+/// The GUID that belongs to `M`'s description. The last one is kept, since it takes the whole description and its digest, and an instance of
+/// a small unit would cost little else; within the library, whose memory goes with it: what a static holds on the heap would stay behind.
 pub fn guid<M: Model>() -> String {
-    static KNOWN: Mutex<BTreeMap<TypeId, String>> = Mutex::new(BTreeMap::new());
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    known.entry(TypeId::of::<M>()).or_insert_with(|| description::Unit::of::<M>().guid()).clone()
+    static LAST: Mutex<Option<(TypeId, [u8; GUID_LENGTH])>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, known)) = last.as_ref().filter(|(model, _)| *model == TypeId::of::<M>()) {
+        return String::from_utf8_lossy(known).into_owned();
+    }
+    let guid = description::Unit::of::<M>().guid();
+    *last = guid.as_bytes().try_into().ok().map(|bytes| (TypeId::of::<M>(), bytes));
+    guid
 }

@@ -84,7 +84,7 @@ fn give_memory_back(states: &mut BTreeMap<usize, Entry>) {
 
 /// First bytes of a serialised state; the last one counts versions of the layout.
 const MAGIC: &[u8; 8] = b"fmi2exp\x01";
-const GUID_LENGTH: usize = 38;
+pub(crate) const GUID_LENGTH: usize = 38;
 const DIGEST_LENGTH: usize = 32;
 const HEADER_LENGTH: usize = MAGIC.len() + GUID_LENGTH + DIGEST_LENGTH + size_of::<u64>();
 

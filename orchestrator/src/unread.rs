@@ -5,6 +5,7 @@ use crate::fmu::Causality;
 use crate::simulation::Simulation;
 use crate::system::Unit;
 use crate::value::Kind;
+use std::collections::HashSet;
 
 impl Simulation {
     /// Reads the real outputs that the run had no use for, as they are at its end; [`Simulation::notices`] tell of those that are not finite.
@@ -36,13 +37,12 @@ impl Simulation {
 /// Their references, less those of which something was told.
 fn unread(unit: &Unit) -> Vec<u32> {
     let blocks = [&unit.outputs, &unit.inputs, &unit.fixed];
-    let is_read = |reference: &u32| {
-        blocks.iter().any(|blocks| blocks.reals.references.contains(reference))
-            || unit.not_finite.iter().any(|(known, _)| known == reference)
-    };
+    let read = blocks.into_iter().flat_map(|blocks| &blocks.reals.references);
+    let known: HashSet<u32> = read.chain(unit.not_finite.iter().map(|(known, _)| known)).copied().collect();
     let outputs = unit.instance.fmu().description().variables.iter();
     let outputs = outputs.filter(|one| one.causality == Causality::Output && one.kind == Kind::Real);
-    let mut references: Vec<u32> = outputs.map(|one| one.reference).filter(|one| !is_read(one)).collect();
+    let mut references: Vec<u32> =
+        outputs.map(|one| one.reference).filter(|one| !known.contains(one)).collect();
     references.sort_unstable();
     references.dedup();
     references

@@ -42,7 +42,7 @@ fn law_a_log_that_is_off_by_what_its_ticks_are_leaves_noise() {
         log.tick_error = OFF;
     };
     let [even, late, known] = deviances("ticks", [&even, &late, &known]);
-    // half a millisecond where torques change 30 times a second costs 112 of deviance; with a prior for each of 48 windows 34
+    // half a millisecond where torques change 30 times a second costs 112 of deviance; what its ticks are known to be off by takes most of that away
     assert!(late > even + 81.0 && known < even + 0.5 * (late - even), "{even} {late} {known}");
 }
 

@@ -12,6 +12,7 @@ use crate::infer::fit::{Linearise, Options, fit};
 use crate::infer::likelihood::reduced;
 use crate::infer::{Fit, Linearised};
 use crate::observe::{Problem, Run, Scale};
+use crate::options::Options as Asked;
 use crate::statistics::levels::FEW;
 use crate::statistics::linear::Reduced;
 use crate::watch::Watch;
@@ -28,22 +29,21 @@ struct Apart {
     deviance: f64,
 }
 
-/// What has no name, with the words that runs differ where that explains it.
-///
-/// # Errors
-/// A unit failed.
+/// What has no name, with the words that runs differ where that explains it. A unit that fails on the way, or time that is up, leaves it
+/// as it is: the diagnosis stands without.
 pub fn shaped(
     problem: &Problem,
     studied: &Studied,
+    options: &Asked,
     unknown: Option<Unknown>,
     watch: &mut Watch<'_>,
-) -> Result<Option<Unknown>, Error> {
-    let Some(left) = unknown else { return Ok(None) };
-    if problem.runs.len() < 2 {
-        return Ok(Some(left));
+) -> Option<Unknown> {
+    let left = unknown?;
+    if problem.runs.len() < 2 || watch.is_over(COMPARED) {
+        return Some(left);
     }
     watch.stage("comparing the runs");
-    Ok(Some(match differ(problem, studied, watch)? {
+    Some(match differ(problem, studied, options, watch) {
         Some(shape) => Unknown {
             shape,
             depends_on: Vec::new(),
@@ -51,32 +51,32 @@ pub fn shaped(
             ..left
         },
         None => left,
-    }))
+    })
 }
 
 /// In what runs differ, if values of their own leave noise in each.
-fn differ(problem: &Problem, studied: &Studied, watch: &mut Watch<'_>) -> Result<Option<String>, Error> {
-    let ranked = ranked(problem, studied)?;
+fn differ(problem: &Problem, studied: &Studied, options: &Asked, watch: &mut Watch<'_>) -> Option<String> {
+    let ranked = ranked(problem, studied, options).ok()?;
     let mut found: Vec<Apart> = Vec::new();
     for (place, parameter) in ranked.iter().enumerate() {
         watch.trying(&studied.built.engine.machine.parameters[*parameter].name, place + 1, ranked.len());
-        if watch.is_over(COMPARED) {
-            break;
-        }
-        found.extend(apart(problem, studied, *parameter)?);
+        found.extend(apart(problem, studied, *parameter, watch));
     }
     found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    let Some(best) = found.first() else { return Ok(None) };
+    let best = found.first()?;
     let alike = found.iter().filter(|one| one.deviance - best.deviance < studied.policy.class);
     let told: Vec<String> = alike.map(|one| told(problem, studied, one)).collect();
-    Ok(Some(format!("runs that differ: {}", told.join("; or "))))
+    Some(format!("runs that differ: {}", told.join("; or ")))
 }
 
 /// The parameters by which the runs differ most, as the linearisation about what was found shows it.
-fn ranked(problem: &Problem, studied: &Studied) -> Result<Vec<usize>, Error> {
+fn ranked(problem: &Problem, studied: &Studied, options: &Asked) -> Result<Vec<usize>, Error> {
     let engine = &studied.built.engine;
-    let moves =
-        |place: &usize| matches!(engine.machine.parameters[*place].scale, Scale::Absolute | Scale::Relative);
+    let moves = |place: &usize| {
+        let parameter = &engine.machine.parameters[*place];
+        matches!(parameter.scale, Scale::Absolute | Scale::Relative)
+            && !options.without.contains(&parameter.name)
+    };
     let columns: Vec<usize> = (0..engine.machine.parameters.len()).filter(moves).collect();
     let (at, noise) = (&studied.fit.at, studied.residual.unlisted.as_ref().unwrap_or(&studied.fit.at.noise));
     let lines = engine.linearise(&at.theta, &at.paths, &columns)?;
@@ -107,28 +107,25 @@ fn spread(runs: &[Reduced], place: usize) -> f64 {
 }
 
 /// The parameter fitted to each run by itself, beside what was found and without that; `None` where something is left without a name.
-fn apart(problem: &Problem, studied: &Studied, parameter: usize) -> Result<Option<Apart>, Error> {
+fn apart(problem: &Problem, studied: &Studied, parameter: usize, watch: &mut Watch<'_>) -> Option<Apart> {
     let machine = &studied.built.engine.machine;
     let mut begins = vec![studied.fit.at.theta.clone()];
     if studied.effects.iter().any(|effect| *effect != parameter) {
         begins.push(machine.neutral());
     }
-    let mut best: Option<Apart> = None;
-    for begin in begins {
-        let runs = problem.whole_runs();
-        let fits: Option<Result<Vec<Fit>, Error>> =
-            runs.into_iter().map(|run| alone(problem, studied, run, parameter, &begin).transpose()).collect();
-        let Some(fits) = fits.transpose()? else { continue };
-        let own = Apart {
+    let each = |begin: Vec<f64>| {
+        let own = |run| match watch.is_over(COMPARED) {
+            true => None,
+            false => alone(problem, studied, run, parameter, &begin).ok()?,
+        };
+        let fits: Vec<Fit> = problem.whole_runs().into_iter().map(own).collect::<Option<_>>()?;
+        Some(Apart {
             parameter,
             values: fits.iter().map(|fit| (fit.at.theta[parameter], fit.deviation(parameter))).collect(),
             deviance: fits.iter().map(|fit| fit.deviance).sum(),
-        };
-        if best.as_ref().is_none_or(|best| own.deviance < best.deviance) {
-            best = Some(own);
-        }
-    }
-    Ok(best)
+        })
+    };
+    begins.into_iter().filter_map(each).min_by(|a, b| a.deviance.total_cmp(&b.deviance))
 }
 
 /// One run's fit, where it leaves noise only.
@@ -169,14 +166,17 @@ fn told(problem: &Problem, studied: &Studied, apart: &Apart) -> String {
     format!("{} ({}) would be {}", parameter.name, parameter.phrase, each.join(", "))
 }
 
-/// A value to the digits that its standard deviation leaves, and one more.
+/// A value to the digit that its standard deviation leaves, and one more.
 fn brief(value: f64, deviation: f64) -> String {
-    let digit = libm::floor(libm::log10(deviation));
-    if !digit.is_finite() {
-        return format!("{value}");
-    }
-    let decimals = (1.0 - digit).max(0.0) as usize;
-    format!("{value:.decimals$}")
+    let digits = libm::floor(libm::log10(value.abs())) - libm::floor(libm::log10(deviation)) + 1.0;
+    // a double has no more than 15 for sure; of what nobody knows all are told
+    let digits = if deviation.is_finite() {
+        digits.clamp(1.0, f64::from(f64::DIGITS)) as usize
+    } else {
+        f64::DIGITS as usize
+    };
+    let text: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+    format!("{text}")
 }
 
 #[cfg(test)]
@@ -204,6 +204,10 @@ mod tests {
         assert_eq!(brief(0.069_987_3, 2.4e-5), "0.069987");
         assert_eq!(brief(389.79, 1.2), "389.8");
         assert_eq!(brief(155_949.6, 310.0), "155950");
+        // an effect that is hardly off, one that is off to rounding, and a capacity that nobody told the value of
+        assert_eq!(brief(-5.4e-4, 3e-4), "-0.00054");
+        assert_eq!(brief(0.0, 0.1), "0");
+        assert_eq!(brief(0.1 + 0.2, 0.0), "0.3");
         assert_eq!(brief(2.5, f64::INFINITY), "2.5");
     }
 }

@@ -93,7 +93,7 @@ fn found(
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
     });
-    let unknown = runs::shaped(problem, &all, unknown, watch)?;
+    let unknown = runs::shaped(problem, &all, options, unknown, watch);
     let effects = told::effects(problem, &all, unknown.is_some());
     let verdict = if unknown.is_some() {
         Verdict::Unknown

@@ -25,6 +25,9 @@ def ports(machine):
                  "rate_limit": None}  # fmt: skip
         if one.kind == "rough":
             sizes["saturation"] = 1.2 * span
+        if abs(one.rest) > one.size:
+            # a limit that is the same on both sides of zero would hold it far from where it rests
+            sizes["saturation"] = None
         found |= {f"{one.name}:{kind}": size for kind, size in sizes.items() if size}
     for one in machine.outputs_of:
         sizes = {"gain": 0.3, "offset": 60 * one.noise, "delay": 8 * machine.row, "lag": 12 * machine.row,

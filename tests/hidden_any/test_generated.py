@@ -71,6 +71,16 @@ def test_a_payload_in_one_run_is_told_with_its_run(tmp_path):
     assert np.allclose(values, [0.05, 0.07, 0.05, 0.05], rtol=3e-3), shape
 
 
+def test_a_path_that_the_unit_cant_be_run_from_ends_no_diagnosis(tmp_path):
+    reactor = dataclasses.replace(ALL["reactor"], duration=800.0)
+    runs = sets.Runs(reactor, np.random.default_rng(0), 3)
+    # a coolant at -133 degC stops the reaction: no row tells the concentration any more, and with what is read of it the unit's solver fails
+    clean = [{name: values[:, 0] for name, values in run.items()} for run in runs.outputs([{"T_c:saturation": 140.0}])]
+    sets.write(reactor, runs, clean, runs.rng, tmp_path / "set", {"reactor": reactor.build(reactor, tmp_path)})
+    said = told(tmp_path)
+    assert said["verdict"] != "none" and said["gap"]["closed"] > 0.9, (said["verdict"], said["gap"])
+
+
 def test_a_sensors_lag_below_a_row_is_not_called_a_delay(tmp_path):
     said = diagnosed(dataclasses.replace(ALL["motor"], runs=4), "w:lag", 3, tmp_path)
     # least squares by scipy over start states and either: chi2 of 7203.2 with the lag, of 7208.3 with a delay, so that both are told

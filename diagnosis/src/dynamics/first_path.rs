@@ -1,5 +1,6 @@
 //! A path to begin with: an extended Kalman filter over each run, with process noise as large as the motion itself. Where another
-//! search went along a run already, its path is taken.
+//! search went along a run already, its path is taken. Where the filter goes to states with which the unit can't be run, the path is
+//! what channels measured of the states.
 
 use super::about::{About, Along};
 use super::grid::Grid;
@@ -49,7 +50,7 @@ impl Engine {
     pub fn paths(&self, theta: &[f64], noise: &Noise, known: &Trails) -> Result<Vec<Path>, Error> {
         let path = |run| match known.along(&self.grids[run]) {
             Some(path) => Ok(path),
-            None => self.first_path(run, theta, noise),
+            None => self.filtered(run, theta, noise).or_else(|error| self.measured(run).ok_or(error)),
         };
         (0..self.grids.len()).into_par_iter().map(path).collect()
     }
@@ -62,7 +63,29 @@ impl Engine {
         self.paths(theta, noise, &Trails::default())
     }
 
-    fn first_path(&self, run: usize, theta: &[f64], noise: &Noise) -> Result<Path, Error> {
+    /// At each row what was last measured of the states; those that no channel measures stay where they begin. `None`: no channel measures any.
+    fn measured(&self, run: usize) -> Option<Path> {
+        let (machine, grid) = (&self.machine, &self.grids[run]);
+        let of = |channel: usize| machine.states.iter().position(|state| state.channel == Some(channel));
+        if machine.states.iter().all(|state| state.channel.is_none()) {
+            return None;
+        }
+        let mut state = self.starts[run].0.clone();
+        let believed = grid.samples.iter().zip(&self.outliers[run]).filter(|(_, outlier)| !**outlier);
+        let mut seen = believed.map(|(sample, _)| sample).peekable();
+        let mut path = Vec::with_capacity(grid.time.len() * state.len());
+        for time in &grid.time {
+            while let Some(sample) = seen.next_if(|sample| sample.time <= *time) {
+                if let Some(place) = of(sample.channel) {
+                    state[place] = sample.value;
+                }
+            }
+            path.extend(&state);
+        }
+        Some(path)
+    }
+
+    fn filtered(&self, run: usize, theta: &[f64], noise: &Noise) -> Result<Path, Error> {
         let (machine, grid, n) = (&self.machine, &self.grids[run], self.machine.order());
         if machine.whole {
             return Ok(vec![0.0; grid.time.len() * n]);

@@ -66,7 +66,9 @@ impl Search<'_> {
         place: usize,
     ) -> Result<Vec<Alternative>, Error> {
         let own = effects[place];
-        let (without, less) = self.without(effects, here, place)?;
+        let Some((without, less)) = self.without(effects, here, place)? else {
+            return Ok(vec![Alternative::of(own, here)]);
+        };
         let screen = linearised(self.engine, &less, &self.others(&without))?;
         let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
         let gained = less.deviance - here.deviance;

@@ -68,35 +68,48 @@ impl Search<'_> {
         if let Some(known) = self.visited.get(&key) {
             return Ok(known.clone());
         }
-        let runs = match screen.and_then(|screen| screen.about(self.engine, &start.theta, &free)) {
-            Some(runs) => runs,
-            None => self.engine.linearise(&start.theta, &start.paths, &free)?,
-        };
-        let fitted = fit_from(self.engine, start, runs, &free, Some(self.sizes), &self.options)?;
+        let known = screen.and_then(|screen| screen.about(self.engine, &start.theta, &free));
+        let (start, runs) =
+            match known.map_or_else(|| self.engine.linearise(&start.theta, &start.paths, &free), Ok) {
+                Ok(runs) => (start.clone(), runs),
+                // states that one model visits may be beyond what another can be run with: it begins along its own path
+                Err(Error::Model(_)) => {
+                    let paths = self.engine.first_paths(&start.theta, &start.noise)?;
+                    let runs = self.engine.linearise(&start.theta, &paths, &free)?;
+                    (At { paths, ..start.clone() }, runs)
+                }
+                Err(error) => return Err(error),
+            };
+        let fitted = fit_from(self.engine, &start, runs, &free, Some(self.sizes), &self.options)?;
         self.visited.insert(key, fitted.clone());
         Ok(fitted)
     }
 
     /// The model without one of its effects, and its fit. A fit from elsewhere may have ended at a worse place: where it says that the
-    /// effect is needed, and the effect is hardly off neutral by its own deviation, it is fitted from here, too.
+    /// effect is needed, and the effect is hardly off neutral by its own deviation, it is fitted from here, too. `None`: the model can't be
+    /// followed through the log without it.
     ///
     /// # Errors
-    /// A unit failed.
+    /// Units are too slow.
     pub(super) fn without(
         &mut self,
         effects: &[usize],
         here: &Fit,
         place: usize,
-    ) -> Result<(Vec<usize>, Fit), Error> {
+    ) -> Result<Option<(Vec<usize>, Fit)>, Error> {
         let mut left = effects.to_vec();
         let gone = left.remove(place);
         let mut start = here.at.clone();
         start.theta[gone] = self.engine.machine.parameters[gone].neutral;
-        let less = self.visit(&left, &start)?;
+        let less = match self.visit(&left, &start) {
+            Ok(less) => less,
+            Err(Error::Model(_)) => return Ok(None),
+            Err(error) => return Err(error),
+        };
         let off = (here.at.theta[gone] - start.theta[gone]) / here.deviation(gone);
         let doubtful = off * off < self.policy.gain && less.deviance - here.deviance >= self.policy.gain;
         if !doubtful || !self.is_fitted(gone) {
-            return Ok((left, less));
+            return Ok(Some((left, less)));
         }
         let mut key = left.clone();
         key.sort_unstable();
@@ -104,7 +117,7 @@ impl Search<'_> {
         let again = self.visit(&left, &start)?;
         let better = if again.deviance < less.deviance { again } else { less };
         self.visited.insert(key, better.clone());
-        Ok((left, better))
+        Ok(Some((left, better)))
     }
 
     /// A fit with its linearised runs, made anew if they were put away.
@@ -131,7 +144,7 @@ impl Search<'_> {
         while !effects.is_empty() {
             let mut weakest: Option<(usize, Fit)> = None;
             for place in 0..effects.len() {
-                let (_, less) = self.without(&effects, &here, place)?;
+                let Some((_, less)) = self.without(&effects, &here, place)? else { continue };
                 if weakest.as_ref().is_none_or(|(_, known)| less.deviance < known.deviance) {
                     weakest = Some((place, less));
                 }
@@ -292,7 +305,10 @@ impl Search<'_> {
         let mut place = 0;
         while place < effects.len() {
             let gone = effects[place];
-            let (without, less) = self.without(&effects, &here, place)?;
+            let Some((without, less)) = self.without(&effects, &here, place)? else {
+                place += 1;
+                continue;
+            };
             if less.deviance - here.deviance < self.policy.gain {
                 self.story.push(format!("{} is no longer needed beside the others", self.name(gone)));
                 (effects, here, place) = (without, less, 0);

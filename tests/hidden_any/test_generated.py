@@ -13,6 +13,7 @@ import pytest
 from . import sets
 from .machine import Parameter
 from .machines import ALL, house
+from .machines.motor import C as MOTOR
 from .unit_c import build
 from .unit_python import environment
 
@@ -114,19 +115,23 @@ def test_what_a_unit_does_its_own_way_is_told(tmp_path):
         assert words in told, told
 
 
-def test_a_parameter_that_the_unit_cant_be_run_with_is_told(tmp_path):
-    shed = ALL["shed"]
+# whole runs, and rows that are linked
+@pytest.mark.parametrize(
+    ("name", "code", "outputs", "step", "case"),
+    [("shed", house.C, "v[T_b] = x[1]; v[T_a] = x[0]", 60.0, "k_a"), ("motor", MOTOR, "v[i] = x[0]; v[phi] = x[2]; v[w] = x[1]", 5e-4, "fc")],
+)
+def test_a_parameter_that_the_unit_cant_be_run_with_is_told(name, code, outputs, step, case, tmp_path):
     fragile = Parameter("fragile", "1", 1.0, 0.1, 10.0, "relative", "a value that the unit bears as it is only", 0.5)
-    outputs = "v[T_a] = x[0] + sqrt(-(v[fragile] - 1.0) * (v[fragile] - 1.0)); v[T_b] = x[1];"
+    outputs += " + sqrt(-(v[fragile] - 1.0) * (v[fragile] - 1.0));"
     machine = dataclasses.replace(
-        shed,
-        parameters=(*shed.parameters, fragile),
-        build=lambda machine, folder: build(machine, folder, house.C, outputs, step=60.0, old=True),
+        ALL[name],
+        parameters=(*ALL[name].parameters, fragile),
+        build=lambda machine, folder: build(machine, folder, code, outputs, step=step, old=name == "shed"),
     )
-    said = diagnosed(machine, "k_a", 7, tmp_path)
-    assert [effect["name"] for effect in said["effects"]] == ["shed.k_a"], said["effects"]
+    said = diagnosed(machine, case, 7, tmp_path)
+    assert [effect["name"] for effect in said["effects"]] == [f"{name}.{case}"], said["effects"]
     told = " ".join(map(str, said["notices"]))
-    assert "with shed.fragile = " in told and "the unit can't be run" in told, told
+    assert f"with {name}.fragile = " in told and "the unit can't be run" in told, told
 
 
 def test_a_value_that_the_unit_has_against_its_description_is_its_own(tmp_path):

@@ -355,7 +355,11 @@ impl Engine {
                         let states = &path[row * n..(row + 1) * n];
                         let job = self.job(grid, &schedule, *row, states);
                         worker.interval(&self.machine, &Job { parameters: &set, ..job }, &mut base)?;
-                        worker.interval(&self.machine, &Job { parameters: &there, ..job }, &mut out)?;
+                        match worker.interval(&self.machine, &Job { parameters: &there, ..job }, &mut out) {
+                            // a row in which the unit can't be run with the step tells nothing of it
+                            Err(Error::Model(_)) => continue,
+                            ended => ended?,
+                        }
                         for (entry, (there, here)) in out.iter().zip(&base).enumerate() {
                             let size = match entry.checked_sub(n) {
                                 None => self.scales[entry] * 1e-2,

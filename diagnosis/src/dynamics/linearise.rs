@@ -54,7 +54,7 @@ pub struct Engine {
     pub(crate) pool: Mutex<Vec<Worker>>,
     /// Whether units can be reset.
     pub resets: bool,
-    /// Parameters with which a whole run failed: their value and what the unit said.
+    /// Parameters with which a unit couldn't be run: their value and what it said.
     pub(crate) refused: Mutex<BTreeMap<usize, (f64, String)>>,
 }
 
@@ -216,8 +216,9 @@ impl Engine {
             let mut theta = theta.to_vec();
             theta[chord.parameter] = chord.to;
             let set = self.set(&theta);
-            worker.interval(machine, &Job { parameters: &set, ..job }, &mut out)?;
-            parts.units.push(difference(&out, &parts.base, chord.per));
+            let there = worker.interval(machine, &Job { parameters: &set, ..job }, &mut out);
+            let changed = there.map(|()| difference(&out, &parts.base, chord.per));
+            parts.units.push(self.or_refused(chord, changed, || vec![0.0; parts.base.len()])?);
         }
         Ok(parts)
     }

@@ -9,6 +9,7 @@
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
 //! - `linearise.rs`: differences, many rows at once on all threads
 //! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
+//! - `refused.rs`: values with which a unit can't be run
 //! - `fitted.rs`: the engine as what a fit linearises
 //! - `excluded.rs`: outliers
 //! - `scales.rs`: sizes of what no log tells
@@ -37,6 +38,7 @@ pub mod linearise;
 pub mod machine;
 mod memory;
 mod policy;
+mod refused;
 mod scales;
 pub mod schedule;
 pub mod stretch;

@@ -11,12 +11,12 @@
 use super::build::Span;
 use super::excluded::excluded;
 use super::grid::{Course, Grid, Lost};
-use super::linearise::{Chord, Engine};
+use super::linearise::{Chord, Engine, difference};
 use super::machine::{Machine, Parameter, Reference, Role, State};
 use super::policy::DYNAMICS;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;
-use crate::error::{Error, Notice};
+use crate::error::Error;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Measured};
@@ -153,20 +153,6 @@ impl Engine {
         Ok(shown)
     }
 
-    /// Which parameters explained nothing since the unit couldn't be run with them.
-    pub fn told_refused(&self) -> Vec<Notice> {
-        let Ok(refused) = self.refused.lock() else { return Vec::new() };
-        let told = refused.iter().map(|(place, (value, said))| Notice {
-            file: "dataset.toml".into(),
-            line: 0,
-            message: format!(
-                "with {} = {value} the unit can't be run ({said}): there, it was taken to explain nothing",
-                self.machine.parameters[*place].name
-            ),
-        });
-        told.collect()
-    }
-
     /// What the outputs show of another start, by how far each start value may be off.
     fn begins_elsewhere(&self, grid: &Grid, theta: &[f64], base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let shows = |place: usize| -> Result<Vec<f64>, Error> {
@@ -215,17 +201,8 @@ impl Engine {
         let column = |chord: &Chord| -> Result<Vec<f64>, Error> {
             let mut there = theta.to_vec();
             there[chord.parameter] = chord.to;
-            // what a unit can't be run with is no way to go: it explains nothing, and that is told
-            let there = match self.simulated(grid, &there) {
-                Ok(there) => there,
-                Err(error) => {
-                    if let Ok(mut refused) = self.refused.lock() {
-                        refused.entry(chord.parameter).or_insert((chord.to, error.to_string()));
-                    }
-                    return Ok(vec![0.0; base.len()]);
-                }
-            };
-            Ok(there.iter().zip(&base).map(|(there, here)| (there - here) / chord.per).collect())
+            let changed = self.simulated(grid, &there).map(|there| difference(&there, &base, chord.per));
+            self.or_refused(chord, changed, || vec![0.0; base.len()])
         };
         let columns = chords.par_iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let mut unknown = self.begins_elsewhere(grid, theta, &base)?;

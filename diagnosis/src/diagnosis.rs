@@ -131,8 +131,19 @@ pub struct Unknown {
     pub nearest: String,
     /// Its smoothed course over the first run: times in s and values; empty where only its shape is known.
     pub trace: Vec<[f64; 2]>,
+    /// The same for each run.
+    pub traces: Vec<RunTrace>,
     /// Unit of these values.
     pub unit: String,
+}
+
+/// What has no name, over one run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunTrace {
+    /// The run's file.
+    pub run: String,
+    /// Times in s and values.
+    pub trace: Vec<[f64; 2]>,
 }
 
 impl Unknown {

@@ -62,7 +62,9 @@ pub mod search;
 #[doc(hidden)]
 pub mod statistics;
 
-pub use diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Separation, Trace, Unknown, Verdict, Where};
+pub use diagnosis::{
+    Diagnosis, Effect, Gap, NextExperiment, RunTrace, Separation, Trace, Unknown, Verdict, Where,
+};
 pub use error::{Error, Notice};
 pub use general::diagnose;
 pub use import::{Clock, Imported, import};

@@ -1,7 +1,7 @@
 //! The graphs of `report.html`: measured, nominal and amended over each other, the residual over time, over its own past, over
 //! the states and the inputs.
 
-use crate::diagnosis::{Diagnosis, Trace, Unknown};
+use crate::diagnosis::{Diagnosis, RunTrace, Trace, Unknown};
 use crate::error::Error;
 use crate::overlay::{Channel, Dependence, at, autocorrelation, binned};
 use crate::statistics::levels::WITHIN;
@@ -26,17 +26,25 @@ fn refused(error: report::Error) -> Error {
     Error::Model(error.to_string())
 }
 
-/// The course of an unlisted input, where it is known.
+/// The course of an unlisted input, where it is known: of the runs in which it does most.
 pub fn unlisted(unknown: &Unknown, page: &mut Page) -> Result<(), Error> {
-    if unknown.trace.len() < 2 {
-        return Ok(());
+    let mut told: Vec<&RunTrace> = unknown.traces.iter().filter(|run| run.trace.len() > 1).collect();
+    let square = |run: &RunTrace| run.trace.iter().map(|[_, value]| value * value).sum::<f64>();
+    told.sort_by(|a, b| square(b).total_cmp(&square(a)));
+    told.truncate(OVER);
+    // in the order of the runs again
+    told.sort_by_key(|run| unknown.traces.iter().position(|known| known.run == run.run));
+    let graph = |run: &&RunTrace| {
+        let points: Vec<(f64, f64)> = run.trace.iter().map(|[time, value]| (*time, *value)).collect();
+        let axis = Axis::fitted(labelled("unlisted input", &unknown.unit));
+        let line = Line::solid("most likely course", thin(&points, COLUMNS));
+        let title = format!("What acts on {}, {}", unknown.signal, run.run);
+        (Graph::new(title, Axis::fitted("time in s"), axis).with(line), String::new())
+    };
+    let graphs: Vec<(Graph, String)> = told.iter().map(graph).collect();
+    if !graphs.is_empty() {
+        page.graphs(&graphs).map_err(refused)?;
     }
-    let points: Vec<(f64, f64)> = unknown.trace.iter().map(|[time, value]| (*time, *value)).collect();
-    let axis = Axis::fitted(labelled("unlisted input", &unknown.unit));
-    let title = format!("What acts on {}, first run", unknown.signal);
-    let line = Line::solid("most likely course", thin(&points, COLUMNS));
-    let graph = Graph::new(title, Axis::fitted("time in s"), axis).with(line);
-    page.graphs(&[(graph, String::new())]).map_err(refused)?;
     Ok(())
 }
 

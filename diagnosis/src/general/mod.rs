@@ -5,6 +5,7 @@
 //! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
 //! - `residual.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `events.rs`: when it acted, where it is quiet between
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
@@ -18,6 +19,7 @@ mod amended;
 mod begun;
 mod courses;
 mod equivalent;
+mod events;
 mod long;
 mod mismatch;
 mod policy;

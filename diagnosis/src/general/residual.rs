@@ -1,8 +1,9 @@
 //! Whether process noise stays above its floor, at which equation, and what its smoothed course follows.
 
+use super::events::{Course, events};
 use super::policy::GENERAL;
 use super::study::Studied;
-use crate::diagnosis::Unknown;
+use crate::diagnosis::{RunTrace, Unknown};
 use crate::dynamics::Engine;
 use crate::infer::likelihood::maximise;
 use crate::infer::{Disturbance, Fit, Noise, Sizes, smooth};
@@ -120,12 +121,19 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let state = &engine.machine.states[unlisted.equation];
     let unit = unit_of(problem, &state.name);
     let (depends_on, shape) = follows(engine, studied, &course);
-    let events = events(&courses[0], &engine.grids[0].time);
-    let shape = match events {
+    let along = || engine.grids.iter().zip(&courses);
+    let by_run: Vec<Course<'_>> =
+        along().map(|(grid, value)| Course { run: &grid.name, time: &grid.time, value }).collect();
+    let shape = match events(&by_run) {
         Some(text) if depends_on.is_empty() => text,
         _ => shape,
     };
-    let first = engine.grids[0].time.iter().zip(&courses[0]).map(|(time, value)| [*time, *value]).collect();
+    let traces: Vec<RunTrace> = along()
+        .map(|(grid, course)| RunTrace {
+            run: grid.name.clone(),
+            trace: grid.time.iter().zip(course).map(|(time, value)| [*time, *value]).collect(),
+        })
+        .collect();
     Some(Unknown {
         signal: if engine.machine.whole {
             format!("what {} shows beyond the model", state.name)
@@ -138,7 +146,8 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
             "an unlisted input there gains {:.0} of deviance over none, which no candidate takes away",
             studied.residual.evidence
         ),
-        trace: first,
+        trace: traces.first().map_or_else(Vec::new, |first| first.trace.clone()),
+        traces,
         unit: format!("{unit}/s"),
     })
 }
@@ -260,47 +269,9 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
     (names, format!("{}; that is {share:.0} % of its square", words.join(", then ")))
 }
 
-/// Stretches where the course stands out, if it is quiet between them.
-fn events(course: &[f64], time: &[f64]) -> Option<String> {
-    let mut sorted = course.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let quiet = *sorted.get(sorted.len() / 2)?;
-    let most = course.iter().map(|v| (v - quiet).abs()).fold(0.0, f64::max);
-    let mut begins = Vec::new();
-    let (mut inside, mut rows) = (false, 0);
-    for (value, time) in course.iter().zip(time) {
-        let out = (value - quiet).abs() > GENERAL.event * most;
-        if out && !inside {
-            begins.push(format!("{time:.4}"));
-        }
-        rows += usize::from(out);
-        inside = out;
-    }
-    let seldom = (rows as f64) < 0.4 * course.len() as f64 && begins.len() <= 20;
-    let many = if begins.len() == 1 { "1 event" } else { &format!("{} events", begins.len()) };
-    seldom.then(|| format!("{many}, beginning at {} s, quiet between", begins.join(", ")))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{events, waves};
-
-    #[test]
-    fn value_an_event_stands_out_by_a_third_of_the_largest() {
-        // bumps of three rows over 100: the largest, and one of so much of it
-        let with = |share: f64| {
-            let course: Vec<f64> = (0..100)
-                .map(|row| match row {
-                    20..23 => 1.0,
-                    60..63 => share,
-                    _ => 0.0,
-                })
-                .collect();
-            events(&course, &(0..100).map(f64::from).collect::<Vec<_>>()).expect("it is quiet between")
-        };
-        assert!(with(0.27).starts_with("1 event, beginning at 20"), "{}", with(0.27));
-        assert!(with(0.33).starts_with("2 events, beginning at 20.0000, 60"), "{}", with(0.33));
-    }
+    use super::waves;
 
     #[test]
     fn value_waves_of_an_angle_that_are_tried() {

@@ -7,7 +7,7 @@
 use super::policy::GENERAL;
 use super::residual::follows;
 use super::study::Studied;
-use crate::diagnosis::Unknown;
+use crate::diagnosis::{RunTrace, Unknown};
 use crate::infer::smooth;
 use crate::observe::Problem;
 
@@ -30,6 +30,10 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let course: Vec<f64> = residuals.iter().flatten().map(|(_, value)| value.unwrap_or(0.0)).collect();
     let (depends_on, shape) = follows(&studied.built.engine, studied, &course);
     let output = &machine.channels[channel];
+    let told = |residuals: &Vec<(f64, Option<f64>)>| -> Vec<[f64; 2]> {
+        residuals.iter().filter_map(|(time, value)| Some([*time, (*value)?])).collect()
+    };
+    let along = studied.built.engine.grids.iter().zip(&residuals);
     let shown = problem.channels.iter().find(|shown| shown.name == output.name);
     Some(Unknown {
         signal: format!("what {} shows", output.name),
@@ -38,7 +42,8 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
         nearest: format!(
             "no listed effect: as noise it would be {times:.1} times what neighbouring rows of the log scatter by, and neighbouring rows share it"
         ),
-        trace: residuals[0].iter().filter_map(|(time, value)| Some([*time, (*value)?])).collect(),
+        trace: told(&residuals[0]),
+        traces: along.map(|(grid, own)| RunTrace { run: grid.name.clone(), trace: told(own) }).collect(),
         unit: shown
             .and_then(|shown| problem.model.variable(shown.variable).unit.clone())
             .unwrap_or_else(|| "1".into()),

@@ -271,7 +271,18 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
 
 #[cfg(test)]
 mod tests {
-    use super::waves;
+    use super::{GENERAL, waves};
+
+    #[test]
+    fn value_any_memory_from_a_row_to_a_long_log_is_near_one_to_begin_with() {
+        // the likelihood leads to a correlation time from within half a decade or so; from farther it ends where noise is white, or constant
+        for decade in 0..=36 {
+            let memory = 10f64.powf(0.1 * f64::from(decade));
+            let away = |begun: &f64| f64::max(memory / begun, begun / memory);
+            let nearest = GENERAL.memories.iter().map(away).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= 5.0 * (1.0 + 1e-9), "{memory:.1} rows: the nearest is {nearest:.1} times off");
+        }
+    }
 
     #[test]
     fn value_waves_of_an_angle_that_are_tried() {

@@ -61,15 +61,17 @@ impl Null {
         let mut random = Random::new(SEED);
         let usable: Vec<usize> =
             (0..columns).filter(|c| scores.deviation[*c] > 0.0 && scores.deviation[*c].is_finite()).collect();
+        // block by block, so that compilers use vectors
+        let own: Vec<f64> = (0..blocks)
+            .flat_map(|block| usable.iter().map(move |column| scores.blocks[(block, *column)]))
+            .collect();
         let mut largest = Vec::with_capacity(DRAWS);
         let mut sums = vec![0.0; usable.len()];
         for _ in 0..DRAWS {
             sums.iter_mut().for_each(|sum| *sum = 0.0);
-            for block in 0..blocks {
+            for own in own.chunks_exact(usable.len().max(1)) {
                 let sign = random.sign();
-                for (sum, column) in sums.iter_mut().zip(&usable) {
-                    *sum += sign * scores.blocks[(block, *column)];
-                }
+                sums.iter_mut().zip(own).for_each(|(sum, score)| *sum += sign * score);
             }
             let best = sums
                 .iter()

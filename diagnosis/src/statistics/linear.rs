@@ -215,7 +215,7 @@ pub struct Projected {
     pub columns: DMatrix<f64>,
     /// Rows less hard nuisances.
     pub freedom: f64,
-    /// log det of the rows' covariance.
+    /// log det of the whitened rows' covariance.
     pub log_det: f64,
     /// Expected square of each of the cell's own rows, where noise is all there is: 1 less its leverage.
     pub expected: Vec<f64>,
@@ -245,13 +245,17 @@ fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, discrepancy_sd: f64
         }
     }
     let freedom = n as f64 - basis.hard_rank as f64;
-    let log_sigma: f64 = cell.sigma.iter().map(|sigma| 2.0 * libm::log(*sigma)).sum();
     let mut expected = vec![1.0; n];
     for vector in basis.vectors.chunks_exact(basis.rows.max(1)) {
         expected.iter_mut().zip(vector).for_each(|(expected, value)| *expected -= value * value);
     }
     expected.iter_mut().for_each(|expected| *expected = expected.max(0.0));
-    Projected { residual: left, columns, freedom, log_det: basis.log_det + log_sigma, expected }
+    Projected { residual: left, columns, freedom, log_det: basis.log_det, expected }
+}
+
+/// log det of the rows' noise.
+fn log_noise(cell: &Cell) -> f64 {
+    cell.sigma.iter().map(|sigma| 2.0 * libm::log(*sigma)).sum()
 }
 
 /// Projects the nuisances out of a cell. `discrepancy` multiplies the discrepancy's prior standard deviation.
@@ -262,7 +266,7 @@ pub fn reduce(cell: &Cell, discrepancy_sd: f64) -> Reduced {
         score: columns.tr_mul(&residual),
         gram: columns.tr_mul(&columns),
         freedom,
-        log_det,
+        log_det: log_det + log_noise(cell),
     }
 }
 
@@ -280,7 +284,7 @@ impl Sized {
         let free = cell.discrepancy.min(cell.soft.ncols());
         let columns = cell.soft.columns(free, cell.soft.ncols() - free).into_owned();
         let Projected { residual, columns, log_det, .. } = beside(cell, &cell.residual, &columns, 0.0);
-        let none = residual.norm_squared() + log_det;
+        let none = residual.norm_squared() + (log_det + log_noise(cell));
         if columns.ncols() == 0 {
             return Self { none, along: Vec::new() };
         }

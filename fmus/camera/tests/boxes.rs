@@ -189,6 +189,34 @@ fn every_whole_picture_after_boxes_shows_all_of_the_background() {
 }
 
 #[test]
+fn every_base_that_is_asked_for_again_is_the_same_under_other_noise() {
+    for (name, change) in SETTINGS {
+        let variables = variables(change);
+        let fresh = || {
+            FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects)
+                .expect("legal parameters")
+        };
+        let mut maker = fresh();
+        // More frames than are kept at once; a round of 20 comes back to bases that are.
+        for (seed, count) in [(1, 20), (2, 20), (3, 100), (4, 100)] {
+            for k in 0..count {
+                let turn = 0.02 * k as f64;
+                let pose = Pose { link1_angle: -turn, link2_angle: 2.0 * turn };
+                let centres = variables.scene.centres_world(pose);
+                let shot = Shot { k, seed, centres_world: &[centres], whole: false };
+                maker.render(shot);
+                let mut alone = fresh();
+                alone.render(shot);
+                assert_eq!(maker.base(), alone.base(), "{name}, seed {seed}, frame {k}: base");
+                let [again, once] =
+                    [&maker, &alone].map(|maker| labelled(maker, maker.windows(), &variables));
+                assert_eq!(again, once, "{name}, seed {seed}, frame {k}");
+            }
+        }
+    }
+}
+
+#[test]
 fn every_window_of_a_field_is_that_of_the_frame_from_its_first_row_on() {
     let frames = variables(|_| ());
     let fields = variables(|v| v.sensor.interlaced = true);

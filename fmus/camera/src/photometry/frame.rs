@@ -6,6 +6,7 @@ use super::noise::{Keys, gain};
 use super::parts;
 use super::plane::{Mask, Plane};
 use super::quantise::{self, FrameNoise};
+use super::recent::Recent;
 use crate::effects::Effects;
 use crate::geometry::{Outline, Projection, UnitCircle};
 use crate::variables::{Scene, Sensor};
@@ -55,6 +56,8 @@ pub struct FrameMaker {
     windows: Vec<Area>,
     outlines: [Outline; 3],
     coverage: Coverage,
+    /// Bases that may be asked for again, under other noise.
+    recent: Recent,
     patch: Vec<f32>,
     scratch: Vec<f32>,
 }
@@ -86,6 +89,7 @@ impl FrameMaker {
             windows: Vec::new(),
             outlines: Default::default(),
             coverage: Coverage::default(),
+            recent: Recent::default(),
             patch: Vec::new(),
             scratch: Vec::new(),
         };
@@ -106,22 +110,34 @@ impl FrameMaker {
 
     /// Renders a frame.
     pub fn render(&mut self, shot: Shot<'_>) {
-        self.trace(shot.centres_world);
         let restored = core::mem::take(&mut self.dirty);
         for area in &restored {
             copy(&self.background, &mut self.base, *area);
         }
-        let boxes = self.boxes();
-        for area in &boxes {
-            self.fill(*area, shot.centres_world.len());
-        }
-        let effects = &self.settings.effects;
-        let noise: FrameNoise = match gain(effects.noise.deviation) {
+        let noise: FrameNoise = match gain(self.settings.effects.noise.deviation) {
             0 => None,
             gain => Some((Keys::new(shot.seed, shot.k), gain)),
         };
+        let boxes = self.draw(shot.centres_world, noise.is_some());
         self.expose(shot, &boxes, &restored, noise);
         self.dirty = boxes;
+    }
+
+    /// Draws the circles over the background; answers the boxes in which they lie. Where frames are `noisy`, the same base may be asked for
+    /// again.
+    fn draw(&mut self, centres_world: &[[(f64, f64); 3]], noisy: bool) -> Vec<Area> {
+        if let Some(boxes) = self.recent.draw(centres_world, &mut self.base) {
+            return boxes;
+        }
+        self.trace(centres_world);
+        let boxes = self.boxes();
+        for area in &boxes {
+            self.fill(*area, centres_world.len());
+        }
+        if noisy {
+            self.recent.keep(centres_world, &boxes, &self.base);
+        }
+        boxes
     }
 
     /// Makes picture and mask where they are asked for.

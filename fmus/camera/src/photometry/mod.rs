@@ -12,6 +12,7 @@ pub mod frame;
 pub mod noise;
 pub mod plane;
 pub mod quantise;
+mod recent;
 pub mod simd;
 pub mod tails;
 

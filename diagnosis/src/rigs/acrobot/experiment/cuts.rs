@@ -13,7 +13,7 @@ use crate::rigs::acrobot::residual::chain::Chain;
 use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::trajectory::{PREROLL, State};
-use crate::rigs::acrobot::residual::{Block, Perturbation, Tracked};
+use crate::rigs::acrobot::residual::{Block, Cut, Perturbation, Tracked};
 use crate::statistics::linear::{Reduced, reduce};
 use std::sync::Arc;
 
@@ -47,6 +47,10 @@ impl<'a> Cuts<'a> {
         } else {
             let read = if logs.encoders { None } else { Some(read(&trial, model)) };
             let plant = PlantCut::new(read.as_ref().unwrap_or(data), model, list.clone())?;
+            // what is in question of a camera alone does nothing to an arm that is driven by what was logged
+            let shows =
+                |cut: &PlantCut| question.members.iter().any(|member| cut.sees(&list[member.candidate]));
+            let plant = plant.filter(shows);
             all.extend(plant.map(|cut| (Box::new(Tracked::new(cut)) as Box<Tracked>, 1.0)));
         }
         if logs.encoders && logs.picture && filmed {

@@ -32,6 +32,7 @@ use choose::Tried;
 use orchestrator::{Simulation, UnitPath};
 use scenario::{Logs, Prepared, prepare, refused};
 use separation::{Bench, Losses};
+use simulate::Simulated;
 use std::collections::BTreeMap;
 
 /// File that the scenario is written to.
@@ -89,6 +90,7 @@ pub struct Question<'a> {
     noise: Noise,
     discrepancy_sd: f64,
     units: &'a UnitPath,
+    simulated: Simulated,
 }
 
 impl Question<'_> {
@@ -120,7 +122,8 @@ pub fn next<'a>(
         encoders: Logs::of(data).encoders,
     };
     let discrepancy_sd = found.map(|(study, _, _)| study.last.discrepancy_sd).fold(0.0, f64::max);
-    let question = Question { data, model, list, point, members, noise, discrepancy_sd, units };
+    let simulated = Simulated::default();
+    let question = Question { data, model, list, point, members, noise, discrepancy_sd, units, simulated };
     choice(&question)
 }
 
@@ -150,6 +153,8 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     let same = first_look(question, &AGAIN, likely).ok().flatten();
     // the tolerance of renderers does not become less with more images
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
+    let plain: BTreeMap<&str, Losses> =
+        tried.iter().map(|one| (one.entry.name, one.losses.clone())).collect();
     let weigh = |one: &mut Tried| {
         same.iter().for_each(|same| one.discount(&same.losses, CLASS));
         if longer {
@@ -159,7 +164,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     tried.iter_mut().for_each(weigh);
     choose::sort(&mut tried, &weights);
     for one in tried.iter_mut().take(DESIGN.finalists) {
-        match closer_look(question, one.entry, likely) {
+        match closer_look(question, one.entry, likely, plain[one.entry.name].clone()) {
             Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
             Err(problem) => {
                 failed.push((one.entry, problem.to_string()));
@@ -259,12 +264,16 @@ fn first_look(
     Ok(Some(Tried { entry, losses, times: 1.0 }))
 }
 
-/// The same with each member as the truth in turn, for that member's row.
-fn closer_look(question: &Question<'_>, entry: &'static Experiment, likely: usize) -> Result<Losses, Error> {
+/// The same with each member as the truth in turn, for that member's row; `losses` are those of the first look.
+fn closer_look(
+    question: &Question<'_>,
+    entry: &'static Experiment,
+    likely: usize,
+    mut losses: Losses,
+) -> Result<Losses, Error> {
     let prepared = prepare(question.data, question.model, entry)?;
     let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
     let bench = Bench::new(question, &prepared)?;
-    let mut losses = bench.losses(likely)?;
     let mut rivals: Vec<usize> = (0..losses.len()).filter(|truth| *truth != likely).collect();
     // in a large class, the improbable ones keep the row that the columns of the most probable one give
     rivals.sort_by(|a, b| question.members[*b].weight.total_cmp(&question.members[*a].weight));

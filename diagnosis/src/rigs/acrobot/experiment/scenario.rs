@@ -54,6 +54,8 @@ pub struct Prepared {
     pub logs: Logs,
     /// How much more than the simulated run a lab would record.
     pub repeats: f64,
+    /// What the machine does otherwise, whatever is logged of it.
+    pub moves: Vec<Change>,
 }
 
 /// Joint and first link of a pinned arm have no drum: R = 0 makes these vanish.
@@ -110,7 +112,9 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
         scenario.set(name, &text).map_err(refused)?;
     }
     scenario.description = entry.what.to_owned();
-    Ok(Some(Prepared { scenario, set, logs: now, repeats }))
+    let logged = |change: &Change| matches!(change, Change::Log(_) | Change::Rate(_));
+    let moves = entry.changes.iter().filter(|change| !logged(change)).copied().collect();
+    Ok(Some(Prepared { scenario, set, logs: now, repeats, moves }))
 }
 
 fn number(model: &Model, name: &str) -> Result<f64, Error> {

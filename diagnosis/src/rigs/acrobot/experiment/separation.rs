@@ -135,7 +135,8 @@ impl<'a> Bench<'a> {
             prepared.scenario.set_stop(&DESIGN.short.to_string()).map_err(refused)?;
             prepared.repeats *= length / DESIGN.short;
         }
-        let trial = simulate(&prepared, &values, self.question.data, self.question.units)?;
+        let trial =
+            simulate(&prepared, &values, self.question.data, self.question.units, &self.question.simulated)?;
         Ok((point, trial, prepared.repeats))
     }
 

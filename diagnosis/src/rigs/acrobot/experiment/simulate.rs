@@ -1,15 +1,19 @@
 //! A prepared experiment, run through the orchestrator and turned into the data set that a lab would log, without
 //! noise: noise is counted where the data are compared.
 
+use super::catalogue::Change;
 use super::scenario::{Logs, Prepared, record, refused};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
-use crate::rigs::acrobot::dataset::{DataSet, Manifest, Run, Table};
+use crate::rigs::acrobot::dataset::{self, DataSet, Manifest, Table};
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::picture::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
+use orchestrator::time::Rational;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// One simulated run.
 pub struct Trial {
@@ -19,16 +23,31 @@ pub struct Trial {
     pub motion: Motion,
 }
 
-/// Runs an experiment with some parameters of the units set.
-///
-/// # Errors
-/// A unit refuses a value or fails, or the arm loses its balance.
-pub fn simulate(
-    prepared: &Prepared,
-    values: &[(String, String)],
-    like: &DataSet,
-    units: &UnitPath,
-) -> Result<Trial, Error> {
+/// What the machine does otherwise, for how long, and values of the units.
+type Run = (Vec<Change>, Rational, Vec<(String, String)>);
+
+/// Runs that were simulated already: experiments may differ in what is logged alone.
+#[derive(Default)]
+pub struct Simulated(RefCell<Vec<(Run, Rc<Recorded>)>>);
+
+impl Simulated {
+    fn run(
+        &self,
+        prepared: &Prepared,
+        values: &[(String, String)],
+        units: &UnitPath,
+    ) -> Result<Rc<Recorded>, Error> {
+        let run = (prepared.moves.clone(), prepared.scenario.stop, values.to_vec());
+        if let Some((_, known)) = self.0.borrow().iter().find(|known| known.0 == run) {
+            return Ok(known.clone());
+        }
+        let made = Rc::new(recorded(prepared, values, units)?);
+        self.0.borrow_mut().push((run, made.clone()));
+        Ok(made)
+    }
+}
+
+fn recorded(prepared: &Prepared, values: &[(String, String)], units: &UnitPath) -> Result<Recorded, Error> {
     let mut scenario = prepared.scenario.clone();
     let has = |name: &str| prepared.scenario.units.iter().any(|unit| unit.name == name);
     let (filmed, controlled) = (has("camera"), has("controller"));
@@ -51,22 +70,36 @@ pub fn simulate(
     let mut simulation = Simulation::new(&scenario, units).map_err(refused)?;
     let mut memory = MemoryRecorder::new();
     simulation.run(&mut memory, &mut Quiet).map_err(refused)?;
-    let log = Recorded { memory, controlled };
+    Ok(Recorded { memory, filmed, controlled })
+}
+
+/// Runs an experiment with some parameters of the units set, unless it was `simulated` already.
+///
+/// # Errors
+/// A unit refuses a value or fails, or the arm loses its balance.
+pub fn simulate(
+    prepared: &Prepared,
+    values: &[(String, String)],
+    like: &DataSet,
+    units: &UnitPath,
+    simulated: &Simulated,
+) -> Result<Trial, Error> {
+    let log = simulated.run(prepared, values, units)?;
     if let Some(row) = log.series("plant.contact")?.iter().position(|contact| *contact > 0.5) {
         return Err(Error::Model(format!(
             "the arm loses its balance after {:.1} s",
             log.memory.times()[row]
         )));
     }
-    if let Some(time) = log.goes_round()?.filter(|_| !controlled) {
+    if let Some(time) = log.goes_round()?.filter(|_| !log.controlled) {
         return Err(Error::Model(format!("a link goes round after {time:.1} s")));
     }
-    let camera = if filmed && prepared.logs.picture { Some(log.camera()?) } else { None };
+    let camera = if log.filmed && prepared.logs.picture { Some(log.camera()?) } else { None };
     if camera.as_ref().is_some_and(Table::is_empty) {
         return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
     }
     let often = prepared.logs.rate.unwrap_or_else(|| rate(like));
-    let run = Run {
+    let run = dataset::Run {
         name: "simulated".into(),
         camera,
         controller: Some(log.controller()?),
@@ -99,6 +132,7 @@ pub fn rate(like: &DataSet) -> f64 {
 
 struct Recorded {
     memory: MemoryRecorder,
+    filmed: bool,
     controlled: bool,
 }
 

@@ -3,7 +3,7 @@
 use super::catalogue::{AGAIN, CATALOGUE, Change};
 use super::choose::{Tried, sort, words};
 use super::scenario::{Logs, Prepared};
-use super::simulate::simulate;
+use super::simulate::{Simulated, simulate};
 use super::*;
 use crate::rigs::acrobot::candidates::candidates;
 use crate::rigs::acrobot::dataset::Manifest;
@@ -135,9 +135,10 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
     let mut scenario = model.scenario.clone();
     scenario.set_stop("15").expect("a time");
     let logs = Logs { picture: true, encoders, torque: false, rate: None };
-    let prepared = Prepared { scenario, set: Vec::new(), logs, repeats: 1.0 };
+    let prepared = Prepared { scenario, set: Vec::new(), logs, repeats: 1.0, moves: Vec::new() };
     let hidden = [(hidden.0.to_owned(), hidden.1.to_owned())];
-    (simulate(&prepared, &hidden, &empty, &units).expect("it runs").data, model)
+    let trial = simulate(&prepared, &hidden, &empty, &units, &Simulated::default());
+    (trial.expect("it runs").data, model)
 }
 
 /// What is proposed for a class whose members have these values.
@@ -159,6 +160,7 @@ fn proposed(data: &DataSet, model: &Model, class: &[(&str, f64)]) -> NextExperim
         noise,
         discrepancy_sd: 0.0,
         units: &units,
+        simulated: Simulated::default(),
     };
     let (next, text) = choice(&question);
     let text = text.expect("its scenario");

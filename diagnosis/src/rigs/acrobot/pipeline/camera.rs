@@ -4,7 +4,7 @@ use super::averages::averaged;
 use super::sensor::with_noise;
 use super::*;
 use crate::rigs::acrobot::residual::chain::Chain;
-use crate::rigs::acrobot::residual::image::{ImageCut, Pose};
+use crate::rigs::acrobot::residual::image::{ImageCut, Laws, Pose};
 
 #[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
 pub(super) fn camera_part(
@@ -13,6 +13,7 @@ pub(super) fn camera_part(
     list: &Arc<Vec<Candidate>>,
     motions: Option<(Vec<Logged>, f64)>,
     options: &Options,
+    laws: &Laws,
     point: &mut Vec<f64>,
     parts: &mut Vec<Part>,
     notices: &mut Vec<Notice>,
@@ -33,7 +34,8 @@ pub(super) fn camera_part(
         Some(_) => None,
         None => ImageCut::new(data, model, list.clone(), pose, options.frames)?.map(Tracked::new),
     };
-    if chain.is_some() || image.is_some() {
+    if let Some(pictures) = pictures(&mut chain, &mut image) {
+        pictures.know(laws);
         watch.stage("camera: frames rendered again at the measured pose");
     }
     let parted = match (&mut chain, &mut image) {
@@ -49,7 +51,8 @@ pub(super) fn camera_part(
         _ => return Ok(()),
     };
     match parted {
-        Ok(part) => {
+        Ok(mut part) => {
+            part.laws.extend(pictures(&mut chain, &mut image).map(|pictures| pictures.laws()));
             *point = part.study.last.point.clone();
             parts.push(part);
             Ok(())
@@ -63,5 +66,17 @@ pub(super) fn camera_part(
             Ok(())
         }
         Err(error) => Err(error),
+    }
+}
+
+/// The images of what is compared.
+fn pictures<'a>(
+    chain: &'a mut Option<Tracked<Chain>>,
+    image: &'a mut Option<Tracked<ImageCut>>,
+) -> Option<&'a mut ImageCut> {
+    match (chain, image) {
+        (Some(chain), _) => Some(&mut chain.image),
+        (_, Some(image)) => Some(image),
+        _ => None,
     }
 }

@@ -84,6 +84,8 @@ pub(super) fn left_out(
     let on = |index: &usize| first.parts.iter().any(|part| part.study.active.contains(index));
     let active: Vec<usize> = (0..kept.len()).filter(|place| on(&kept[*place])).collect();
     let by_torques = first.parts.iter().any(|part| part.torque && part.study.discrepancy_dominated);
+    let mut laws = Laws::default();
+    laws.extend(first.parts.iter().map(|part| &part.laws));
     let all = folds(data);
     for (place, fold) in all.iter().enumerate() {
         watch.stage("the search is repeated for the gap");
@@ -92,7 +94,7 @@ pub(super) fn left_out(
             return Ok(None);
         }
         watch.begin_from(Some(Known { point: point.clone(), active: active.clone(), by_torques }));
-        let compared = compare(&fold.kept, model, &shorter, options, watch);
+        let compared = compare(&fold.kept, model, &shorter, options, &laws, watch);
         watch.begin_from(None);
         let Compared { parts, point, .. } = compared?;
         let named =

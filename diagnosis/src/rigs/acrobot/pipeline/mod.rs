@@ -27,7 +27,7 @@ use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::plausibility;
-use crate::rigs::acrobot::residual::image::Noise;
+use crate::rigs::acrobot::residual::image::{Laws, Noise};
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
 use crate::rigs::acrobot::residual::trajectory::Motion as Logged;
 use crate::rigs::acrobot::residual::{Cut, Signal, Tracked};
@@ -80,6 +80,8 @@ struct Part {
     noise: Option<Noise>,
     /// By how much some values differ from one linearisation to the next.
     rough: Vec<(usize, f64)>,
+    /// What moving candidates does to the image.
+    laws: Laws,
 }
 
 /// Diagnoses a data set. `listener` hears of each stage.
@@ -143,7 +145,8 @@ pub fn diagnose(
     }
     let mut notices = data.notices.clone();
     notices.extend(model.notices(&data));
-    let mut compared = compare(&data, &model, &list, options, watch)?;
+    let none = Laws::default();
+    let mut compared = compare(&data, &model, &list, options, &none, watch)?;
     let mut clocks = Clocks::new(&data);
     while let Some(late) =
         clocks.late(&list, &compared).filter(|_| !watch.is_over("the search for clocks that are off"))
@@ -154,7 +157,7 @@ pub fn diagnose(
             data.clocks_apart = true;
             trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut list));
         }
-        compared = compare(&data, &model, &list, options, watch)?;
+        compared = compare(&data, &model, &list, options, &none, watch)?;
     }
     let Compared { mut parts, mut point, notices: more } = compared;
     notices.extend(more);
@@ -237,12 +240,13 @@ struct Compared {
     notices: Vec<Notice>,
 }
 
-/// All cuts of a data set.
+/// All cuts of a data set. What candidates do to the image is taken from `laws` where they say it.
 fn compare(
     data: &DataSet,
     model: &Model,
     list: &Arc<Vec<Candidate>>,
     options: &Options,
+    laws: &Laws,
     watch: &mut Watch<'_>,
 ) -> Result<Compared, Error> {
     let off = || list.iter().map(|candidate| candidate.off).collect();
@@ -250,7 +254,7 @@ fn compare(
     let mut parts = Vec::new();
     let mut notices = Vec::new();
     let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, watch)?;
-    camera_part(data, model, list, motions, options, &mut point, &mut parts, &mut notices, watch)?;
+    camera_part(data, model, list, motions, options, laws, &mut point, &mut parts, &mut notices, watch)?;
     Ok(Compared { parts, point, notices })
 }
 
@@ -315,5 +319,6 @@ fn classed(
         coarse: Vec::new(),
         noise: None,
         rough: Vec::new(),
+        laws: Laws::default(),
     })
 }

@@ -122,20 +122,22 @@ impl Studio {
     /// # Errors
     /// The unit failed.
     pub fn average(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
-        let mut sum: Vec<Option<Seen>> = vec![Some([0.0; COLUMNS.len()]); shots.len()];
-        for seed in &self.seeds {
-            let mut all = settings.to_vec();
-            all.push(seed.clone());
-            for (sum, seen) in sum.iter_mut().zip(self.shoot(&all, shots)?) {
-                *sum = match (*sum, seen) {
-                    (Some(sum), Some(seen)) => {
-                        Some(std::array::from_fn(|s| sum[s] + seen[s] / self.seeds.len() as f64))
-                    }
-                    _ => None,
-                };
+        // a unit that has just made these frames makes them soon under another seed
+        let averaged = |shots: &[Shot]| {
+            let mut sum: Vec<Option<Seen>> = vec![Some([0.0; COLUMNS.len()]); shots.len()];
+            for seed in &self.seeds {
+                let mut all = settings.to_vec();
+                all.push(seed.clone());
+                for (sum, seen) in sum.iter_mut().zip(self.chunk(&all, shots)?) {
+                    *sum = sum.zip(seen).map(|(sum, seen)| {
+                        std::array::from_fn(|s| sum[s] + seen[s] / self.seeds.len() as f64)
+                    });
+                }
             }
-        }
-        Ok(sum)
+            Ok(sum)
+        };
+        let chunks: Vec<_> = shots.par_chunks(TASK).map(averaged).collect::<Result<_, Error>>()?;
+        Ok(chunks.concat())
     }
 
     /// Makes frames with the sensor's noise, one realisation for each `seed`.
@@ -143,9 +145,7 @@ impl Studio {
     /// # Errors
     /// The unit failed.
     pub fn noisy(&self, settings: &[Setting], shots: &[Shot], seed: i32) -> Result<Vec<Option<Seen>>, Error> {
-        let mut all = settings.to_vec();
-        all.push(self.bench.setting("seed", f64::from(7919 * (seed + 101)))?);
-        self.shoot(&all, shots)
+        self.shoot(&self.exposed(settings, Some(seed))?, shots)
     }
 
     /// Makes frames without noise; `None` where the camera doesn't find its three circles.
@@ -153,12 +153,26 @@ impl Studio {
     /// # Errors
     /// The unit failed.
     pub fn take(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
-        let mut all = settings.to_vec();
-        all.push(self.noiseless.clone());
-        self.shoot(&all, shots)
+        self.shoot(&self.exposed(settings, None)?, shots)
     }
 
-    fn shoot(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
+    /// Settings with the sensor's noise of a `seed`, or without noise.
+    ///
+    /// # Errors
+    /// The unit lacks a variable.
+    pub fn exposed(&self, settings: &[Setting], seed: Option<i32>) -> Result<Vec<Setting>, Error> {
+        let noise = match seed {
+            Some(seed) => self.bench.setting("seed", f64::from(7919 * (seed + 101)))?,
+            None => self.noiseless.clone(),
+        };
+        Ok(settings.iter().cloned().chain([noise]).collect())
+    }
+
+    /// Makes frames by a camera with these settings.
+    ///
+    /// # Errors
+    /// The unit failed.
+    pub fn shoot(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
         let chunks: Vec<_> =
             shots.par_chunks(TASK).map(|chunk| self.chunk(settings, chunk)).collect::<Result<_, _>>()?;
         Ok(chunks.concat())

@@ -32,6 +32,19 @@ impl<C: Cut + ?Sized> Tracked<C> {
         Ok(found.blocks)
     }
 
+    /// The same from where the last linearisation had the nuisances, whatever chord steps did since.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub fn linearise_anew(
+        &mut self,
+        at: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Result<Vec<Block>, Error> {
+        self.restore_linearised();
+        self.linearise(at, perturbations)
+    }
+
     /// The same by the sensitivities of the nuisances at the last linearisation.
     ///
     /// # Errors

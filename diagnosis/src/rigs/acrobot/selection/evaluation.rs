@@ -39,8 +39,7 @@ impl Evaluation {
     /// # Errors
     /// A unit failed.
     pub fn at(cut: &mut Tracked, point: &[f64], perturbations: &[Perturbation]) -> Result<Self, Error> {
-        cut.restore_linearised();
-        let blocks = cut.linearise(point, perturbations)?;
+        let blocks = cut.linearise_anew(point, perturbations)?;
         Ok(Self::of(blocks, point, perturbations, cut.signals()))
     }
 

@@ -21,7 +21,7 @@ pub fn refit(
 }
 
 /// The same for what may be kept: where the arm sticks, a window in which more is left than noise leaves is settled anew at each linearisation.
-/// A fit that is only compared may be a little off.
+/// A fit that is only compared may be a little off. Ended as soon as the deviance is not going to decrease to `enough`.
 ///
 /// # Errors
 /// A unit failed even at the point to begin with.
@@ -30,8 +30,9 @@ pub fn refit_closely(
     candidates: &[Candidate],
     start: &[f64],
     active: &[usize],
+    enough: f64,
 ) -> Result<Evaluation, Error> {
-    fitted(cut, candidates, start, active, f64::INFINITY, some_doubted)
+    fitted(cut, candidates, start, active, enough, some_doubted)
 }
 
 /// The same, ended as soon as the deviance is not going to decrease to `enough`.
@@ -131,7 +132,7 @@ pub(super) fn own_fit(
         cut.restore_linearised();
         return Ok((last.point[effect], last.deviance() - predicted));
     }
-    let fit = refit_closely(cut, candidates, &last.point, active)?;
+    let fit = refit_closely(cut, candidates, &last.point, active, f64::INFINITY)?;
     let fit = settled(cut, fit)?;
     Ok((fit.point[effect], fit.deviance()))
 }

@@ -329,9 +329,11 @@ pub fn linearise(
     active: &[usize],
 ) -> Result<Evaluation, Error> {
     let perturbations = all_perturbations(candidates, point, &|candidate| cut.sees(candidate), active);
-    let first = Evaluation::at(cut, point, &perturbations)?;
-    // the linearisation itself has put frames elsewhere
-    if cut.policy().free_pose { Evaluation::at(cut, point, &perturbations) } else { Ok(first) }
+    if cut.policy().free_pose {
+        // the linearisation itself puts frames elsewhere
+        cut.linearise_anew(point, &perturbations)?;
+    }
+    Evaluation::at(cut, point, &perturbations)
 }
 
 /// Mean square of the whitened residual.

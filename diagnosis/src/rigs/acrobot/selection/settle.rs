@@ -68,7 +68,7 @@ pub(super) fn settle(
     let mut all = Vec::new();
     for _ in 0..SELECTION.settle {
         // the nuisances first, since a fit leaves them where the last linearisation found them
-        Evaluation::at(cut, point, &[])?;
+        cut.linearise_anew(point, &[])?;
         let before = point.clone();
         let (dropped, tiny) = prune(cut, candidates, active, point)?;
         all.extend(dropped);
@@ -108,7 +108,7 @@ fn prune(
     let mut dropped = Vec::new();
     let mut tiny = vec![f64::INFINITY; candidates.len()];
     loop {
-        let fit = refit_closely(cut, candidates, point, active)?;
+        let fit = refit_closely(cut, candidates, point, active, f64::INFINITY)?;
         point.clone_from(&fit.point);
         let free: Vec<usize> =
             active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
@@ -170,7 +170,7 @@ mod tests {
         let goes = |more: f64| {
             let mut cut = toy(move |x| vec![if x[0] == 0.0 { (1.0 + more).sqrt() } else { 1.0 }]);
             let candidates = [candidate(Side::Plant, false)];
-            let fit = refit_closely(&mut cut, &candidates, &[1.0], &[0]).expect("runs");
+            let fit = refit_closely(&mut cut, &candidates, &[1.0], &[0], f64::INFINITY).expect("runs");
             idle(&mut cut, &candidates, &fit, &[0]).expect("runs").is_some()
         };
         // 0.001 of deviance

@@ -1,5 +1,6 @@
 //! Who is fitted, from where, and who of them is accepted.
 
+use super::classes::HOPELESS;
 use super::evaluation::Evaluation;
 use super::evidence::lacking;
 use super::folds::Folds;
@@ -45,6 +46,12 @@ impl Trials<'_> {
     ) -> Result<Option<Accepted>, Error> {
         // half a law of motion is a matter of fits, whatever columns say
         let small = switched.is_none();
+        let large = SELECTION.large * self.last.total.square;
+        let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
+        let of_log = |hit: &Hit| self.candidates[hit.candidate].side.is_of_log();
+        if linear && !cut.policy().free_pose && !shortlist.iter().any(of_log) {
+            return Ok(self.first(cut, shortlist, refused, watch));
+        }
         let mut trials: Vec<Trial> = Vec::new();
         if let Some((candidate, decrease, trial)) = switched {
             let left = trial.deviance();
@@ -56,10 +63,9 @@ impl Trials<'_> {
                 break;
             }
             watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
-            self.fit(cut, hit, &mut trials);
+            let enough = self.least(cut, hit, &trials);
+            self.fit(cut, hit, enough, &mut trials);
         }
-        let large = SELECTION.large * self.last.total.square;
-        let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
         if linear {
             trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
         }
@@ -67,16 +73,59 @@ impl Trials<'_> {
         self.handicap(&mut trials, cut.policy().clock_doubt, most);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
-            // a part of a whole step is none, however well columns would have it, and no column is a saturation's beyond its own level
-            let own = &self.candidates[candidate];
-            let by_columns = linear && !own.is_discrete() && !matches!(own.motion, Motion::Saturation { .. });
-            let held_out = self.held_out(&trial, candidate, by_columns);
+            let held_out = self.held_out(&trial, candidate, linear && self.is_straight(candidate));
             if held_out.1 < held_out.0 {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
             }
             refused.push(candidate);
         }
         Ok(None)
+    }
+
+    /// The first of a shortlist by columns, best first, that explains the runs left out: nobody behind it needs a fit.
+    fn first(
+        &self,
+        cut: &mut Tracked,
+        shortlist: &[Hit],
+        refused: &mut Vec<usize>,
+        watch: &mut Watch<'_>,
+    ) -> Option<Accepted> {
+        let mut trials: Vec<Trial> = Vec::new();
+        for (place, hit) in shortlist.iter().enumerate() {
+            if watch.is_over(SEARCH) {
+                break;
+            }
+            let candidate = hit.candidate;
+            watch.trying(self.candidates[candidate].name, place + 1, shortlist.len());
+            let own = trials.len();
+            self.fit(cut, hit, f64::INFINITY, &mut trials);
+            for place in own..trials.len() {
+                let held_out = self.held_out(&trials[place].2, candidate, self.is_straight(candidate));
+                if held_out.1 < held_out.0 {
+                    return Some(Accepted { candidate, trial: trials.swap_remove(place).2, held_out });
+                }
+                refused.push(candidate);
+            }
+        }
+        None
+    }
+
+    /// A column says what a fit would: a part of a whole step is none, however well columns would have it, and no column is a saturation's
+    /// beyond its own level.
+    fn is_straight(&self, candidate: usize) -> bool {
+        let own = &self.candidates[candidate];
+        !own.is_discrete() && !matches!(own.motion, Motion::Saturation { .. })
+    }
+
+    /// The deviance that a fit to an image must come down to, if only the best counts: near that of the best so far. Faults of the log are
+    /// weighed otherwise, and where images follow a plant a fit leaves frames elsewhere for the next one.
+    fn least(&self, cut: &Tracked, hit: &Hit, trials: &[Trial]) -> f64 {
+        let mut all = trials.iter().map(|trial| trial.0).chain([hit.candidate]);
+        let of_log = all.any(|candidate| self.candidates[candidate].side.is_of_log());
+        if !cut.policy().lattice || cut.policy().free_pose || of_log {
+            return f64::INFINITY;
+        }
+        HOPELESS + trials.iter().map(|trial| trial.2.deviance()).fold(f64::INFINITY, f64::min)
     }
 
     /// What shows in a few windows only, a saturation or a short delay, has a small statistic over all blocks. Where more than noise
@@ -96,7 +145,7 @@ impl Trials<'_> {
         let hits = self.pure();
         let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SELECTION.sparse);
         for hit in open.filter(plants).take(SELECTION.sparse_trials) {
-            self.fit(cut, hit, &mut trials);
+            self.fit(cut, hit, f64::INFINITY, &mut trials);
         }
         trials.retain(|(_, decrease, _)| *decrease > SELECTION.sparse);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -129,7 +178,8 @@ impl Trials<'_> {
         hits
     }
 
-    fn fit(&self, cut: &mut Tracked, hit: &Hit, into: &mut Vec<Trial>) {
+    /// Fits a hit from wherever that may begin, and no further where the deviance won't come down to `enough`.
+    fn fit(&self, cut: &mut Tracked, hit: &Hit, enough: f64, into: &mut Vec<Trial>) {
         let mut beginnings = starts(self.candidates, self.last, hit);
         let mut place = 0;
         while let Some(x) = beginnings.get(place).copied() {
@@ -137,10 +187,8 @@ impl Trials<'_> {
             let mut point = self.last.point.clone();
             point[hit.candidate] = x;
             // a value that the unit refuses is no trial
-            let Ok(trial) = refit_closely(cut, self.candidates, &point, &with(self.active, hit.candidate))
-            else {
-                continue;
-            };
+            let active = with(self.active, hit.candidate);
+            let Ok(trial) = refit_closely(cut, self.candidates, &point, &active, enough) else { continue };
             let best = into.iter().map(|trial| trial.2.deviance()).fold(self.last.deviance(), f64::min);
             let trial = self.found_back(cut, hit.candidate, &point, trial);
             let trial =

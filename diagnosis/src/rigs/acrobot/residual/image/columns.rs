@@ -1,5 +1,6 @@
 //! What moving a candidate, or the arm, does to the image: secants over steps of some pixels, smooth over poses.
 
+use super::laws::{Law, powers};
 use super::surface::{Surface, Terms};
 use super::*;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
@@ -52,7 +53,7 @@ impl ImageCut {
     }
 
     /// What an exposure that is longer by one interval would do by its earlier middle alone.
-    fn late(&self, place: usize) -> Option<Seen> {
+    pub(super) fn late(&self, place: usize) -> Option<Seen> {
         let frame = &self.frames[place];
         let (one, two) = match self.turns.as_deref()?.get(place)? {
             [Some(one), Some(two)] => (one, two),
@@ -84,22 +85,29 @@ impl ImageCut {
     }
 
     /// Change of the image per unit of a candidate.
-    pub(super) fn column(
-        &mut self,
-        point: &[f64],
-        perturbation: Perturbation,
-    ) -> Result<Vec<Option<Seen>>, Error> {
+    pub(super) fn column(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
         let key = (perturbation.candidate, perturbation.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
             return Ok(kept.clone());
         }
+        let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
+        let column = match self.laws.get(name, by) {
+            Some(law) => self.along(&law),
+            None => self.taken(point, perturbation)?,
+        };
+        self.kept.insert(key, column.clone());
+        Ok(column)
+    }
+
+    /// The same, taken anew; what it is at all poses is kept.
+    fn taken(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
+        let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
         let blurs = Some(perturbation.candidate) == self.exposure;
-        let longest = point[perturbation.candidate].max(point[perturbation.candidate] + perturbation.by);
-        let short = blurs && longest * self.way() < IMAGES.blurring;
-        if short {
-            let column = self.short_blur(point, perturbation)?;
-            self.kept.insert(key, column.clone());
-            return Ok(column);
+        let longest = point[perturbation.candidate].max(point[perturbation.candidate] + by);
+        if blurs && longest * self.way() < IMAGES.blurring {
+            let law = self.short_blur(point, perturbation)?;
+            let law = self.laws.insert(name, by, law);
+            return Ok(self.along(&law));
         }
         let late =
             |cut: &Self, place: usize| if blurs { cut.late(place) } else { Some([0.0; COLUMNS.len()]) };
@@ -109,10 +117,10 @@ impl ImageCut {
         let rounds = if blurs { IMAGES.more_rounds } else { IMAGES.rounds };
         for (round, side, phase) in sides(rounds) {
             let shots = self.beside(round, side);
-            let here = self.here(&still, phase, &shots)?;
             let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
-            let column = slopes(&there, &here, perturbation.by);
-            for (place, (shot, seen)) in self.sampled().zip(shots.iter().zip(&column)) {
+            let here = self.here(&still, phase, shots, None)?;
+            let column = slopes(&there, &here.seen, by);
+            for (place, (shot, seen)) in self.sampled().zip(here.shots.iter().zip(&column)) {
                 if let (Some(seen), Some(late)) = (seen, late(self, place)) {
                     samples.push((shot.end, std::array::from_fn(|s| seen[s] - late[s])));
                 }
@@ -123,37 +131,29 @@ impl ImageCut {
         }
         let surface = Surface::fit(&samples, if blurs { Terms::Motions } else { Terms::Poses });
         // few frames have no surface, and are all sampled
-        let column: Vec<Option<Seen>> = (0..self.frames.len())
-            .map(|place| match (surface.at(&self.frames[place].shot.end), late(self, place)) {
-                (Some(smooth), Some(late)) => Some(std::array::from_fn(|s| smooth[s] + late[s])),
-                (None, _) if first.len() == self.frames.len() => first[place],
-                _ => None,
-            })
-            .collect();
-        self.kept.insert(key, column.clone());
-        Ok(column)
+        if surface.is_none() && first.len() == self.frames.len() {
+            return Ok(Arc::new(first));
+        }
+        let law = self.laws.insert(name, by, Law::Smooth { surface, blurs });
+        Ok(self.along(&law))
     }
 
     /// Change of the image per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
     /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
-    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Vec<Option<Seen>>, Error> {
+    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Law, Error> {
         let from = point[perturbation.candidate];
         // a small step shows nothing, and beyond a large one the polynomial knows nothing
         let far = if perturbation.by.abs() > IMAGES.blur_step { perturbation.by } else { IMAGES.blur_step };
         let moved = self.settings(point, Some(Perturbation { by: far, ..perturbation }))?;
-        let powers = |square: f64, one: f64, two: f64| -> Vector3<f64> {
-            let (one, two) = (square * one * one, square * two * two);
-            Vector3::new(two - one, two * two - one * one, two.powi(3) - one.powi(3))
-        };
         let still = self.settings(point, None)?;
         let mut normal: Matrix3<f64> = Matrix3::zeros();
         let mut right = Vector3::zeros();
         for (round, side, phase) in sides(IMAGES.blur_rounds) {
             let (shots, seed) = (self.beside(round, side), 2 * round as i32 + i32::from(side > 0.0));
-            let here = self.studio.noisy(&self.shifted(&still, phase)?, &shots, seed)?;
             let there = self.studio.noisy(&self.shifted(&moved, phase)?, &shots, seed)?;
-            for (place, (here, there)) in self.sampled().zip(here.iter().zip(&there)) {
+            let here = self.here(&still, phase, shots, Some(seed))?;
+            for (place, (here, there)) in self.sampled().zip(here.seen.iter().zip(&there)) {
                 let (Some(here), Some(there), Some(ways)) = (here, there, self.ways(place)) else {
                     continue;
                 };
@@ -166,15 +166,7 @@ impl ImageCut {
             }
         }
         let weights = normal.cholesky().map_or_else(Vector3::zeros, |normal| normal.solve(&right));
-        let column = |place: usize| {
-            let (mut column, ways) = (self.late(place)?, self.ways(place)?);
-            for (circle, way) in ways.into_iter().enumerate() {
-                column[AREAS.start + circle] +=
-                    weights.dot(&powers(way, from, from + perturbation.by)) / perturbation.by;
-            }
-            Some(column)
-        };
-        Ok((0..self.frames.len()).map(column).collect())
+        Ok(Law::Blurred { weights, from, by: perturbation.by })
     }
 
     /// How far a circle usually moves in a frame's interval, at most, px.
@@ -187,29 +179,22 @@ impl ImageCut {
     }
 
     /// Squares of the ways of the circles in a frame's interval, px².
-    fn ways(&self, place: usize) -> Option<[f64; 3]> {
+    pub(super) fn ways(&self, place: usize) -> Option<[f64; 3]> {
         let late = self.late(place)?;
         Some(std::array::from_fn(|circle| 4.0 * (late[2 * circle].powi(2) + late[2 * circle + 1].powi(2))))
     }
 
-    /// Frames without a candidate moved, made once for all columns.
+    /// Frames without a candidate moved, made once for all columns, with the sensor's noise if there is a seed.
     fn here(
         &mut self,
         still: &[Setting],
         phase: (f64, f64),
-        shots: &[Shot],
-    ) -> Result<Vec<Option<Seen>>, Error> {
-        // frames that have moved leave theirs behind
-        if self.still.0 != still || self.still.1.len() >= 4 * IMAGES.more_rounds as usize {
-            self.still = (still.to_vec(), Vec::new());
-        }
-        let shifted = self.shifted(still, phase)?;
-        if let Some(known) = self.still.1.iter().find(|known| known.0 == shifted && known.1 == shots) {
-            return Ok(known.2.clone());
-        }
-        let here = self.studio.take(&shifted, shots)?;
-        self.still.1.push((shifted, shots.to_vec(), here.clone()));
-        Ok(here)
+        shots: Vec<Shot>,
+        seed: Option<i32>,
+    ) -> Result<Arc<Made>, Error> {
+        let camera = self.studio.exposed(&self.shifted(still, phase)?, seed)?;
+        let studio = &self.studio;
+        self.still.frames(camera, shots, |camera, shots| studio.shoot(camera, shots))
     }
 
     /// The same camera with its image moved by so many pixels.

@@ -28,18 +28,22 @@ mod columns;
 mod cut;
 mod fields;
 mod frames;
+mod laws;
 mod level;
 mod noise;
 mod policy;
 mod poses;
+mod reel;
 mod state;
 mod surface;
 
 use frames::frames;
+pub use laws::Laws;
 use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses};
+use reel::{Made, Reel};
 pub use state::ImageState;
 
 /// A measured frame.
@@ -67,8 +71,8 @@ pub enum Pose {
     Free,
 }
 
-/// Settings and shots, and the frames they gave.
-type Made = (Vec<Setting>, Vec<Shot>, Vec<Option<Seen>>);
+/// Change of each frame per unit of a candidate.
+type Column = Arc<Vec<Option<Seen>>>;
 
 /// Settings of a camera, and its E_t.
 type Followed = (Vec<Setting>, f64);
@@ -90,11 +94,14 @@ pub struct ImageCut {
     signals: Vec<Signal>,
     /// Change of the image with q1 and q2, kept: it hardly depends on small effects.
     turns: Option<Vec<[Option<Seen>; 2]>>,
-    kept: BTreeMap<(usize, u64), Vec<Option<Seen>>>,
-    /// The last frames, with what they were made from: a candidate of the plant leaves them as they are.
-    made: Option<Made>,
-    /// Frames beside the poses, without a candidate moved, and the camera that they belong to.
-    still: (Vec<Setting>, Vec<Made>),
+    kept: BTreeMap<(usize, u64), Column>,
+    /// What the columns are over all poses.
+    laws: Laws,
+    /// Frames that were made lately, with what they were made from: a candidate of the plant leaves them as they are, and a search comes back
+    /// to where it was.
+    made: Reel,
+    /// Frames beside the poses, without a candidate moved.
+    still: Reel,
     /// Settings of the camera that poses read off the image have followed, and its E_t.
     followed: Option<Followed>,
     /// No circle was logged, only angles that were read off them.
@@ -171,8 +178,9 @@ impl ImageCut {
             signals,
             turns: None,
             kept: BTreeMap::new(),
-            made: None,
-            still: Default::default(),
+            laws: Laws::default(),
+            made: Reel::default(),
+            still: Reel::default(),
             followed: None,
             read,
             unseen: 0,
@@ -196,6 +204,17 @@ impl ImageCut {
     pub fn forget(&mut self) {
         self.turns = None;
         self.kept.clear();
+        self.laws = Laws::default();
+    }
+
+    /// What columns are over all poses, as far as they were asked for.
+    pub fn laws(&self) -> &Laws {
+        &self.laws
+    }
+
+    /// Takes over what columns are known to be.
+    pub fn know(&mut self, laws: &Laws) {
+        self.laws = laws.clone();
     }
 
     /// Parameter values of the camera at a point, but for its delay.
@@ -228,19 +247,15 @@ impl ImageCut {
     }
 
     /// Renders at the poses.
-    fn base(&mut self, point: &[f64]) -> Result<Vec<Option<Seen>>, Error> {
+    fn base(&mut self, point: &[f64]) -> Result<Arc<Made>, Error> {
         let settings = self.settings(point, None)?;
-        let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
-        let made = self.made.take().filter(|made| made.0 == settings && made.1 == shots);
-        let base = match made {
-            Some(made) => made.2,
-            None => self.studio.average(&settings, &shots)?,
-        };
-        self.made = Some((settings.clone(), shots.clone(), base.clone()));
+        let shots = self.frames.iter().map(|frame| frame.shot).collect();
+        let studio = &self.studio;
+        let made = self.made.frames(settings, shots, |settings, shots| studio.average(settings, shots))?;
         if self.turns.is_none() {
-            self.turns = Some(self.turned(&settings, &shots)?);
+            self.turns = Some(self.turned(&made.settings, &made.shots)?);
         }
-        Ok(base)
+        Ok(made)
     }
 }
 
@@ -273,7 +288,8 @@ impl ImageCut {
 
     /// Residuals and sensitivities at the poses as they are.
     fn compare(&mut self, point: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
-        let base = self.base(point)?;
+        let made = self.base(point)?;
+        let base = &made.seen;
         let mut columns = Vec::with_capacity(perturbations.len());
         for perturbation in perturbations {
             let seen = self.sees(&self.candidates[perturbation.candidate]);
@@ -284,7 +300,7 @@ impl ImageCut {
             });
         }
         let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
-        self.unseen = (self.frames.iter().zip(&base))
+        self.unseen = (self.frames.iter().zip(base))
             .filter(|(frame, here)| (free || frame.known) && here.is_none())
             .count();
         let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };

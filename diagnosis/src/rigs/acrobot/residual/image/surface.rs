@@ -60,6 +60,11 @@ impl Surface {
         surface
     }
 
+    /// Whether there were too few samples.
+    pub(super) fn is_none(&self) -> bool {
+        self.weights.is_none()
+    }
+
     /// The column at a state, if there is a surface.
     pub(super) fn at(&self, state: &State) -> Option<Seen> {
         let weights = self.weights.as_ref()?;

@@ -107,7 +107,7 @@ fn tried(problem: &Problem, glance: &Glance) -> Option<Residual> {
 pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     // times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at
     // the logs as they are read, since no model that moves within rows follows both
-    for way in &ways::times(problem, true) {
+    for way in &ways::shorter_times(problem) {
         let read = way.read(problem);
         if !tried(&read, &DOUBTS.short)?.is_right(way) {
             continue;
@@ -121,15 +121,30 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     if own.is_followed() {
         return None;
     }
-    let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
+    let engine = build(problem, &problem.whole_runs()).ok().map(|built| built.engine);
+    let steps =
+        |factor: f64| engine.as_ref().is_none_or(|engine| engine.steps_as_far(factor, DOUBTS.farthest.0));
+    let ways: Vec<Way> =
+        ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
+    drop(engine);
+    let (best, others) = only(problem, &own, &ways)?;
+    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
+}
+
+/// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
+fn only(problem: &Problem, own: &Residual, ways: &[Way]) -> Option<((Residual, Way), Vec<Way>)> {
     let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).is_right(way);
-    let judged = ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way));
-    let mut found: Vec<(Residual, &Way)> =
-        judged.filter(|(residual, way)| is_it(way, problem, residual, &own)).collect();
+    let judged =
+        ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way.clone()));
+    nearest(judged.filter(|(residual, way)| is_it(way, problem, residual, own)).collect())
+}
+
+/// The first of those that leave least, and the others.
+fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way), Vec<Way>)> {
     let least = found.iter().map(|(residual, _)| residual.excess).min_by(f64::total_cmp)?;
     found.retain(|(residual, _)| residual.is_near(least));
-    let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
-    Some(told(found[0].1, &others, Some((found[0].0, own))))
+    let mut found = found.into_iter();
+    Some((found.next()?, found.map(|(_, way)| way).collect()))
 }
 
 /// Whether the model follows the logs in this way and not as they are read.

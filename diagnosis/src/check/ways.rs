@@ -129,20 +129,26 @@ fn exchanged(problem: &Problem, a: usize, b: usize) -> Problem {
     other
 }
 
-/// Units of time that are shorter than the one that is said, or longer; those that no machine is logged in are left out.
-pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
-    let Some(run) = problem.runs.first() else { return Vec::new() };
+/// Units of time that are shorter than the one that is said; those that no machine is logged in are left out.
+pub(super) fn shorter_times(problem: &Problem) -> Vec<Way> {
+    let row = problem.row();
+    times(problem, |factor| factor < 1.0 - ROUNDING && !is_too_near(factor * row))
+}
+
+/// Those that are longer. A unit that doesn't say how long its steps are is asked whether it can step so far.
+pub(super) fn longer_times(problem: &Problem, steps: &dyn Fn(f64) -> bool) -> Vec<Way> {
     let row = problem.row();
     let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
     let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let can = |factor: f64| !is_too_far(factor * row, step) && (step.is_finite() || steps(factor));
+    times(problem, |factor| factor > 1.0 + ROUNDING && can(factor))
+}
+
+fn times(problem: &Problem, fits: impl Fn(f64) -> bool) -> Vec<Way> {
+    let Some(run) = problem.runs.first() else { return Vec::new() };
     let way = |(unit, seconds): &(&str, f64)| {
         let factor = seconds / run.seconds;
-        let fits = if shorter {
-            factor < 1.0 - ROUNDING && !is_too_near(factor * row)
-        } else {
-            factor > 1.0 + ROUNDING && !is_too_far(factor * row, step)
-        };
-        fits.then(|| Way {
+        fits(factor).then(|| Way {
             change: Change::Time(factor),
             line: run.line,
             what: format!("times in {unit}"),

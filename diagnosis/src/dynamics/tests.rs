@@ -130,3 +130,11 @@ fn value_a_machine_that_sticks_at_rest_is_read_back_as_soon_as_one_that_does_not
     let free = rows("free", "");
     assert_eq!(rows("sticks", "\"acrobot_plant.fc_joint\" = 0.02\n"), free);
 }
+
+#[test]
+fn law_a_unit_with_steps_of_its_own_is_stepped_as_far_as_they_go() {
+    let built = built(&pendulum("leaps", 20));
+    let steps = |factor: f64, most: f64| built.engine.steps_as_far(factor, most);
+    // rows of an hour cost a unit with steps of milliseconds as many times more as it makes steps; rows of a tenth of a second don't
+    assert!(steps(5.0, 300.0) && !steps(3600.0 / ROW, 300.0));
+}

@@ -64,8 +64,13 @@ impl Residual {
 
     /// Whether the model follows all channels in this way.
     fn is_right(&self, way: &Way) -> bool {
+        self.share.is_some() && self.may_be_right(way)
+    }
+
+    /// Whether it may, in so few rows that nothing need move there.
+    fn may_be_right(&self, way: &Way) -> bool {
         let most = if way.is_extreme() { DOUBTS.extreme.0 } else { DOUBTS.right };
-        self.share.is_some_and(|share| share < most)
+        self.share.is_none_or(|share| share < most)
     }
 }
 
@@ -133,7 +138,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
 
 /// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
 fn only(problem: &Problem, own: &Residual, ways: &[Way]) -> Option<((Residual, Way), Vec<Way>)> {
-    let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).is_right(way);
+    let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).may_be_right(way);
     let judged =
         ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way.clone()));
     nearest(judged.filter(|(residual, way)| is_it(way, problem, residual, own)).collect())
@@ -267,6 +272,9 @@ mod tests {
         assert!(residual(0.09, 1.0).is_right(&sign) && !residual(0.11, 1.0).is_right(&sign));
         assert!(residual(0.0, 90.0).is_less(&sign, &residual(1.0, 1000.0)));
         assert!(!residual(0.0, 110.0).is_less(&sign, &residual(1.0, 1000.0)));
+        // a machine at rest: it says nothing, and in the few rows of a first look that is nothing against it
+        let rest = Residual { share: None, excess: 0.0 };
+        assert!(!rest.is_right(&sign) && rest.may_be_right(&sign));
         // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
         for far in [
             Change::Time(60.0),

@@ -5,6 +5,7 @@
 
 use super::Doubt;
 use super::policy::DOUBTS;
+use super::two;
 use super::ways::{self, Way};
 use crate::dynamics::Engine;
 use crate::dynamics::build::build;
@@ -15,11 +16,11 @@ use std::time::Instant;
 
 /// What the model leaves of all channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Residual {
+pub(super) struct Residual {
     /// The largest share of its motion that is left of a channel that tells; nothing where none does.
-    share: Option<f64>,
+    pub(super) share: Option<f64>,
     /// What is left beyond the sensors' noise, in their variances.
-    excess: f64,
+    pub(super) excess: f64,
 }
 
 impl Residual {
@@ -64,8 +65,13 @@ impl Residual {
 
     /// Whether the model follows all channels in this way.
     fn is_right(&self, way: &Way) -> bool {
+        self.share.is_some() && self.may_be_right(way)
+    }
+
+    /// Whether it may, in so few rows that nothing need move there.
+    pub(super) fn may_be_right(&self, way: &Way) -> bool {
         let most = if way.is_extreme() { DOUBTS.extreme.0 } else { DOUBTS.right };
-        self.share.is_some_and(|share| share < most)
+        self.share.is_none_or(|share| share < most)
     }
 }
 
@@ -75,7 +81,7 @@ fn counted(stated: f64, scatter: f64) -> f64 {
 }
 
 /// How well the model follows a data set.
-fn residual(problem: &Problem, glance: &Glance) -> Residual {
+pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
     let runs = problem.whole_runs();
     let Ok(mut built) = build(problem, &runs) else { return Residual::ALL };
     let engine = &mut built.engine;
@@ -107,7 +113,7 @@ fn tried(problem: &Problem, glance: &Glance) -> Option<Residual> {
 pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     // times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at
     // the logs as they are read, since no model that moves within rows follows both
-    for way in &ways::times(problem, true) {
+    for way in &ways::shorter_times(problem) {
         let read = way.read(problem);
         if !tried(&read, &DOUBTS.short)?.is_right(way) {
             continue;
@@ -121,19 +127,34 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     if own.is_followed() {
         return None;
     }
-    let ways: Vec<Way> = ways::times(problem, false).into_iter().chain(ways::others(problem)).collect();
-    let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).is_right(way);
-    let judged = ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way));
-    let mut found: Vec<(Residual, &Way)> =
-        judged.filter(|(residual, way)| is_it(way, problem, residual, &own)).collect();
+    let engine = build(problem, &problem.whole_runs()).ok().map(|built| built.engine);
+    let steps =
+        |factor: f64| engine.as_ref().is_none_or(|engine| engine.steps_as_far(factor, DOUBTS.farthest.0));
+    let ways: Vec<Way> =
+        ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
+    drop(engine);
+    let Some((best, others)) = only(problem, &own, &ways) else { return two::doubt(problem, &own) };
+    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
+}
+
+/// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
+fn only(problem: &Problem, own: &Residual, ways: &[Way]) -> Option<((Residual, Way), Vec<Way>)> {
+    let fits = |way: &&Way| residual(&way.read(problem), &DOUBTS.short).may_be_right(way);
+    let judged =
+        ways.iter().filter(fits).map(|way| (residual(&way.read(problem), &DOUBTS.long), way.clone()));
+    nearest(judged.filter(|(residual, way)| is_it(way, problem, residual, own)).collect())
+}
+
+/// The first of those that leave least, and the others.
+pub(super) fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way), Vec<Way>)> {
     let least = found.iter().map(|(residual, _)| residual.excess).min_by(f64::total_cmp)?;
     found.retain(|(residual, _)| residual.is_near(least));
-    let others: Vec<&Way> = found[1..].iter().map(|(_, way)| *way).collect();
-    Some(told(found[0].1, &others, Some((found[0].0, own))))
+    let mut found = found.into_iter();
+    Some((found.next()?, found.map(|(_, way)| way).collect()))
 }
 
 /// Whether the model follows the logs in this way and not as they are read.
-fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
+pub(super) fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
     residual.is_right(way)
         && residual.is_less(way, own)
         && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
@@ -179,7 +200,7 @@ pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
         .then(|| Signs { turned: turned.clone(), left })
 }
 
-fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
+pub(super) fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
     let share = |residual: Residual| match residual.share {
         Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
         _ => "more than ten times as much".into(),
@@ -252,6 +273,9 @@ mod tests {
         assert!(residual(0.09, 1.0).is_right(&sign) && !residual(0.11, 1.0).is_right(&sign));
         assert!(residual(0.0, 90.0).is_less(&sign, &residual(1.0, 1000.0)));
         assert!(!residual(0.0, 110.0).is_less(&sign, &residual(1.0, 1000.0)));
+        // a machine at rest: it says nothing, and in the few rows of a first look that is nothing against it
+        let rest = Residual { share: None, excess: 0.0 };
+        assert!(!rest.is_right(&sign) && rest.may_be_right(&sign));
         // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
         for far in [
             Change::Time(60.0),

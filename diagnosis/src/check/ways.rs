@@ -107,6 +107,8 @@ fn scaled(problem: &Problem, by: &[(usize, Affine)]) -> Problem {
     let mut other = problem.clone();
     for (place, affine) in by {
         let channel = &mut other.channels[*place];
+        // what is written for a further way on the same channel holds both
+        channel.conversion = then(channel.conversion, *affine);
         channel.noise = channel.noise.map(|sd| sd * affine.scale.abs());
         for run in &mut other.runs {
             run.series[*place].values.iter_mut().for_each(|value| *value = affine.apply(*value));
@@ -129,20 +131,26 @@ fn exchanged(problem: &Problem, a: usize, b: usize) -> Problem {
     other
 }
 
-/// Units of time that are shorter than the one that is said, or longer; those that no machine is logged in are left out.
-pub(super) fn times(problem: &Problem, shorter: bool) -> Vec<Way> {
-    let Some(run) = problem.runs.first() else { return Vec::new() };
+/// Units of time that are shorter than the one that is said; those that no machine is logged in are left out.
+pub(super) fn shorter_times(problem: &Problem) -> Vec<Way> {
+    let row = problem.row();
+    times(problem, |factor| factor < 1.0 - ROUNDING && !is_too_near(factor * row))
+}
+
+/// Those that are longer. A unit that doesn't say how long its steps are is asked whether it can step so far.
+pub(super) fn longer_times(problem: &Problem, steps: &dyn Fn(f64) -> bool) -> Vec<Way> {
     let row = problem.row();
     let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
     let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let can = |factor: f64| !is_too_far(factor * row, step) && (step.is_finite() || steps(factor));
+    times(problem, |factor| factor > 1.0 + ROUNDING && can(factor))
+}
+
+fn times(problem: &Problem, fits: impl Fn(f64) -> bool) -> Vec<Way> {
+    let Some(run) = problem.runs.first() else { return Vec::new() };
     let way = |(unit, seconds): &(&str, f64)| {
         let factor = seconds / run.seconds;
-        let fits = if shorter {
-            factor < 1.0 - ROUNDING && !is_too_near(factor * row)
-        } else {
-            factor > 1.0 + ROUNDING && !is_too_far(factor * row, step)
-        };
-        fits.then(|| Way {
+        fits(factor).then(|| Way {
             change: Change::Time(factor),
             line: run.line,
             what: format!("times in {unit}"),
@@ -165,14 +173,21 @@ fn is_too_far(row: f64, step: f64) -> bool {
 /// All but those of time, in the order in which they are told where several fit.
 pub(super) fn others(problem: &Problem) -> Vec<Way> {
     let all: Vec<usize> = (0..problem.channels.len()).collect();
-    let (mut ways, several): (Vec<Way>, Vec<Way>) =
-        signs(problem).into_iter().partition(|way| way.channels(problem).len() == 1);
-    ways.extend(all.iter().flat_map(|place| units(problem, *place)));
+    let several = signs(problem).into_iter().filter(|way| way.channels(problem).len() > 1);
+    let mut ways = single(problem);
     ways.extend(together(problem, &["deg", "deg/s"]));
     ways.extend(together(problem, &["degC"]));
     ways.extend(together(problem, &["K"]));
     ways.extend(pairs(&all).into_iter().map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
+    ways
+}
+
+/// The sign of one channel, or its unit of measurement.
+pub(super) fn single(problem: &Problem) -> Vec<Way> {
+    let mut ways = signs(problem);
+    ways.retain(|way| way.channels(problem).len() == 1);
+    ways.extend((0..problem.channels.len()).flat_map(|place| units(problem, place)));
     ways
 }
 

@@ -6,7 +6,9 @@ use super::policy::DYNAMICS;
 use super::schedule::{Piece, Schedule};
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::statistics::levels::ROUNDING;
+use crate::statistics::levels::{FAR, FEW, ROUNDING};
+use std::cmp::Ordering;
+use std::time::Instant;
 
 /// What is shown where a stretch begins and where it ends.
 type Shown = (Vec<f64>, Vec<f64>);
@@ -56,6 +58,15 @@ impl<'a> Trial<'a> {
         Some(told.0 == short.0 && told.1 == long.1 && told.1 != short.1)
     }
 
+    /// Time that a step takes; nothing where a unit refuses it. The shortest of a few: whatever else a computer does only adds to it.
+    fn takes(&self, worker: &mut Worker, span: f64) -> Option<f64> {
+        let mut one = || {
+            let began = Instant::now();
+            self.stepped(worker, 0.0, span).map(|_| began.elapsed().as_secs_f64())
+        };
+        (0..FEW).map(|_| one()).min_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal)).flatten()
+    }
+
     /// Steps of different lengths lead to the same bits, though the model moves.
     fn makes_own_steps(&self, worker: &mut Worker) -> Option<bool> {
         let lengths = lengths(self.span());
@@ -72,6 +83,20 @@ fn lengths(span: f64) -> (f64, f64) {
 }
 
 impl Engine {
+    /// Whether units step so many times as far as a row is long, at less than so many times the cost: their own steps are not much shorter than
+    /// that. The way there is in few leaps, of which only the last costs more.
+    pub(crate) fn steps_as_far(&self, factor: f64, most: f64) -> bool {
+        let trial = Trial::new(self);
+        let span = trial.span();
+        let far = |worker: &mut Worker| {
+            let Some(usual) = trial.takes(worker, span) else { return Ok(false) };
+            let leaps = (1..).map(|leap| FAR.powi(leap)).take_while(|by| *by < factor).chain([factor]);
+            let can = |by: f64| trial.takes(worker, by * span).is_some_and(|takes| takes < most * usual);
+            Ok(leaps.into_iter().all(can))
+        };
+        self.with_worker(far).unwrap_or(false)
+    }
+
     /// Looks for both, and says so.
     ///
     /// # Errors

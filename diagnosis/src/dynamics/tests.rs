@@ -17,8 +17,15 @@ pub fn units() -> UnitPath {
 
 /// A hanging double pendulum, logged over so many rows of 20 ms; `name` is the test's own.
 pub fn pendulum(name: &str, rows: u32) -> Problem {
-    let head = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[set]\n\"acrobot_plant.theta_2\" = 0.0\n\"acrobot_plant.theta_7\" = 0.0\n\
-                \"acrobot_plant.q2_max\" = 1e9\n[[run]]\nfile = \"a.csv\"\n[[channel]]\nvariable = \"acrobot_plant.tau\"\n";
+    pendulum_with(name, rows, "")
+}
+
+/// The same with further lines of `[set]`.
+fn pendulum_with(name: &str, rows: u32, set: &str) -> Problem {
+    let head = format!(
+        "format = 2\nfmu = \"acrobot_plant.fmu\"\n[set]\n\"acrobot_plant.theta_2\" = 0.0\n\"acrobot_plant.theta_7\" = 0.0\n\
+                \"acrobot_plant.q2_max\" = 1e9\n{set}[[run]]\nfile = \"a.csv\"\n[[channel]]\nvariable = \"acrobot_plant.tau\"\n"
+    );
     let states = ["q1", "q2", "dq1", "dq2"].map(|name| {
         format!("[[state]]\nstart = \"acrobot_plant.{name}_0\"\nshows = \"acrobot_plant.{name}\"\n")
     });
@@ -111,4 +118,23 @@ fn value_a_sensor_that_lags_is_read_at_the_quarters_of_an_interval() {
         // times of a log of a second, rounded, in rows
         assert!(off.fold(0.0, f64::max) < 1e-12, "{times:?}");
     }
+}
+
+#[test]
+fn value_a_machine_that_sticks_at_rest_is_read_back_as_soon_as_one_that_does_not() {
+    // friction turns about at rest, where the model of an unmeasured rate begins: what is asked is asked beside that
+    let rows = |name: &str, set: &str| {
+        let mut built = built(&pendulum_with(name, 60, set));
+        built.engine.look_ahead().expect("it can be followed")
+    };
+    let free = rows("free", "");
+    assert_eq!(rows("sticks", "\"acrobot_plant.fc_joint\" = 0.02\n"), free);
+}
+
+#[test]
+fn law_a_unit_with_steps_of_its_own_is_stepped_as_far_as_they_go() {
+    let built = built(&pendulum("leaps", 20));
+    let steps = |factor: f64, most: f64| built.engine.steps_as_far(factor, most);
+    // rows of an hour cost a unit with steps of milliseconds as many times more as it makes steps; rows of a tenth of a second don't
+    assert!(steps(5.0, 300.0) && !steps(3600.0 / ROW, 300.0));
 }

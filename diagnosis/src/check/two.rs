@@ -8,7 +8,7 @@ use super::policy::DOUBTS;
 use super::readings::{Residual, is_it, nearest, residual, told};
 use super::ways::{self, Way};
 use crate::observe::Problem;
-use crate::statistics::levels::SLIGHT;
+use crate::statistics::levels::PART;
 use std::time::Instant;
 
 /// One way, and another of the logs that are read in it.
@@ -49,13 +49,13 @@ fn pairs(problem: &Problem) -> Vec<Pair> {
     all
 }
 
-/// Whether so many looks take a slight part of the time that there is.
+/// Whether so many looks take a part of the time that there is: so large a one that a busy computer answers as a quiet one does.
 fn is_in_time(problem: &Problem, looks: usize) -> bool {
     let Some(deadline) = problem.deadline else { return true };
     let began = Instant::now();
     residual(problem, &DOUBTS.short);
     let left = deadline.saturating_duration_since(began).as_secs_f64();
-    looks as f64 * began.elapsed().as_secs_f64() <= SLIGHT * left
+    looks as f64 * began.elapsed().as_secs_f64() <= PART * left
 }
 
 fn read(problem: &Problem, (first, second): &Pair) -> Problem {

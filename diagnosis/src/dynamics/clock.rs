@@ -6,7 +6,7 @@ use super::policy::DYNAMICS;
 use super::schedule::{Piece, Schedule};
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::statistics::levels::{FAR, FEW, ROUNDING};
+use crate::statistics::levels::{FAR, FEW, HALF, ROUNDING};
 use std::cmp::Ordering;
 use std::time::Instant;
 
@@ -84,14 +84,17 @@ fn lengths(span: f64) -> (f64, f64) {
 
 impl Engine {
     /// Whether units step so many times as far as a row is long, at less than so many times the cost: their own steps are not much shorter than
-    /// that. The way there is in few leaps, of which only the last costs more.
+    /// that. The way there is in leaps of ten; where a leap costs in proportion to its length the rest is known.
     pub(crate) fn steps_as_far(&self, factor: f64, most: f64) -> bool {
         let trial = Trial::new(self);
         let span = trial.span();
         let far = |worker: &mut Worker| {
             let Some(usual) = trial.takes(worker, span) else { return Ok(false) };
             let leaps = (1..).map(|leap| FAR.powi(leap)).take_while(|by| *by < factor).chain([factor]);
-            let can = |by: f64| trial.takes(worker, by * span).is_some_and(|takes| takes < most * usual);
+            let can = |by: f64| {
+                let takes = trial.takes(worker, by * span).map_or(f64::INFINITY, |takes| takes / usual);
+                takes < if takes < HALF * by { most } else { most * by / factor }
+            };
             Ok(leaps.into_iter().all(can))
         };
         self.with_worker(far).unwrap_or(false)

@@ -5,6 +5,7 @@
 
 use super::Doubt;
 use super::policy::DOUBTS;
+use super::two;
 use super::ways::{self, Way};
 use crate::dynamics::Engine;
 use crate::dynamics::build::build;
@@ -15,11 +16,11 @@ use std::time::Instant;
 
 /// What the model leaves of all channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Residual {
+pub(super) struct Residual {
     /// The largest share of its motion that is left of a channel that tells; nothing where none does.
-    share: Option<f64>,
+    pub(super) share: Option<f64>,
     /// What is left beyond the sensors' noise, in their variances.
-    excess: f64,
+    pub(super) excess: f64,
 }
 
 impl Residual {
@@ -68,7 +69,7 @@ impl Residual {
     }
 
     /// Whether it may, in so few rows that nothing need move there.
-    fn may_be_right(&self, way: &Way) -> bool {
+    pub(super) fn may_be_right(&self, way: &Way) -> bool {
         let most = if way.is_extreme() { DOUBTS.extreme.0 } else { DOUBTS.right };
         self.share.is_none_or(|share| share < most)
     }
@@ -80,7 +81,7 @@ fn counted(stated: f64, scatter: f64) -> f64 {
 }
 
 /// How well the model follows a data set.
-fn residual(problem: &Problem, glance: &Glance) -> Residual {
+pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
     let runs = problem.whole_runs();
     let Ok(mut built) = build(problem, &runs) else { return Residual::ALL };
     let engine = &mut built.engine;
@@ -132,7 +133,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     let ways: Vec<Way> =
         ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
     drop(engine);
-    let (best, others) = only(problem, &own, &ways)?;
+    let Some((best, others)) = only(problem, &own, &ways) else { return two::doubt(problem, &own) };
     Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
 }
 
@@ -145,7 +146,7 @@ fn only(problem: &Problem, own: &Residual, ways: &[Way]) -> Option<((Residual, W
 }
 
 /// The first of those that leave least, and the others.
-fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way), Vec<Way>)> {
+pub(super) fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way), Vec<Way>)> {
     let least = found.iter().map(|(residual, _)| residual.excess).min_by(f64::total_cmp)?;
     found.retain(|(residual, _)| residual.is_near(least));
     let mut found = found.into_iter();
@@ -153,7 +154,7 @@ fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way), Vec<Way>
 }
 
 /// Whether the model follows the logs in this way and not as they are read.
-fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
+pub(super) fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
     residual.is_right(way)
         && residual.is_less(way, own)
         && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
@@ -199,7 +200,7 @@ pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
         .then(|| Signs { turned: turned.clone(), left })
 }
 
-fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
+pub(super) fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
     let share = |residual: Residual| match residual.share {
         Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
         _ => "more than ten times as much".into(),

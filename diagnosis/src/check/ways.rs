@@ -107,6 +107,8 @@ fn scaled(problem: &Problem, by: &[(usize, Affine)]) -> Problem {
     let mut other = problem.clone();
     for (place, affine) in by {
         let channel = &mut other.channels[*place];
+        // what is written for a further way on the same channel holds both
+        channel.conversion = then(channel.conversion, *affine);
         channel.noise = channel.noise.map(|sd| sd * affine.scale.abs());
         for run in &mut other.runs {
             run.series[*place].values.iter_mut().for_each(|value| *value = affine.apply(*value));
@@ -171,14 +173,21 @@ fn is_too_far(row: f64, step: f64) -> bool {
 /// All but those of time, in the order in which they are told where several fit.
 pub(super) fn others(problem: &Problem) -> Vec<Way> {
     let all: Vec<usize> = (0..problem.channels.len()).collect();
-    let (mut ways, several): (Vec<Way>, Vec<Way>) =
-        signs(problem).into_iter().partition(|way| way.channels(problem).len() == 1);
-    ways.extend(all.iter().flat_map(|place| units(problem, *place)));
+    let several = signs(problem).into_iter().filter(|way| way.channels(problem).len() > 1);
+    let mut ways = single(problem);
     ways.extend(together(problem, &["deg", "deg/s"]));
     ways.extend(together(problem, &["degC"]));
     ways.extend(together(problem, &["K"]));
     ways.extend(pairs(&all).into_iter().map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
+    ways
+}
+
+/// The sign of one channel, or its unit of measurement.
+pub(super) fn single(problem: &Problem) -> Vec<Way> {
+    let mut ways = signs(problem);
+    ways.retain(|way| way.channels(problem).len() == 1);
+    ways.extend((0..problem.channels.len()).flat_map(|place| units(problem, place)));
     ways
 }
 

@@ -1,0 +1,114 @@
+//! Two things at once that `dataset.toml` doesn't say: an angle in degrees, and a gyro that was mounted the other way round.
+//!
+//! Neither alone lets the model follow the logs. So all pairs of signs and units of measurement are looked at, and both are asked for as one
+//! is: each must be beyond doubt in the logs that are read in the other.
+
+use super::Doubt;
+use super::policy::DOUBTS;
+use super::readings::{Residual, is_it, nearest, residual, told};
+use super::ways::{self, Way};
+use crate::observe::Problem;
+use crate::statistics::levels::SLIGHT;
+use std::time::Instant;
+
+/// One way, and another of the logs that are read in it.
+type Pair = (Way, Way);
+
+/// The two ways in which the model follows the logs.
+pub(super) fn doubt(problem: &Problem, own: &Residual) -> Option<Doubt> {
+    // two readings that are wrong leave most of a motion; less than that is what a machine lacks
+    own.share.filter(|share| *share >= DOUBTS.extreme.0)?;
+    let pairs = pairs(problem);
+    if !is_in_time(problem, pairs.len()) {
+        return None;
+    }
+    let glanced = pairs.into_iter().filter_map(|pair| {
+        let left = residual(&read(problem, &pair), &DOUBTS.short);
+        (left.may_be_right(&pair.0) && left.may_be_right(&pair.1)).then_some((left, pair))
+    });
+    let mut glanced: Vec<(Residual, Pair)> = glanced.collect();
+    glanced.sort_by(|(a, _), (b, _)| a.excess.total_cmp(&b.excess));
+    let judged = glanced.into_iter().take(DOUBTS.pairs).filter_map(|(_, pair)| both(problem, pair));
+    let (best, others) = nearest(judged.collect())?;
+    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, *own))))
+}
+
+/// Each pair once: of two channels, or sign and unit of one.
+fn pairs(problem: &Problem) -> Vec<Pair> {
+    let place =
+        |way: &Way| problem.channels.iter().position(|channel| way.channels(problem)[0] == channel.name);
+    let mut all = Vec::new();
+    for first in ways::single(problem) {
+        let is_next = |second: &Way| {
+            place(second) > place(&first)
+                || place(second) == place(&first) && first.is_sign() && !second.is_sign()
+        };
+        let seconds = ways::single(&first.read(problem)).into_iter().filter(is_next);
+        all.extend(seconds.map(|second| (first.clone(), second)));
+    }
+    all
+}
+
+/// Whether so many looks take a slight part of the time that there is.
+fn is_in_time(problem: &Problem, looks: usize) -> bool {
+    let Some(deadline) = problem.deadline else { return true };
+    let began = Instant::now();
+    residual(problem, &DOUBTS.short);
+    let left = deadline.saturating_duration_since(began).as_secs_f64();
+    looks as f64 * began.elapsed().as_secs_f64() <= SLIGHT * left
+}
+
+fn read(problem: &Problem, (first, second): &Pair) -> Problem {
+    second.read(&first.read(problem))
+}
+
+/// What the model leaves where both are beyond doubt, each beside the other; as one way to tell.
+fn both(problem: &Problem, pair: Pair) -> Option<(Residual, Way)> {
+    let left = residual(&read(problem, &pair), &DOUBTS.long);
+    let (first, second) = pair;
+    let one = first.read(problem);
+    let other = second.read(problem);
+    let alone = |problem: &Problem| residual(problem, &DOUBTS.long);
+    if !(is_it(&second, &one, &left, &alone(&one)) && is_it(&first, &other, &left, &alone(&other))) {
+        return None;
+    }
+    let what = format!("{} and {}", first.what, second.what);
+    // the second was made of logs that are read in the first: of the same channel its line says both
+    let same = first.channels(problem) == second.channels(problem);
+    let add = if same { second.add.clone() } else { format!("{}. {}", first.add, second.add) };
+    Some((left, Way { what, add, line: first.line.min(second.line), ..second }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A swinging pendulum, each of whose angles counts so many times as much, and a pair by what it says of each.
+    fn asked(name: &str, factors: [f64; 2], says: [&str; 2]) -> Option<Way> {
+        let mut problem = crate::dynamics::tests::swung(name, 400);
+        for (angle, factor) in ["acrobot_plant.q1", "acrobot_plant.q2"].into_iter().zip(factors) {
+            let place = problem.channels.iter().position(|channel| channel.name == angle);
+            let values = &mut problem.runs[0].series[place.expect("it is compared")].values;
+            values.iter_mut().for_each(|value| *value *= factor);
+        }
+        let is = |(first, second): &Pair| first.what.contains(says[0]) && second.what.contains(says[1]);
+        let found: Vec<Pair> = pairs(&problem).into_iter().filter(is).collect();
+        assert_eq!(found.len(), 1, "each pair once");
+        found.into_iter().find_map(|pair| both(&problem, pair)).map(|(_, way)| way)
+    }
+
+    #[test]
+    fn value_two_readings_at_once_are_told_with_a_line_for_each() {
+        let degrees = 1f64.to_degrees();
+        let says = ["q1 (column \"q1\") in deg", "sign of acrobot_plant.q2"];
+        let two = asked("both", [degrees, -1.0], says).expect("neither alone will do");
+        assert!(two.add.contains("unit = \"deg\"") && two.add.contains("scale = -1"), "{}", two.add);
+        // one that nothing asks for beside the other
+        assert_eq!(asked("first", [degrees, 1.0], says), None);
+        // of one column both are one line
+        let says = ["sign of acrobot_plant.q1", "q1 (column \"q1\") in deg"];
+        let one = asked("one", [-degrees, 1.0], says).expect("neither alone will do");
+        let line = format!("scale = {}", -1f64.to_radians());
+        assert!(one.add.contains(&line) && one.add.matches("Write in").count() == 1, "{}", one.add);
+    }
+}

@@ -81,35 +81,34 @@ fn both(problem: &Problem, pair: Pair) -> Option<(Residual, Way)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::readings::otherwise;
-    use crate::observe::Problem;
+    use super::*;
 
-    /// What is said of a swinging pendulum, each of whose angles counts so many times as much.
-    fn said(name: &str, factors: [f64; 2]) -> Option<String> {
-        let mut problem: Problem = crate::dynamics::tests::swung(name, 400);
-        for (channel, factor) in ["q1", "q2"].into_iter().zip(factors) {
-            let own = |of: &crate::observe::Channel| of.name == format!("acrobot_plant.{channel}");
-            let place = problem.channels.iter().position(own).expect("it is compared");
-            problem.runs[0].series[place].values.iter_mut().for_each(|value| *value *= factor);
+    /// A swinging pendulum, each of whose angles counts so many times as much, and a pair by what it says of each.
+    fn asked(name: &str, factors: [f64; 2], says: [&str; 2]) -> Option<Way> {
+        let mut problem = crate::dynamics::tests::swung(name, 400);
+        for (angle, factor) in ["acrobot_plant.q1", "acrobot_plant.q2"].into_iter().zip(factors) {
+            let place = problem.channels.iter().position(|channel| channel.name == angle);
+            let values = &mut problem.runs[0].series[place.expect("it is compared")].values;
+            values.iter_mut().for_each(|value| *value *= factor);
         }
-        otherwise(&problem).map(|doubt| doubt.sentence + &doubt.add)
+        let is = |(first, second): &Pair| first.what.contains(says[0]) && second.what.contains(says[1]);
+        let found: Vec<Pair> = pairs(&problem).into_iter().filter(is).collect();
+        assert_eq!(found.len(), 1, "each pair once");
+        found.into_iter().find_map(|pair| both(&problem, pair)).map(|(_, way)| way)
     }
 
     #[test]
     fn value_two_readings_at_once_are_told_with_a_line_for_each() {
-        assert_eq!(said("as-is", [1.0, 1.0]), None);
         let degrees = 1f64.to_degrees();
-        let two = said("both", [degrees, -1.0]).expect("the model doesn't follow");
-        assert!(
-            two.contains("q1 (column \"q1\") in deg") && two.contains("sign of acrobot_plant.q2"),
-            "{two}"
-        );
-        assert!(two.contains("unit = \"deg\"") && two.contains("scale = -1"), "{two}");
+        let says = ["q1 (column \"q1\") in deg", "sign of acrobot_plant.q2"];
+        let two = asked("both", [degrees, -1.0], says).expect("neither alone will do");
+        assert!(two.add.contains("unit = \"deg\"") && two.add.contains("scale = -1"), "{}", two.add);
+        // one that nothing asks for beside the other
+        assert_eq!(asked("first", [degrees, 1.0], says), None);
         // of one column both are one line
-        let one = said("one", [-degrees, 1.0]).expect("the model doesn't follow");
-        assert!(
-            one.contains(&format!("scale = {}", -1f64.to_radians())) && one.matches("Write in").count() == 1,
-            "{one}"
-        );
+        let says = ["sign of acrobot_plant.q1", "q1 (column \"q1\") in deg"];
+        let one = asked("one", [-degrees, 1.0], says).expect("neither alone will do");
+        let line = format!("scale = {}", -1f64.to_radians());
+        assert!(one.add.contains(&line) && one.add.matches("Write in").count() == 1, "{}", one.add);
     }
 }

@@ -38,8 +38,8 @@ const USUAL: [&str; 16] = [
 ];
 /// Prefixes that loggers put before the model's unit.
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
-/// Factors of a variable whose description names no unit.
-const FACTORS: [f64; 6] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI];
+/// Factors of a variable whose description names no unit: prefixes, degrees, and what accelerations (g) and speeds (rpm) are logged in.
+const FACTORS: [f64; 8] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI, 9.80665, PI / 30.0];
 
 impl Way {
     /// The data set read in this way.

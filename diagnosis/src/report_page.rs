@@ -15,6 +15,12 @@ use report::{Cell, Figure, Page, Standing, Table};
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
     page.verdict(&verdict(diagnosis));
+    if !diagnosis.ended_early.is_empty() {
+        let ended = diagnosis.ended_early.join("; ");
+        page.text(&format!(
+            "Time was up (--budget gives it more): it ended with what was there. Cut short were {ended}."
+        ));
+    }
     page.facts(&diagnosis.provenance.lines());
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");

@@ -116,6 +116,10 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
         complain!("note: {notice}");
     }
+    if !diagnosis.ended_early.is_empty() {
+        let ended = diagnosis.ended_early.join("; ");
+        tell!("time was up (--budget gives it more); it ended with what was there: {ended}");
+    }
     tell!(
         "{}",
         match diagnosis.verdict {
@@ -150,9 +154,6 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     }
     if let Some(open) = diagnosis.unknown.as_ref().and_then(Unknown::left_open) {
         tell!("{open}.");
-    }
-    if !diagnosis.ended_early.is_empty() {
-        tell!("time was up; ended with what was there: {}", diagnosis.ended_early.join("; "));
     }
     if let Some(next) = &diagnosis.next_experiment {
         match next.separates.as_slice() {

@@ -4,6 +4,7 @@ use super::linearise::Engine;
 use super::machine::{Machine, Reference};
 use super::schedule::Piece;
 use crate::error::Error;
+use crate::statistics::levels::TASK;
 use orchestrator::fmu::{Begin, Instance, Status};
 use orchestrator::{Kind, Value};
 use std::time::Instant;
@@ -17,6 +18,8 @@ pub struct Worker {
     others: Vec<Vec<(u32, Value)>>,
     /// Whether a reset brings an instance back to where it was after instantiation.
     pub resets: bool,
+    /// Steps that were made.
+    steps: usize,
 }
 
 /// What happens from a row on, over one interval or more.
@@ -263,7 +266,9 @@ impl Worker {
     /// One step of all units, each with what those before it gave at its end.
     fn step(&mut self, machine: &Machine, (from, span): (f64, f64), fed: &[f64]) -> Result<(), Error> {
         // to ask for the time costs as much as a step of a small unit
-        if self.steps.is_multiple_of(TASK) && machine.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if self.steps.is_multiple_of(TASK)
+            && machine.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        {
             return Err(Error::TooSlow);
         }
         self.steps += 1;

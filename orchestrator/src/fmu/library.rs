@@ -131,7 +131,8 @@ impl Library {
                 // Units that bring Python code expect the master to be Python.
                 reason.push_str(
                     " (the unit needs a Python interpreter in this process: start with \
-                     LD_PRELOAD=…/libpython3.so and PYTHONHOME or PYTHONPATH set to an installation that has its packages)",
+                     LD_PRELOAD=$(python3 -c \"import sysconfig as s; print(s.get_config_var('LIBDIR') + '/' + s.get_config_var('INSTSONAME'))\") \
+                     and PYTHONHOME or PYTHONPATH set to an installation that has its packages)",
                 );
             }
             if forbids_programs(path) {

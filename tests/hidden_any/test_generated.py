@@ -82,6 +82,18 @@ def test_a_path_that_the_unit_cant_be_run_from_ends_no_diagnosis(tmp_path):
     assert said["verdict"] != "none" and said["gap"]["closed"] > 0.9, (said["verdict"], said["gap"])
 
 
+def test_a_state_that_no_output_tells_of_for_a_while_is_followed_through_whole_runs(tmp_path):
+    valve = ALL["valve"]
+    runs = sets.Runs(valve, np.random.default_rng(1), 3)
+    clean = [{name: values[:, 0] for name, values in run.items()} for run in runs.outputs([{"overlap": 0.1}])]
+    sets.write(valve, runs, clean, runs.rng, tmp_path / "set", {"valve": valve.build(valve, tmp_path)})
+    said = told(tmp_path)
+    # within the overlap a row forgets where the spool went: begun anew from row to row, the truth left something without a name
+    assert [effect["name"] for effect in said["effects"]] == ["valve.overlap"] and said["verdict"] == "named", said["effects"]
+    assert abs(said["effects"][0]["value"] - 0.1) < 1e-3 and said["gap"]["closed"] > 0.99, said
+    assert any("lost where no output tells of it" in str(notice) for notice in said["notices"]), said["notices"]
+
+
 def test_a_sensors_lag_below_a_row_is_not_called_a_delay(tmp_path):
     said = diagnosed(dataclasses.replace(ALL["motor"], runs=4), "w:lag", 3, tmp_path)
     # least squares by scipy over start states and either: chi2 of 7203.2 with the lag, of 7208.3 with a delay, so that both are told

@@ -3,12 +3,17 @@
 //!
 //! Such a model can still be simulated through whole runs. The likelier of both ways is taken, by the nominal model alone: where a plant
 //! drifts off by itself, rows begun anew are likelier in spite of what they forget.
+//!
+//! States that no variable shows are read through the outputs that follow. Where these say nothing of one (a spool within its overlap), a row
+//! forgets what it did, and so does what is found. If something has no name then, but whole runs leave nothing, they are right.
 
-use super::study::nominal;
+use super::study::{Searched, is_explained, nominal, searched};
 use crate::dynamics::build::build;
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::observe::Problem;
+use crate::options::Options;
+use crate::watch::Watch;
 
 /// The problem with the likelier of both ways, where they differ.
 ///
@@ -44,4 +49,36 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
     likelier.notices.append(&mut told);
     likelier.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     Ok(likelier)
+}
+
+/// What was found, or whole runs and what was found in them, where they leave nothing that has no name.
+///
+/// # Errors
+/// Time is up.
+pub(super) fn explained(
+    problem: &Problem,
+    options: &Options,
+    found: Searched,
+    watch: &mut Watch<'_>,
+) -> Result<(Option<Problem>, Searched), Error> {
+    let reads_through = found.all.built.engine.machine.horizon > 0;
+    if !reads_through || found.all.residual.unlisted.is_none() || watch.is_over("the search in whole runs") {
+        return Ok((None, found));
+    }
+    let mut through = Problem { whole: true, ..problem.clone() };
+    let again = match is_explained(&through, options, watch) {
+        Ok(true) => searched(&through, options, watch),
+        Ok(false) => return Ok((None, found)),
+        Err(error) => Err(error),
+    };
+    match again {
+        Ok(again) if again.all.residual.unlisted.is_none() => {
+            let message = "what the states that no variable shows do is lost where no output tells of it: each run is simulated whole \
+                           from its start instead, which leaves nothing without a name";
+            through.notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
+            Ok((Some(through), again))
+        }
+        Err(Error::TooSlow) => Err(Error::TooSlow),
+        _ => Ok((None, found)),
+    }
 }

@@ -8,6 +8,7 @@
 //! - `events.rs`: when it acted, where it is quiet between
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
+//! - `given.rs`: a fit of what was asked for, in place of a search
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `told.rs`: effects, classes, what the data would show
@@ -20,6 +21,7 @@ mod begun;
 mod courses;
 mod equivalent;
 mod events;
+mod given;
 mod long;
 mod mismatch;
 mod policy;

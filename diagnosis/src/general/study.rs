@@ -1,17 +1,18 @@
 //! From a problem to a diagnosis.
 
+use super::given::{checked, given};
+use super::mismatch::HeldOut;
 use super::policy::GENERAL;
 use super::residual::{self, Residual};
 use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Gap, Verdict};
-use crate::dynamics::Machine;
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::infer::Sizes;
-use crate::infer::fit::{At, Fit, Options as FitOptions, Path, fit, fit_from};
-use crate::observe::{Problem, Run, Scale};
+use crate::infer::fit::{Fit, Options as FitOptions, Path, fit, fit_from};
+use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::class::Alternative;
 use crate::search::screen::Last;
@@ -19,7 +20,7 @@ use crate::search::walk::Visited;
 use crate::search::{Policy, Search};
 use crate::statistics::levels::HALF;
 use crate::watch::{Listener, Watch};
-use orchestrator::{UnitPath, nearest};
+use orchestrator::UnitPath;
 use std::time::Instant;
 
 /// What a search over some rows found.
@@ -73,23 +74,9 @@ fn found(
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
     let problem = &begun::chosen(&reading::read(problem)?)?;
-    let (kept, left) = parted(problem);
-    watch.stage("searching without the rows left out");
-    let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
-    let end = watch.share(HALF);
-    let mut trained = studied(problem, &part, options, None, false, watch)?;
-    watch.end_at(end);
-    watch.stage("measuring the gap on the rows left out");
-    let mut known = Trails::default();
-    known.add(&trained.built.engine, &trained.nominal);
-    let mut held = mismatch::held_out(problem, &left, &trained, &mut known)?;
-    let unfit = unfit(&mut trained, &held.gaps, options);
-    if !unfit.is_empty() {
-        held = mismatch::held_out(problem, &left, &trained, &mut known)?;
-    }
-    watch.stage("searching in all rows");
-    let mut all = long::searched(problem, options, (&trained, &known), watch)?;
-    withdraw(&mut all, &unfit)?;
+    let searched = searched(problem, options, watch)?;
+    let (through, Searched { trained, held, all }) = begun::explained(problem, options, searched, watch)?;
+    let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
     });
@@ -186,6 +173,61 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
     all.residual = residual::judged(engine, &all.fit, &all.residual.sizes, &all.policy);
     all.last = None;
     Ok(())
+}
+
+/// What a search found without the rows left out, in all rows, and how far either is from those.
+pub(super) struct Searched {
+    trained: Studied,
+    held: HeldOut,
+    /// In all rows.
+    pub all: Studied,
+}
+
+/// Searches, without the rows left out first.
+pub(super) fn searched(
+    problem: &Problem,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Searched, Error> {
+    let (kept, left) = parted(problem);
+    watch.stage("searching without the rows left out");
+    let mut trained = trained(problem, kept, options, watch)?;
+    watch.stage("measuring the gap on the rows left out");
+    let mut known = Trails::default();
+    known.add(&trained.built.engine, &trained.nominal);
+    let mut held = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    let unfit = unfit(&mut trained, &held.gaps, options);
+    if !unfit.is_empty() {
+        held = mismatch::held_out(problem, &left, &trained, &mut known)?;
+    }
+    watch.stage("searching in all rows");
+    let mut all = long::searched(problem, options, (&trained, &known), watch)?;
+    withdraw(&mut all, &unfit)?;
+    Ok(Searched { trained, held, all })
+}
+
+/// What is found in these rows, or in stretches of them, in half of the time.
+fn trained(
+    problem: &Problem,
+    kept: Rows<'_>,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Studied, Error> {
+    let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
+    let end = watch.share(HALF);
+    let trained = studied(problem, &part, options, None, false, watch)?;
+    watch.end_at(end);
+    Ok(trained)
+}
+
+/// Whether nothing is left without a name in the rows that are not left out.
+pub(super) fn is_explained(
+    problem: &Problem,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<bool, Error> {
+    let trained = trained(problem, parted(problem).0, options, watch)?;
+    Ok(trained.residual.unlisted.is_none())
 }
 
 /// Runs, each between two times.
@@ -333,64 +375,4 @@ pub fn studied(
     let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
     built.notices.extend(search.doubts.into_iter().map(notice));
     Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
-}
-
-/// Fits the parameters that were asked for, and judges what is left.
-fn given(
-    mut built: Built,
-    sizes: &Sizes,
-    options: &Options,
-    start: &At,
-    policy: Policy,
-) -> Result<Studied, Error> {
-    let parameters = &built.engine.machine.parameters;
-    let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
-    let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
-    let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
-    let residual = residual::judged(&built.engine, &here, sizes, &policy);
-    let tells = |place: &&usize| {
-        let (least, most) = parameters[**place].range;
-        here.deviation(**place) < most - least
-    };
-    let untold: Vec<&str> =
-        free.iter().filter(|place| !tells(place)).map(|place| parameters[*place].name.as_str()).collect();
-    if !untold.is_empty() {
-        let message = format!(
-            "the logs tell nothing of {}: any value in the range does, so that no value was fitted",
-            untold.join(", ")
-        );
-        built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
-    }
-    let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
-    let classes = free.iter().map(alone).collect();
-    let told = if residual.unlisted.is_some() {
-        "they don't explain the data: process noise stays above its floor"
-    } else {
-        "they explain the data: what is left is noise"
-    };
-    let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
-    let nominal = start.paths.clone();
-    Ok(Studied { effects: free, fit: here, nominal, residual, story, classes, built, policy, last: None })
-}
-
-/// Whether the names that were given with options are parameters.
-fn checked(machine: &Machine, options: &Options) -> Result<(), Error> {
-    let known = || machine.parameters.iter().map(|parameter| parameter.name.as_str());
-    let given = options.without.iter().map(|name| ("--without", name));
-    for (option, given) in given.chain(options.fit.iter().map(|name| ("--fit", name))) {
-        if known().all(|name| name != given) {
-            let problem = format!("no candidate has this name; {}", nearest(given, known()));
-            return Err(Error::Option { option, given: given.clone(), problem });
-        }
-    }
-    let is_set = |name: &&String| {
-        let parameter = machine.parameters.iter().find(|parameter| parameter.name == **name);
-        parameter.is_some_and(|parameter| matches!(parameter.scale, Scale::Switch | Scale::Count))
-    };
-    if let Some(given) = options.fit.iter().find(is_set) {
-        let problem =
-            "it takes whole values only and can't be fitted; without --fit the search tries them".into();
-        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
-    }
-    Ok(())
 }

@@ -1,0 +1,74 @@
+//! A fit of what was asked for (`--fit`), in place of a search.
+
+use super::residual;
+use super::study::Studied;
+use crate::dynamics::Machine;
+use crate::dynamics::build::Built;
+use crate::error::{Error, Notice};
+use crate::infer::Sizes;
+use crate::infer::fit::{At, Options as FitOptions, fit};
+use crate::observe::Scale;
+use crate::options::Options;
+use crate::search::Policy;
+use crate::search::class::Alternative;
+use orchestrator::nearest;
+
+/// Fits the parameters that were asked for, and judges what is left.
+pub(super) fn given(
+    mut built: Built,
+    sizes: &Sizes,
+    options: &Options,
+    start: &At,
+    policy: Policy,
+) -> Result<Studied, Error> {
+    let parameters = &built.engine.machine.parameters;
+    let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
+    let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
+    let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
+    let residual = residual::judged(&built.engine, &here, sizes, &policy);
+    let tells = |place: &&usize| {
+        let (least, most) = parameters[**place].range;
+        here.deviation(**place) < most - least
+    };
+    let untold: Vec<&str> =
+        free.iter().filter(|place| !tells(place)).map(|place| parameters[*place].name.as_str()).collect();
+    if !untold.is_empty() {
+        let message = format!(
+            "the logs tell nothing of {}: any value in the range does, so that no value was fitted",
+            untold.join(", ")
+        );
+        built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
+    }
+    let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
+    let classes = free.iter().map(alone).collect();
+    let told = if residual.unlisted.is_some() {
+        "they don't explain the data: process noise stays above its floor"
+    } else {
+        "they explain the data: what is left is noise"
+    };
+    let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
+    let nominal = start.paths.clone();
+    Ok(Studied { effects: free, fit: here, nominal, residual, story, classes, built, policy, last: None })
+}
+
+/// Whether the names that were given with options are parameters.
+pub(super) fn checked(machine: &Machine, options: &Options) -> Result<(), Error> {
+    let known = || machine.parameters.iter().map(|parameter| parameter.name.as_str());
+    let given = options.without.iter().map(|name| ("--without", name));
+    for (option, given) in given.chain(options.fit.iter().map(|name| ("--fit", name))) {
+        if known().all(|name| name != given) {
+            let problem = format!("no candidate has this name; {}", nearest(given, known()));
+            return Err(Error::Option { option, given: given.clone(), problem });
+        }
+    }
+    let is_set = |name: &&String| {
+        let parameter = machine.parameters.iter().find(|parameter| parameter.name == **name);
+        parameter.is_some_and(|parameter| matches!(parameter.scale, Scale::Switch | Scale::Count))
+    };
+    if let Some(given) = options.fit.iter().find(is_set) {
+        let problem =
+            "it takes whole values only and can't be fitted; without --fit the search tries them".into();
+        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
+    }
+    Ok(())
+}

@@ -63,6 +63,11 @@ impl<'a> Watch<'a> {
         over
     }
 
+    /// When time is up, if ever.
+    pub fn until(&self) -> Option<Instant> {
+        self.until
+    }
+
     /// Gives what follows a share of the time that is left. When all of it ends is returned, for [`Watch::end_at`].
     pub fn share(&mut self, of: f64) -> Option<Instant> {
         let (whole, now) = (self.until, Instant::now());

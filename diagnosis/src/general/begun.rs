@@ -7,7 +7,8 @@
 //! States that no variable shows are read through the outputs that follow. Where these say nothing of one (a spool within its overlap), a row
 //! forgets what it did, and so does what is found. If something has no name then, but whole runs leave nothing, they are right.
 
-use super::study::{Searched, is_explained, nominal, searched};
+use super::long;
+use super::study::{Searched, Studied, continued, nominal, trained};
 use crate::dynamics::build::build;
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -51,34 +52,65 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
     Ok(likelier)
 }
 
-/// What was found, or whole runs and what was found in them, where they leave nothing that has no name.
+/// Searches in rows that are begun anew, or in whole runs where these leave nothing that has no name. The problem in this case.
 ///
 /// # Errors
-/// Time is up.
-pub(super) fn explained(
+/// The logs can't be followed.
+pub(super) fn searched(
     problem: &Problem,
     options: &Options,
-    found: Searched,
     watch: &mut Watch<'_>,
 ) -> Result<(Option<Problem>, Searched), Error> {
-    let reads_through = found.all.built.engine.machine.horizon > 0;
-    if !reads_through || found.all.residual.unlisted.is_none() || watch.is_over("the search in whole runs") {
+    let first = trained(problem, options, watch)?;
+    let is_left = first.residual.unlisted.is_some();
+    if let Some((through, again)) = explained(problem, options, &first, watch)? {
+        let searched = continued(&through, options, again, watch)?;
+        return Ok((Some(through), searched));
+    }
+    let found = continued(problem, options, first, watch)?;
+    if is_left {
         return Ok((None, found));
     }
-    let mut through = Problem { whole: true, ..problem.clone() };
-    let again = match is_explained(&through, options, watch) {
-        Ok(true) => searched(&through, options, watch),
-        Ok(false) => return Ok((None, found)),
-        Err(error) => Err(error),
+    // it may show in the rows left out only
+    let Some((mut through, again)) = explained(problem, options, &found.all, watch)? else {
+        return Ok((None, found));
     };
-    match again {
-        Ok(again) if again.all.residual.unlisted.is_none() => {
-            let message = "what the states that no variable shows do is lost where no output tells of it: each run is simulated whole \
-                           from its start instead, which leaves nothing without a name";
-            through.notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
-            Ok((Some(through), again))
+    // an answer is there: what takes longer than searches may is given up for it
+    through.deadline = watch.until();
+    match continued(&through, options, again, watch) {
+        Ok(mut again) if again.all.residual.unlisted.is_none() => {
+            again.all.built.engine.machine.deadline = problem.deadline;
+            Ok((Some(Problem { deadline: problem.deadline, ..through }), again))
         }
-        Err(Error::TooSlow) => Err(Error::TooSlow),
         _ => Ok((None, found)),
     }
+}
+
+/// Whole runs, and what was found in them, where rows that are begun anew leave something that has no name and whole runs nothing. Logs that
+/// are too long to be searched at once stay as they are: whole runs have no stretches.
+fn explained(
+    problem: &Problem,
+    options: &Options,
+    found: &Studied,
+    watch: &mut Watch<'_>,
+) -> Result<Option<(Problem, Studied)>, Error> {
+    let reads_through = found.built.engine.machine.horizon > 0;
+    if !reads_through || found.residual.unlisted.is_none() {
+        return Ok(None);
+    }
+    let is_long = long::stretches(problem, &problem.whole_runs(), options)?.is_some();
+    if is_long || watch.is_over("the search in whole runs") {
+        return Ok(None);
+    }
+    let mut through = Problem { whole: true, deadline: watch.until(), ..problem.clone() };
+    let Some(again) =
+        trained(&through, options, watch).ok().filter(|again| again.residual.unlisted.is_none())
+    else {
+        return Ok(None);
+    };
+    let message = "what the states that no variable shows do is lost where no output tells of it: each run is simulated whole from its \
+                   start instead, which leaves nothing without a name";
+    through.notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
+    through.deadline = problem.deadline;
+    Ok(Some((through, again)))
 }

@@ -74,8 +74,7 @@ fn found(
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
     let problem = &begun::chosen(&reading::read(problem)?)?;
-    let searched = searched(problem, options, watch)?;
-    let (through, Searched { trained, held, all }) = begun::explained(problem, options, searched, watch)?;
+    let (through, Searched { trained, held, all }) = begun::searched(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
@@ -183,15 +182,25 @@ pub(super) struct Searched {
     pub all: Studied,
 }
 
-/// Searches, without the rows left out first.
-pub(super) fn searched(
+/// What is found without the rows left out, or in stretches of the others, in half of the time.
+pub(super) fn trained(problem: &Problem, options: &Options, watch: &mut Watch<'_>) -> Result<Studied, Error> {
+    watch.stage("searching without the rows left out");
+    let (kept, _) = parted(problem);
+    let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
+    let end = watch.share(HALF);
+    let trained = studied(problem, &part, options, None, false, watch);
+    watch.end_at(end);
+    trained
+}
+
+/// Goes on from there: the gap on the rows left out, and a search in all rows.
+pub(super) fn continued(
     problem: &Problem,
     options: &Options,
+    mut trained: Studied,
     watch: &mut Watch<'_>,
 ) -> Result<Searched, Error> {
-    let (kept, left) = parted(problem);
-    watch.stage("searching without the rows left out");
-    let mut trained = trained(problem, kept, options, watch)?;
+    let (_, left) = parted(problem);
     watch.stage("measuring the gap on the rows left out");
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
@@ -204,30 +213,6 @@ pub(super) fn searched(
     let mut all = long::searched(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
     Ok(Searched { trained, held, all })
-}
-
-/// What is found in these rows, or in stretches of them, in half of the time.
-fn trained(
-    problem: &Problem,
-    kept: Rows<'_>,
-    options: &Options,
-    watch: &mut Watch<'_>,
-) -> Result<Studied, Error> {
-    let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
-    let end = watch.share(HALF);
-    let trained = studied(problem, &part, options, None, false, watch)?;
-    watch.end_at(end);
-    Ok(trained)
-}
-
-/// Whether nothing is left without a name in the rows that are not left out.
-pub(super) fn is_explained(
-    problem: &Problem,
-    options: &Options,
-    watch: &mut Watch<'_>,
-) -> Result<bool, Error> {
-    let trained = trained(problem, parted(problem).0, options, watch)?;
-    Ok(trained.residual.unlisted.is_none())
 }
 
 /// Runs, each between two times.

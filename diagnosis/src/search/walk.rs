@@ -114,8 +114,12 @@ impl Search<'_> {
         let mut key = left.clone();
         key.sort_unstable();
         self.visited.remove(&key);
-        let again = self.visit(&left, &start)?;
-        let better = if again.deviance < less.deviance { again } else { less };
+        let better = match self.visit(&left, &start) {
+            Ok(again) if again.deviance < less.deviance => again,
+            // another fit of it there is, wherever that began
+            Ok(_) | Err(Error::Model(_)) => less,
+            Err(error) => return Err(error),
+        };
         self.visited.insert(key, better.clone());
         Ok(Some((left, better)))
     }

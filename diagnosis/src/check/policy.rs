@@ -48,7 +48,7 @@ pub(super) struct Doubts {
     pub nearest: f64,
     /// Rows as far apart as this are none of a machine's: so many steps of the unit, or so long, s.
     pub farthest: (f64, f64),
-    /// Pairs of columns that are tried; of more ports, names tell.
+    /// Pairs of columns that are tried: of more ports, names tell. And pairs of readings that are looked at closely, the likeliest first.
     pub pairs: usize,
 }
 

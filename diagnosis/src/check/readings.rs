@@ -12,6 +12,7 @@ use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
 use crate::statistics::levels::{HALF, SEVERAL, SLIGHT};
+use std::cell::LazyCell;
 use std::time::Instant;
 
 /// What the model leaves of all channels.
@@ -127,7 +128,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     if own.is_followed() {
         return None;
     }
-    let engine = build(problem, &problem.whole_runs()).ok().map(|built| built.engine);
+    let engine = LazyCell::new(|| build(problem, &problem.whole_runs()).ok().map(|built| built.engine));
     let steps =
         |factor: f64| engine.as_ref().is_none_or(|engine| engine.steps_as_far(factor, DOUBTS.farthest.0));
     let ways: Vec<Way> =

@@ -44,6 +44,15 @@ def test_a_step_in_rows_that_were_lost_is_no_force(tmp_path, name, command):
     assert found["verdict"] == "none", [found["effects"], found["unknown"]]
 
 
+def test_a_run_of_two_rows_is_left_out_and_told(tmp_path):
+    folder = made("motor", "fc", 3, tmp_path)
+    path = folder / "run-02.csv"
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:3]))
+    found = diagnosed(folder)
+    assert [effect["name"] for effect in found["effects"]] == ["motor.fc"], found["effects"]
+    assert any("run-02" in str(notice) and "left out" in str(notice) for notice in found["notices"]), found["notices"]
+
+
 def test_a_step_in_an_empty_cell_is_no_force(tmp_path):
     """The command's first three values after each run's largest step weren't logged; the outputs were."""
     folder = made("motor", "none", 53, tmp_path)

@@ -14,7 +14,7 @@ use crate::infer::likelihood::maximise;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
-use crate::statistics::levels::anywhere_in;
+use crate::statistics::levels::{FEW, anywhere_in};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -68,17 +68,22 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
             crate::infer::sweep::MOST_STATES - 2
         )));
     }
-    let (rows, grids): (Vec<(&Run, Span)>, Vec<Grid>) = (runs.iter())
+    let (told, short): (Vec<_>, Vec<_>) = (runs.iter())
         .map(|(run, (from, to))| ((*run, (*from, *to)), Grid::new(&machine, run, *from, *to)))
-        .filter(|(_, grid)| grid.time.len() > 2)
-        .unzip();
+        .partition(|(_, grid)| grid.time.len() >= FEW);
+    let (rows, grids): (Vec<(&Run, Span)>, Vec<Grid>) = told.into_iter().unzip();
     let Some(first) = grids.first() else {
         return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     };
     if problem.late && machine.any_step {
         machine.first_step = machine.short_step(&first.time);
     }
-    let mut notices = Vec::new();
+    let left_out = |(_, grid): ((&Run, Span), Grid)| Notice {
+        file: grid.name,
+        line: 0,
+        message: format!("{} rows tell nothing of a motion: left out", grid.time.len()),
+    };
+    let mut notices: Vec<Notice> = short.into_iter().map(left_out).collect();
     let outliers = excluded(&machine, &grids);
     let values = |channel: usize| -> Vec<Vec<f64>> {
         let of = |(grid, out): (&Grid, &Vec<bool>)| {

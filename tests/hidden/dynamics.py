@@ -41,14 +41,15 @@ def gust_at(t, gust_times):
 def forces(s, u, tau1, t, gust_times, p, out):
     """Mass matrix (out[0:3]), forces without Coulomb friction (out[3:5]), rotor acceleration (out[5])."""
     q1, q2, d1, d2 = s[0], s[1], s[2], s[3]
-    m11 = p[T1] + p[T2] * math.cos(q1) + p[IR]
-    m12 = p[T7] * math.cos(q2) + p[T8] * math.cos(q1 - q2) - p[IR]
+    incline = p[SLOPE]  # the drum's centre moves along it: its direction meets a link's at q - incline
+    m11 = p[T1] + p[T2] * math.cos(q1 - incline) + p[IR]
+    m12 = p[T7] * math.cos(q2 - incline) + p[T8] * math.cos(q1 - q2) - p[IR]
     m22 = p[T5] + p[IR]
-    f1 = p[T9] * math.sin(q1) + p[THS] * math.sin(p[SLOPE]) + tau1
+    f1 = p[T9] * math.sin(q1) + p[THS] * math.sin(incline) + tau1
     f2 = p[T10] * math.sin(q2)
     if p[VEL] != 0.0:
         sd = math.sin(q1 - q2)
-        f1 += 0.5 * p[T2] * math.sin(q1) * d1 * d1 - (p[T8] * sd - p[T7] * math.sin(q2)) * d2 * d2
+        f1 += 0.5 * p[T2] * math.sin(q1 - incline) * d1 * d1 - (p[T8] * sd - p[T7] * math.sin(q2 - incline)) * d2 * d2
         f2 += p[T8] * sd * d1 * d1
     rel = d2 - d1
     f1 += -p[BR] * d1 + p[BJ] * rel
@@ -315,8 +316,9 @@ def simulate(s, a, times, ct, cv, c1, n, gust_times, p, moves, nodes):
 @njit(cache=True)
 def energy(s, p):
     q1, q2, d1, d2 = s[0], s[1], s[2], s[3]
-    m11 = p[T1] + p[T2] * math.cos(q1) + p[IR]
-    m12 = p[T7] * math.cos(q2) + p[T8] * math.cos(q1 - q2) - p[IR]
+    incline = p[SLOPE]
+    m11 = p[T1] + p[T2] * math.cos(q1 - incline) + p[IR]
+    m12 = p[T7] * math.cos(q2 - incline) + p[T8] * math.cos(q1 - q2) - p[IR]
     m22 = p[T5] + p[IR]
     return (0.5 * m11 * d1 * d1 + m12 * d1 * d2 + 0.5 * m22 * d2 * d2
-            + p[T9] * math.cos(q1) + p[T10] * math.cos(q2))
+            + p[T9] * math.cos(q1) + p[T10] * math.cos(q2) - p[THS] * math.sin(incline) * q1)

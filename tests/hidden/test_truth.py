@@ -28,7 +28,7 @@ def pinned(**changes):
     return dict(PLANT_NOMINAL, **ARMS[0], theta_2=0.0, theta_7=0.0, theta_slope=0.0, **changes)
 
 
-@pytest.mark.parametrize("plant", [PLANT_NOMINAL, pinned(), dict(PLANT_NOMINAL, I_rotor=0.01)])
+@pytest.mark.parametrize("plant", [PLANT_NOMINAL, pinned(), dict(PLANT_NOMINAL, I_rotor=0.01), dict(PLANT_NOMINAL, slope=0.05)])
 def test_law_energy_is_conserved(plant):
     _, nodes = free_run(plant, (0.3, -0.4, 0.0, 0.0), 8.0)
     e = [dyn.energy(x[:4], dyn.pack(plant)) for x in nodes]

@@ -123,7 +123,8 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     // of an unlisted input alone no gap closes, whatever was found of it
     let alone = diagnosis.effects.is_empty() && open(diagnosis).is_some();
     if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None && !alone) {
-        figures.push(Figure { label: "gap closed".into(), value: Some(100.0 * closed), unit: "%".into() });
+        let percent = (1e3 * closed).round() / 10.0;
+        figures.push(Figure { label: "gap closed".into(), value: Some(percent), unit: "%".into() });
     }
     let standing = match diagnosis.verdict {
         Verdict::None | Verdict::Named => Standing::Good,

@@ -111,6 +111,22 @@ fn unknown(unknown: &Unknown) {
     tell!("  unknown: {}{depends}: {}", unknown.signal, unknown.shape);
 }
 
+/// How far the gap closes, in percent, and on what.
+fn closes(percent: f64, held_out: &[String]) -> String {
+    let share = if percent < 0.5 {
+        "nothing of the gap closes".into()
+    } else {
+        format!("the gap closes by {percent:.0} %")
+    };
+    match held_out {
+        [] => format!("{share} by cross-validation"),
+        runs => format!(
+            "{share} on held-out runs ({}), for which the search was repeated without them",
+            runs.join(", ")
+        ),
+    }
+}
+
 /// The verdict in a few lines, and where it comes from.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
@@ -143,14 +159,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     }
     let better = !diagnosis.effects.is_empty() || diagnosis.correction.is_some();
     if let Some(closed) = diagnosis.gap.closed.filter(|_| better) {
-        match diagnosis.gap.held_out_runs.as_slice() {
-            [] => tell!("the gap closes by {:.0} % by cross-validation", 100.0 * closed),
-            runs => tell!(
-                "the gap closes by {:.0} % on held-out runs ({}), for which the search was repeated without them",
-                100.0 * closed,
-                runs.join(", ")
-            ),
-        }
+        tell!("{}", closes(100.0 * closed, &diagnosis.gap.held_out_runs));
     }
     if let Some(open) = diagnosis.unknown.as_ref().and_then(Unknown::left_open) {
         tell!("{open}.");

@@ -106,7 +106,6 @@ impl ImageCut {
         let longest = point[perturbation.candidate].max(point[perturbation.candidate] + by);
         if blurs && longest * self.way() < IMAGES.blurring {
             let law = self.short_blur(point, perturbation)?;
-            let law = self.laws.insert(name, by, law);
             return Ok(self.along(&law));
         }
         let late =
@@ -114,7 +113,8 @@ impl ImageCut {
         let (moved, still) = (self.settings(point, Some(perturbation))?, self.settings(point, None)?);
         let mut samples: Vec<(State, Seen)> = Vec::new();
         let mut first = Vec::new();
-        let rounds = if blurs { IMAGES.more_rounds } else { IMAGES.rounds };
+        let little = blurs && by.abs() * self.way() < IMAGES.blurring;
+        let rounds = if little { IMAGES.more_rounds } else { IMAGES.rounds };
         for (round, side, phase) in sides(rounds) {
             let shots = self.beside(round, side);
             let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
@@ -141,11 +141,34 @@ impl ImageCut {
     /// Change of the image per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
     /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
-    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Law, Error> {
-        let from = point[perturbation.candidate];
-        // a small step shows nothing, and beyond a large one the polynomial knows nothing
-        let far = if perturbation.by.abs() > IMAGES.blur_step { perturbation.by } else { IMAGES.blur_step };
-        let moved = self.settings(point, Some(Perturbation { by: far, ..perturbation }))?;
+    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Arc<Law>, Error> {
+        let Perturbation { candidate, by } = perturbation;
+        let (name, from) = (self.candidates[candidate].name, point[candidate]);
+        let far = self.farthest(candidate, from, by);
+        let weights = match self.laws.get(name, far).as_deref() {
+            Some(Law::Blurred { weights, from: known, .. }) if *known == from => *weights,
+            _ => self.blurred(point, Perturbation { by: far, ..perturbation })?,
+        };
+        self.laws.insert(name, far, Law::Blurred { weights, from, by: far });
+        Ok(self.laws.insert(name, by, Law::Blurred { weights, from, by }))
+    }
+
+    /// The step over which the polynomial is taken: the farthest that is tried and still short, since a small one shows next to
+    /// nothing; all within it share the polynomial. Beyond it that knows nothing.
+    fn farthest(&self, candidate: usize, from: f64, by: f64) -> f64 {
+        if by < -IMAGES.blur_step {
+            return by;
+        }
+        let candidate = &self.candidates[candidate];
+        let short =
+            |far: &f64| from + far <= candidate.range.1 && (from + far) * self.way() < IMAGES.blurring;
+        candidate.steps.iter().copied().filter(short).fold(by.max(IMAGES.blur_step), f64::max)
+    }
+
+    /// The polynomial's weights, by frames with an exposure that is longer by a step beside frames without.
+    fn blurred(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Vector3<f64>, Error> {
+        let (from, far) = (point[perturbation.candidate], perturbation.by);
+        let moved = self.settings(point, Some(perturbation))?;
         let still = self.settings(point, None)?;
         let mut normal: Matrix3<f64> = Matrix3::zeros();
         let mut right = Vector3::zeros();
@@ -165,8 +188,7 @@ impl ImageCut {
                 }
             }
         }
-        let weights = normal.cholesky().map_or_else(Vector3::zeros, |normal| normal.solve(&right));
-        Ok(Law::Blurred { weights, from, by: perturbation.by })
+        Ok(normal.cholesky().map_or_else(Vector3::zeros, |normal| normal.solve(&right)))
     }
 
     /// How far a circle usually moves in a frame's interval, at most, px.

@@ -165,3 +165,10 @@ fn every_habit_of_a_lab_is_told_with_the_line_that_mends_it() {
     let found = common::found(&folder);
     assert_eq!(common::names(&found), [""; 0], "{:?}", found.story);
 }
+
+/// In degrees, a machine hardly moves and lacks hardly more than its torque: less than a nominal model with a wrong weight does.
+#[test]
+fn a_weight_that_is_far_off_is_no_log_in_degrees() {
+    let found = common::found(&recorded("weight", &[("plant.theta_10", "1.6")]));
+    assert_eq!(common::names(&found), ["plant.theta_10"], "{:?}", found.story);
+}

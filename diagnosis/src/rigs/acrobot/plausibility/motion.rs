@@ -53,6 +53,14 @@ const WAYS: &[Way] = &[
     way("angles = \"deg\"", "angles are in degrees", |a, b| (a * PI / 180.0, b * PI / 180.0), 1.0),
 ];
 
+impl Way {
+    /// The way without any motion, if it makes the one that was logged smaller.
+    fn stilled(&self) -> Option<Way> {
+        let (q1, q2) = (self.turn)(1.0, 1.0);
+        (q1.abs().max(q2.abs()) < 1.0).then_some(Way { turn: |_, _| (0.0, 0.0), ..*self })
+    }
+}
+
 /// Another way of counting that fits far better than the one in use, if there is one.
 ///
 /// # Errors
@@ -64,19 +72,22 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
     if as_logged < PLAUSIBLE.noise * noise {
         return Ok(None);
     }
-    let mut all = Vec::new();
-    for way in WAYS {
+    // a way that no unit can follow is none
+    let read = |way: &Way| {
         let mut other = logs.clone();
         other.runs.iter_mut().for_each(|run| count(run, way));
-        // a way that no unit can follow is none
-        if let Ok(Some((lacking, _))) = lacking(&other, model, list) {
-            all.push((lacking, way));
-        }
-    }
+        Some(lacking(&other, model, list).ok()??.0)
+    };
+    let mut all: Vec<(f64, &Way)> = WAYS.iter().filter_map(|way| Some((read(way)?, way))).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [(least, way), second, ..] = all.as_slice() else { return Ok(None) };
     let beyond = *least < PLAUSIBLE.better * as_logged && *least < PLAUSIBLE.clearly * second.0;
-    Ok(beyond.then(|| Finding {
+    // what hardly moves needs hardly any torque, whoever measured it: the motion that is left must explain the one that was logged
+    let still = || way.stilled().and_then(|still| read(&still));
+    if !beyond || still().is_some_and(|still| *least >= PLAUSIBLE.better * still) {
+        return Ok(None);
+    }
+    Ok(Some(Finding {
         file: "plant.csv and controller.csv".into(),
         line: 0,
         sentence: format!(

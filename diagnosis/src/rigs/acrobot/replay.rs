@@ -68,9 +68,26 @@ fn without_controller(scenario: &mut Scenario) {
     if let Some(record) = &mut scenario.record {
         record.retain(|pattern| !own(&pattern.value));
     }
-    if let Some(toml::Value::Array(graphs)) = scenario.report.get_mut("graphs") {
-        graphs.retain(|graph| !graph.to_string().contains("\"controller."));
+    forget(&mut scenario.report);
+}
+
+/// Takes what names a signal of the controller out of a part of the report, and graphs that have no line left.
+fn forget(part: &mut toml::Table) {
+    let own = |value: &toml::Value| value.as_str().is_some_and(|text| text.starts_with("controller."));
+    let names_it = |table: &toml::Table| table.values().any(own);
+    let empty = |table: &toml::Table| table.values().any(|value| value.as_array().is_some_and(Vec::is_empty));
+    for value in part.iter_mut().map(|(_, value)| value) {
+        match value {
+            toml::Value::Table(inner) => forget(inner),
+            toml::Value::Array(entries) => {
+                entries.iter_mut().filter_map(toml::Value::as_table_mut).for_each(forget);
+                entries
+                    .retain(|entry| !entry.as_table().is_some_and(|table| names_it(table) || empty(table)));
+            }
+            _ => {}
+        }
     }
+    part.retain(|_, value| !value.as_table().is_some_and(names_it));
 }
 
 /// Angles and rates at a time, by a line through the first rows after it: of encoders, or of the links in the images.
@@ -104,6 +121,19 @@ fn state(run: &Run, begin: f64) -> Option<[f64; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_shipped_scenario_shows_nothing_of_a_controller_that_is_gone() {
+        for name in ["visual-servo", "full-state", "dual-loop"] {
+            let path = format!("{}/../scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let text = std::fs::read_to_string(path).expect("it is shipped");
+            let mut scenario = Scenario::parse(&text, name).expect("it loads");
+            without_controller(&mut scenario);
+            let report = scenario.report.to_string();
+            assert!(!report.contains("controller.") && report.contains("plant.q1"), "{name}: {report}");
+            assert!(scenario.report.contains_key("verdict"), "{name}");
+        }
+    }
 
     #[test]
     fn value_a_run_begins_in_the_state_that_its_log_shows() {

@@ -166,6 +166,16 @@ fn every_habit_of_a_lab_is_told_with_the_line_that_mends_it() {
     assert_eq!(common::names(&found), [""; 0], "{:?}", found.story);
 }
 
+/// Angles that images show are coarser than encoders', and in degrees link 1 would lack nothing at all.
+#[test]
+fn a_torque_with_the_other_sign_is_told_by_images_alone() {
+    let good = recorded("seen", &[]);
+    let turned = |name: &str, x: f64| if name == "tau" { -x } else { x };
+    let folder = in_habit(&good, "sign-seen", turned, |file, _| file != "plant.csv");
+    let said = refused(&folder, &options());
+    assert!(said.contains("torque_sign = -1"), "{said}");
+}
+
 /// In degrees, a machine hardly moves and lacks hardly more than its torque: less than a nominal model with a wrong weight does.
 #[test]
 fn a_weight_that_is_far_off_is_no_log_in_degrees() {

@@ -84,7 +84,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             run.plant = None;
         } else if let Some(apart) = far_apart(plant, falling) {
             let message = format!(
-                "rows are {apart} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
+                "rows are {apart:.4} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
                  file excluded"
             );
             notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });

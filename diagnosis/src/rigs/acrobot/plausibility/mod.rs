@@ -21,7 +21,7 @@ pub struct Finding {
     pub line: usize,
     /// One sentence: what was found.
     pub sentence: String,
-    /// What `[log]` of `dataset.toml` needs.
+    /// What `[log]` of `dataset.toml` needs; empty where no line of it would help.
     pub add: String,
 }
 
@@ -48,6 +48,7 @@ pub type Check = fn(&Facts<'_>) -> Option<Finding>;
 /// The checks, in the order in which one thing hides another: nothing of a motion can be said in a wrong unit of time, nor of
 /// encoders beside images that stand on their head.
 pub const CHECKS: &[Check] = &[
+    time::units_apart,
     time::unit,
     pixels::origin,
     angles::degrees,
@@ -64,6 +65,7 @@ pub fn first(facts: &Facts<'_>) -> Option<Finding> {
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let place = if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) };
-        write!(f, "{place}: {}. Add to dataset.toml:\n[log]\n{}", self.sentence, self.add)
+        write!(f, "{place}: {}", self.sentence)?;
+        if self.add.is_empty() { Ok(()) } else { write!(f, ". Add to dataset.toml:\n[log]\n{}", self.add) }
     }
 }

@@ -4,9 +4,13 @@ use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::SEVERAL;
 
 /// Seconds since 1970 of anything that is logged today.
 pub const EPOCH: std::ops::Range<f64> = 1e9..1e10;
+
+/// Units that loggers count time in, beside s, and their lengths in s.
+const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 
 /// Times in milliseconds, or less.
 pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
@@ -15,7 +19,6 @@ pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
 
 fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= POLICY.rows).and_then(typical_gap);
-    let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let fastest = facts.falling[0].max(facts.falling[1]);
     let found = |file: &str, sentence: String, unit: &str| Finding {
         file: format!("{}/{file}", run.name),
@@ -24,10 +27,10 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         add: format!("time = {unit:?}"),
     };
     if let Some(gap) = gap(&run.camera) {
-        let (unit, _) = units.into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.interval)?;
+        let (unit, _) = UNITS.into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.interval)?;
         return (gap > PLAUSIBLE.other_unit * facts.interval).then(|| {
             let sentence = format!(
-                "frames are {gap} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
+                "frames are {gap:.4} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
                 facts.interval
             );
             found("camera.csv", sentence, unit)
@@ -39,13 +42,38 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         .filter(|log| log.column("q1").is_some_and(|q1| q1.iter().any(|x| x.is_finite())))?;
     let gap = gap(&run.plant)?;
     // counted from 1970, a time tells its unit
-    let epoch = units.into_iter().find(|(_, by)| EPOCH.contains(&(log.time[0] * by)));
-    let (unit, _) = epoch.or_else(|| units.into_iter().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
+    let epoch = UNITS.into_iter().find(|(_, by)| EPOCH.contains(&(log.time[0] * by)));
+    let (unit, _) = epoch.or_else(|| UNITS.into_iter().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
     (gap * fastest > POLICY.coarse).then(|| {
         let sentence = format!(
-            "rows are {gap} s apart, and the arm loses its balance in between: time looks like {unit}"
+            "rows are {gap:.4} s apart, and the arm loses its balance in between: time looks like {unit}"
         );
         found("plant.csv", sentence, unit)
+    })
+}
+
+/// One log of a run in another unit than the others: it lasts that much longer, and nothing can be followed from row to row.
+pub(super) fn units_apart(facts: &Facts<'_>) -> Option<Finding> {
+    let fastest = facts.falling[0].max(facts.falling[1]);
+    facts.runs.iter().find_map(|run| {
+        let logs =
+            [("camera.csv", &run.camera), ("controller.csv", &run.controller), ("plant.csv", &run.plant)];
+        let known = logs.into_iter().filter_map(|(file, log)| Some((file, log.as_ref()?)));
+        let known = known.filter(|(_, log)| log.len() >= POLICY.rows);
+        let spans: Vec<(&str, f64, &Table)> =
+            known.map(|(file, log)| (file, log.time[log.len() - 1] - log.time[0], log)).collect();
+        let (file, longest, log) = spans.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (other, shortest, _) = spans.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let alike = |by: f64| (longest * by / shortest).ln().abs() < SEVERAL.ln();
+        let (unit, _) = UNITS.into_iter().find(|(_, by)| alike(*by))?;
+        typical_gap(log).filter(|gap| gap * fastest > POLICY.coarse).map(|_| Finding {
+            file: format!("{}/{file}", run.name),
+            line: 0,
+            sentence: format!(
+                "it lasts {longest:.4} s and {other} {shortest:.4} s: its times look like {unit}, and all logs need the same unit"
+            ),
+            add: String::new(),
+        })
     })
 }
 
@@ -126,6 +154,19 @@ pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn every_log_in_another_unit_than_the_others_is_told() {
+        let each = |gap: f64| log((0..50).map(|row| f64::from(row) * gap));
+        let told = |plant: f64, controller: f64| {
+            let runs = [run(Some(each(plant)), Some(each(controller)), None)];
+            let found = units_apart(&facts(&runs))?;
+            Some((found.file, found.sentence.contains("look like ms")))
+        };
+        assert_eq!(told(33.3, 0.0333), Some(("run-01/plant.csv".into(), true)));
+        assert_eq!(told(0.0333, 33.3), Some(("run-01/controller.csv".into(), true)));
+        assert_eq!([told(0.0333, 0.0333), told(33.3, 33.3), told(0.0333, 3.33)], [None, None, None]);
+    }
+
     /// A log of zeros with rows at these times.
     fn log(time: impl Iterator<Item = f64>) -> Table {
         let time: Vec<f64> = time.collect();
@@ -136,6 +177,18 @@ mod tests {
     /// 200 rows so far apart, with a hole so long after half of them.
     fn broken(gap: f64, hole: f64) -> Table {
         log((0..200).map(|row| f64::from(row) * gap + if row < 100 { 0.0 } else { hole - gap }))
+    }
+
+    /// What is known of runs of an arm that grows by e^7 in a second.
+    fn facts(runs: &[Run]) -> Facts<'_> {
+        Facts {
+            runs,
+            falling: [7.0, 7.0],
+            interval: 0.04,
+            size: (640.0, 480.0),
+            ground: None,
+            gaps_stated: false,
+        }
     }
 
     fn run(plant: Option<Table>, controller: Option<Table>, camera: Option<Table>) -> Run {
@@ -180,15 +233,7 @@ mod tests {
         let told = |plant: Option<f64>, camera: Option<f64>| {
             let each = |gap: Option<f64>| gap.map(|gap| log((0..50).map(|row| f64::from(row) * gap)));
             let runs = [run(each(plant), None, each(camera))];
-            let facts = Facts {
-                runs: &runs,
-                falling: [7.0, 7.0],
-                interval: 0.04,
-                size: (640.0, 480.0),
-                ground: None,
-                gaps_stated: false,
-            };
-            unit(&facts).is_some()
+            unit(&facts(&runs)).is_some()
         };
         // an arm that grows by e^7 in a second loses its balance in 1.5 / 7 s
         assert_eq!([0.21, 0.22].map(|gap| told(Some(gap), None)), [false, true]);

@@ -186,7 +186,10 @@ impl Conclusion {
         counted(data, model, list, &mut self.effects, &mut self.smallest);
         let gone = self.superseded();
         self.effects.retain(|effect| !gone.contains(&effect.name));
-        self.story.extend(super::scale::unscaled(data, list, &mut self.effects));
+        if let Some(message) = super::scale::unscaled(data, list, &mut self.effects) {
+            self.story.push(message.clone());
+            self.notices.push(Notice { file: "controller.csv".into(), line: 0, message });
+        }
         let superseded = |index: &usize| gone.iter().any(|name| name == list[*index].name);
         (0..list.len()).filter(superseded).for_each(|index| point[index] = list[index].off);
         if let Some(correction) = &self.correction {

@@ -8,7 +8,8 @@ use crate::rigs::acrobot::candidates::{Attribute, Motion, place};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::story::brief;
 
-/// Tells the other reading, and puts all that it changes into the class of the gain. The story's line, where there is one.
+/// Tells the other reading, and puts all that it changes into the class of the gain; what has another value there has an interval over
+/// both. The line that tells it, where there is one.
 pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect]) -> Option<String> {
     if data.runs.iter().any(tells_torques) {
         return None;
@@ -32,19 +33,19 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     let whole = effects[place].probability;
     let share = whole / PIPELINE.readings / others.len() as f64;
     let there = |effect: &Effect| {
-        let value = effect.value / gain;
         let [low, high] = effect.ci95.map(|end| end / gain);
-        let nominal = low.min(high) <= effect.off && effect.off <= low.max(high);
-        (value, nominal)
+        (effect.value / gain, [low, high], low <= effect.off && effect.off <= high)
     };
     let mut told: Vec<String> =
         others.iter().map(|own| format!("{} = {}", own.name, brief(own.value(own.off) / gain))).collect();
     for k in &named {
-        let (value, nominal) = there(&effects[*k]);
+        let (value, [low, high], nominal) = there(&effects[*k]);
         if nominal {
             effects[*k].probability /= PIPELINE.readings;
         } else {
             told.push(format!("{} = {}", effects[*k].name, brief(value)));
+            let here = effects[*k].ci95;
+            effects[*k].ci95 = [here[0].min(low), here[1].max(high)];
         }
         effects[*k]
             .members
@@ -154,6 +155,8 @@ pub(super) mod tests {
         assert_eq!(found[0].class, [GAIN, "plant.theta_5"]);
         assert!(found[0].members.iter().all(|member| (member.probability - 0.4975).abs() < 1e-12));
         assert!((found[1].probability - 0.4975).abs() < 1e-12 && found[2].probability == 0.995);
+        // 4 here and 6 there, each within a hundredth
+        assert!(found[2].ci95.iter().zip([3.96, 6.06]).all(|(end, wanted)| (end - wanted).abs() < 1e-12));
         // a gain alone is one
         let mut alone = [effect(GAIN, 1.0, 0.8)];
         assert_eq!(unscaled(&unlogged(), &inertias(), &mut alone), None);

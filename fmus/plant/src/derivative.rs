@@ -8,8 +8,8 @@ use crate::{Plant, Variables, dynamics::Dynamics, effects::Motion};
 use fmi2_export::Dependencies;
 
 const STATES: [&str; 4] = ["q1", "q2", "dq1", "dq2"];
-/// Steps of the differences, rad and rad/s; the second well within the smoothing of Coulomb friction.
-const DIFFERENCES: [f64; 4] = [1e-4, 1e-4, 2e-5, 2e-5];
+/// Steps of the differences: rad, and a share of what Coulomb friction is smoothed over.
+const DIFFERENCES: (f64, f64) = (1e-4, 0.02);
 
 /// ModelStructure.
 pub fn dependencies(output: &str) -> Dependencies {
@@ -64,7 +64,8 @@ fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Opt
         dynamics.equation(&motion, variables.outputs.applied_torque, 0.0)
     };
     if let Some(place) = state {
-        let step = DIFFERENCES[place];
+        let step =
+            if place < 2 { DIFFERENCES.0 } else { DIFFERENCES.1 * variables.effects.coulomb.smoothest() };
         let at = |multiple: f64| {
             let mut moved = plant.state;
             moved[place] += multiple * step;

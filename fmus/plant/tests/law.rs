@@ -66,7 +66,7 @@ fn law_energy_balance_with_torques_and_friction() {
     let power = |rig: &Rig| {
         let [_, _, dq1, dq2] = rig.state();
         let joint = dq2 - dq1;
-        0.4 * joint - 0.3 * dq1 - 0.02 * dq1 * dq1 - 0.05 * joint * joint - 0.03 * dq1 * (dq1 / 1e-3).tanh()
+        0.4 * joint - 0.3 * dq1 - 0.02 * dq1 * dq1 - 0.05 * joint * joint - 0.03 * dq1 * (dq1 / 3e-4).tanh()
     };
     let before = rig.variables.locals.energy;
     let (steps, mut work) = (20_000, 0.0);
@@ -78,7 +78,7 @@ fn law_energy_balance_with_torques_and_friction() {
         work += (from + 4.0 * middle + power(&rig)) / (6.0 * f64::from(steps));
     }
     let gained = rig.variables.locals.energy - before;
-    // Simpson's rule loses order where dq1 passes through the smoothing of 1 mrad/s: (0.5e-4 s)² times the kink.
+    // Simpson's rule loses order where dq1 passes through the smoothing of 0.3 mrad/s: (0.5e-4 s)² times the kink.
     assert!((gained - work).abs() < 1e-9, "{gained} {work}");
     assert!(work < -0.1); // friction did work at all
 }

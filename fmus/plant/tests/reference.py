@@ -9,7 +9,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 TABLE_2 = dict(t1=.20386, t2=.05867, t5=.11, t7=.01437, t8=.0989, t9=4.779, t10=1.880)
-SMOOTHING = 1e-3
+
+
+def smooth_sign(v, friction):
+    return np.tanh(v/min(1e-3, friction/100.0)) if friction else 0.0
 
 
 def inertia(p, q, slope=0.0, rotor=0.0):
@@ -36,8 +39,8 @@ def acceleration(p, q, dq, tau, tau_1=0.0, terms=True, slope=0.0, incline=0.0, b
     if terms:
         f -= christoffel(p, q, dq, slope)
     w = dq[1] - dq[0]
-    f[0] -= b[0]*dq[0] + fc[0]*np.tanh(dq[0]/SMOOTHING)
-    joint = b[1]*w + fc[1]*np.tanh(w/SMOOTHING)
+    f[0] -= b[0]*dq[0] + fc[0]*smooth_sign(dq[0], fc[0])
+    joint = b[1]*w + fc[1]*smooth_sign(w, fc[1])
     f += [joint, -joint]
     return np.linalg.solve(inertia(p, q, slope, rotor), f)
 

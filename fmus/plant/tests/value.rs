@@ -3,6 +3,7 @@
 mod common;
 use common::{Rig, WILD, distance};
 use plant::Variables;
+use std::f64::consts::PI;
 
 /// What integrator.rs promises for a second. Seen: at most 5e-11, whatever the communication step.
 const CLOSE: f64 = 1e-10;
@@ -89,6 +90,19 @@ fn value_coulomb_friction() {
         },
         [6.495739744514947, -3.2063964759779564, 5.113314673881442, 3.4276050834702967],
     );
+}
+
+/// Half of the friction of a bearing holds as long as it likes: within v_s = 0.1 mrad/s, for two seconds.
+#[test]
+fn value_a_joint_that_sticks_creeps_by_less_than_encoders_read() {
+    let mut rig = Rig::at([PI, PI, 0.0, 0.0], |variables| {
+        variables.effects.coulomb.joint = 0.01;
+        variables.inputs.torque = 0.005;
+    });
+    rig.step(2.0);
+    let [q1, q2, ..] = rig.state();
+    // atanh(1/2) of v_s, and what it takes to get there
+    assert!((q2 - q1).abs() < 2e-4 && q2 != q1, "{:e}", q2 - q1);
 }
 
 #[test]

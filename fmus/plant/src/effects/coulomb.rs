@@ -1,16 +1,20 @@
 //! Coulomb friction: a torque of constant size against the motion, at the ground and at the joint.
 //!
-//! *Deviations*: the sign is smoothed, sign(v) → tanh(v/v_s) with v_s = 1 mrad/s, so that the equations stay smooth
-//! and a state needs no memory of sticking. A joint that ought to stick creeps instead, by less than 1 mrad/s while
-//! the torque is below three quarters of the friction; sliding above 4 mrad/s is within 0.1 % of Coulomb's law.
+//! *Deviations*: the sign is smoothed, sign(v) → tanh(v/v_s), so that the equations stay smooth and a state needs no memory of
+//! sticking. v_s is 1 mrad/s where friction is 0.1 N·m or more, and in proportion to it below: 0.1 mrad/s for 0.01 N·m. A joint that
+//! ought to stick creeps instead, by less than v_s while the torque is below three quarters of the friction; sliding above 4 v_s is
+//! within 0.1 % of Coulomb's law.
 
 use super::{Mechanical, Motion, non_negative};
 use fmi2_export::{ModelError, unit, variables};
 use mechanics::Equation;
 
-/// v_s in rad/s. Two orders below the rates at which the acrobot balances, and large enough for the integrator: with
-/// 0.1 N·m at the joint the plant's fastest eigenvalue is about 4e3 1/s.
+/// Largest v_s in rad/s: two orders below the rates at which the acrobot balances.
 pub const SMOOTHING_RATE: f64 = 1e-3;
+/// Friction over v_s where it is smaller, N·m·s/rad: at rest it is as stiff as 0.1 N·m with the largest v_s, the plant's fastest
+/// eigenvalue about 4e3 1/s. Friction of a hundredth of a newton metre, as bearings have, would creep by ten times what encoders read
+/// in half a second if it were smoothed as far.
+const STIFFNESS: f64 = 0.1 / SMOOTHING_RATE;
 
 variables! {
     /// Coulomb friction.
@@ -30,10 +34,26 @@ impl Mechanical for Coulomb {
 
     fn act(&self, motion: &Motion, equation: &mut Equation) {
         if self.roll != 0.0 {
-            equation.f1 -= self.roll * libm::tanh(motion.dq[0] / SMOOTHING_RATE);
+            equation.f1 -= self.roll * libm::tanh(motion.dq[0] / smoothing(self.roll));
         }
         if self.joint != 0.0 {
-            equation.add_joint_torque(-self.joint * libm::tanh(motion.joint_rate() / SMOOTHING_RATE));
+            equation.add_joint_torque(-self.joint * libm::tanh(motion.joint_rate() / smoothing(self.joint)));
         }
+    }
+}
+
+/// v_s of a friction, rad/s.
+fn smoothing(friction: f64) -> f64 {
+    SMOOTHING_RATE.min(friction / STIFFNESS)
+}
+
+impl Coulomb {
+    /// The smallest v_s in force, rad/s.
+    pub fn smoothest(&self) -> f64 {
+        [self.roll, self.joint]
+            .into_iter()
+            .filter(|friction| *friction > 0.0)
+            .map(smoothing)
+            .fold(SMOOTHING_RATE, f64::min)
     }
 }

@@ -5,7 +5,7 @@
 //! - `policy.rs`: the numbers both decide by
 
 mod classes;
-mod policy;
+pub(super) mod policy;
 mod problem;
 
 pub use classes::told_apart;

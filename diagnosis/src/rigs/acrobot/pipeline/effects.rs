@@ -4,7 +4,6 @@ use super::interval;
 use super::*;
 use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::WITHIN;
 
 /// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
@@ -77,7 +76,8 @@ pub(super) fn doubt(doubts: &[(usize, f64)], index: usize) -> f64 {
     doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
 }
 
-fn better_guess<'a>(
+/// Who is to be named first, if it isn't the effect itself.
+pub(super) fn better_guess<'a>(
     own: usize,
     alternatives: &'a [Alternative],
     list: &[Candidate],

@@ -15,6 +15,7 @@ mod plant;
 mod policy;
 mod saturations;
 mod scale;
+mod seats;
 mod sensor;
 
 use crate::diagnosis::Diagnosis;
@@ -31,6 +32,7 @@ use crate::rigs::acrobot::residual::image::{Laws, Noise};
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
 use crate::rigs::acrobot::residual::trajectory::Motion as Logged;
 use crate::rigs::acrobot::residual::{Cut, Signal, Tracked};
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study, alternatives, study};
 use crate::watch::{Listener, Watch};
 use camera::camera_part;
@@ -41,6 +43,7 @@ use orchestrator::UnitPath;
 use orchestrator::suggest::nearest;
 use plant::plant_part;
 use saturations::saturations;
+use seats::seat;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -297,19 +300,20 @@ fn part(
 fn classed(
     cut: &mut Tracked,
     list: &[Candidate],
-    study: Study,
+    mut study: Study,
     torque: bool,
     watch: &mut Watch<'_>,
 ) -> Result<Part, Error> {
     let mut classes = Vec::new();
-    let named = if watch.known().is_some() { &[][..] } else { &study.active };
-    for effect in named {
-        let known = study.class.as_ref().filter(|(accepted, _)| accepted == effect);
-        let class = match known {
+    let named = if watch.known().is_some() { Vec::new() } else { study.active.clone() };
+    for mut effect in named {
+        let known = study.class.as_ref().filter(|(accepted, _)| *accepted == effect);
+        let mut class = match known {
             Some((_, class)) => class.clone(),
-            None => alternatives(cut, list, &study.last, &study.active, *effect, &study.steps, watch)?,
+            None => alternatives(cut, list, &study.last, &study.active, effect, &study.steps, watch)?,
         };
-        classes.push((*effect, class));
+        seat(cut, list, &mut study, (&mut effect, &mut class), SELECTION.settled)?;
+        classes.push((effect, class));
     }
     Ok(Part {
         study,

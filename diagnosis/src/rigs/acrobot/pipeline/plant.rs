@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::linked::told_apart;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
@@ -63,8 +64,14 @@ pub(super) fn plant_part(
     if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.jitter_remains(&found.0)? {
         part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
-    point.clone_from(&part.study.last.point);
     told_apart(data, model, list, (&part.study, &part.signals), &mut part.classes, watch);
+    // what compares by torques is not asked: no linked state speaks there
+    if !part.study.discrepancy_dominated {
+        for (effect, class) in &mut part.classes {
+            seat(&mut rows, list, &mut part.study, (effect, class), LINKED.near)?;
+        }
+    }
+    point.clone_from(&part.study.last.point);
     let sigma = match part.study.discrepancy_dominated {
         true => PIPELINE.coarse_motion,
         false => part.study.last.sigmas[..2].iter().fold(0.0, |a: f64, b| a.max(*b)),

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::residual::{Nuisances, Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::statistics::linear::{solve, submatrix};
+use crate::statistics::linear::{solve, submatrix, subvector};
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
 
@@ -341,23 +341,28 @@ fn linear_loss(
     let whole = |perturbation: &Perturbation| perturbation.candidate == effect && perturbation.by == -size;
     let own = last.perturbations.iter().position(whole).or(last.places(&[effect]).first().copied())?;
     let rest = last.places(others);
-    let cleaned = |a: usize, b: usize| {
-        let across = |column: usize| DVector::from_fn(rest.len(), |i, _| last.total.gram[(rest[i], column)]);
-        let weights = if rest.is_empty() {
-            Some(DVector::zeros(0))
-        } else {
-            solve(&submatrix(&last.total.gram, &rest), &across(a))
-        };
-        weights.map(|weights| last.total.gram[(a, b)] - weights.dot(&across(b)))
+    let (gram, score) = (&last.total.gram, &last.total.score);
+    let across = |column: usize| DVector::from_fn(rest.len(), |i, _| gram[(rest[i], column)]);
+    // how the effects beside it follow a column: they are fitted again in both cases
+    let followed = |column: usize| match rest.is_empty() {
+        true => Some(DVector::zeros(0)),
+        false => solve(&submatrix(gram, &rest), &across(column)),
     };
+    let own_followed = followed(own)?;
+    let aa = gram[(own, own)] - own_followed.dot(&across(own));
+    // what the residual would still take of a column, less what those beside it would take of that: where they resemble it, a value
+    // that is a hundredth of a standard error off asks for much of either and for nothing of their difference
+    let asks = |followed: &DVector<f64>, column: usize, along: f64| {
+        size * along + score[column] - followed.dot(&subvector(score, &rest))
+    };
+    let own_asks = asks(&own_followed, own, aa);
     let columns =
         last.perturbations.iter().enumerate().filter(|(_, perturbation)| perturbation.candidate == index);
     columns
         .filter_map(|(other, _)| {
-            let (aa, ab, bb) = (cleaned(own, own)?, cleaned(own, other)?, cleaned(other, other)?);
-            // the residual itself also has an opinion: what each would still take of it
-            let asks = |along: f64, column: usize| size * along + last.total.score[column];
-            let (own_asks, other_asks) = (asks(aa, own), asks(ab, other));
+            let followed = followed(other)?;
+            let bb = gram[(other, other)] - followed.dot(&across(other));
+            let other_asks = asks(&followed, other, gram[(own, other)] - own_followed.dot(&across(other)));
             let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
             let x = candidates[index].off + other_asks / bb;
             let steps = candidates[index].steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));

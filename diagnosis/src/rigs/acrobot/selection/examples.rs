@@ -85,13 +85,22 @@ type Rows = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
 pub(crate) struct Toy {
     rows: Rows,
     signals: Vec<Signal>,
+    policy: Policy,
 }
 
 /// Residuals that are a function of the point.
 pub(crate) fn toy(rows: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static) -> Tracked<Toy> {
+    toy_like(Policy::USUAL, rows)
+}
+
+/// The same, compared as the policy says.
+pub(crate) fn toy_like(
+    policy: Policy,
+    rows: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static,
+) -> Tracked<Toy> {
     let signal =
         Signal { name: "plant.q1".into(), unit: "rad", known: None, sigma: 1.0, least: 0.0, tolerance: 0.0 };
-    Tracked::new(Toy { rows: Box::new(rows), signals: vec![signal] })
+    Tracked::new(Toy { rows: Box::new(rows), signals: vec![signal], policy })
 }
 
 impl Cut for Toy {
@@ -108,7 +117,7 @@ impl Cut for Toy {
     }
 
     fn policy(&self) -> Policy {
-        Policy::USUAL
+        self.policy
     }
 
     fn initial(&self) -> Nuisances {

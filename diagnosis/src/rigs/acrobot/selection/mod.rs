@@ -13,6 +13,7 @@ pub(crate) mod policy;
 mod refit;
 mod screen;
 mod search;
+mod seated;
 mod settle;
 mod starts;
 mod steady;
@@ -28,6 +29,7 @@ pub use folds::Folds;
 pub use refit::refit;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
+pub use seated::seated;
 pub use steady::{Steadiness, steadiness};
 
 /// One step of the search, as the story tells it.

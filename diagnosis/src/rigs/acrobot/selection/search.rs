@@ -6,7 +6,6 @@ use super::folds::Folds;
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
-use super::together::{Proposal, pays, together};
 use super::trials::{Accepted, Trials, shortlist};
 use super::{Alternative, Step, Study};
 use crate::error::Error;
@@ -15,6 +14,8 @@ use crate::rigs::acrobot::floor;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
+
+mod at_once;
 
 /// What ends early where time is up.
 pub(super) const SEARCH: &str = "the search for effects";
@@ -54,7 +55,7 @@ pub fn study_until(
         search.doubt_known(watch)?;
     }
     search.one_by_one(SELECTION.search_most, watch, &mut *enough)?;
-    if !watch.is_over(SEARCH) && search.together(watch)? {
+    if !watch.is_over(SEARCH) && search.all_at_once(watch)? {
         let most = search.active.len() + 1;
         search.one_by_one(most, watch, enough)?;
     }
@@ -126,47 +127,6 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Tries in the place of all that were found what linear effects say together. Whether they stay.
-    fn together(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
-        let policy = self.cut.policy();
-        if !policy.lattice || policy.free_pose || self.active.len() < 2 {
-            return Ok(false);
-        }
-        let mut found = false;
-        // far from the truth columns bend, and more seems to be needed than is
-        for _ in 0..SELECTION.again {
-            let proposal = together(&self.last, self.candidates, &self.active, self.cut.signals());
-            let Some(Proposal { mut active, mut point }) = proposal else { break };
-            let new = active.iter().filter(|index| !self.active.contains(index)).count();
-            if !found && new < 2 {
-                break;
-            }
-            watch.stage(&format!("{}: effects that show only together", self.cut.name()));
-            let kept = self.cut.nuisances.clone();
-            let dropped = settle(self.cut, self.candidates, &mut active, &mut point)?;
-            let there = linearise(self.cut, self.candidates, &point, &active)?;
-            let more = active.len() as f64 - self.active.len() as f64;
-            let gained = self.last.under(&there).total.square - there.total.square;
-            if !pays(gained, more, there.total.square) {
-                self.cut.restore(&kept);
-                break;
-            }
-            self.steps.push(Step {
-                best: Vec::new(),
-                p_value: self.found.p_value,
-                accepted: None,
-                together: active.clone(),
-                dropped,
-                deviance: (self.last.deviance(), there.deviance()),
-                mean_square: (mean_square(&self.last), mean_square(&there)),
-                held_out: (f64::NAN, f64::NAN),
-            });
-            (self.active, self.last, self.class, found) = (active, there, None, true);
-            self.found = screen(&self.last, self.candidates, &self.active);
-        }
-        Ok(found)
     }
 
     /// One step: whether it found anything.

@@ -23,43 +23,86 @@ pub(super) fn pays(decrease: f64, more: f64, left: f64) -> bool {
     decrease > more * SELECTION.together + more.signum() * SELECTION.lattice * left
 }
 
-/// What all linear effects of the image say together, if those that are needed are others than the active ones.
-pub(super) fn together(
-    last: &Evaluation,
-    candidates: &[Candidate],
-    active: &[usize],
-    signals: &[Signal],
-) -> Option<Proposal> {
-    let linear = |index: &usize| {
-        let candidate = &candidates[*index];
-        candidate.side == Side::Camera
-            && !candidate.nonlinear
-            && matches!(candidate.motion, Motion::Real { .. })
-    };
-    let kept: Vec<usize> = active.iter().copied().filter(|index| !linear(index)).collect();
-    let all: Vec<usize> = (0..candidates.len())
-        .filter(|index| linear(index) || kept.contains(index))
-        .filter(|index| !last.places(&[*index]).is_empty())
-        .collect();
-    let places = last.places(&all);
-    let off: Vec<f64> = all.iter().map(|index| last.point[*index] - candidates[*index].off).collect();
-    let gram = submatrix(&last.total.gram, &places);
-    let score = subvector(&last.total.score, &places);
-    let held: Vec<bool> = all.iter().map(|index| kept.contains(index)).collect();
-    let offsets = last.offsets(signals).select_rows(&places);
-    let told = Told::new(&gram, &score, &offsets, &off)?;
-    let (left, sizes) = told.best(&held)?;
-    let chosen: Vec<usize> = left.iter().map(|place| all[*place]).collect();
-    if chosen.len() == active.len() && chosen.iter().all(|index| active.contains(index)) {
-        return None;
+/// The linear effects of an image, beside those that are held, and what the data tell of all.
+pub(super) struct Together<'a> {
+    last: &'a Evaluation,
+    candidates: &'a [Candidate],
+    active: &'a [usize],
+    /// Candidates that columns are there of.
+    all: Vec<usize>,
+    /// Which of them are in each subset.
+    held: Vec<bool>,
+    told: Told,
+}
+
+impl<'a> Together<'a> {
+    pub(super) fn of(
+        last: &'a Evaluation,
+        candidates: &'a [Candidate],
+        active: &'a [usize],
+        signals: &[Signal],
+    ) -> Option<Self> {
+        let linear = |index: &usize| {
+            let candidate = &candidates[*index];
+            candidate.side == Side::Camera
+                && !candidate.nonlinear
+                && matches!(candidate.motion, Motion::Real { .. })
+        };
+        let kept: Vec<usize> = active.iter().copied().filter(|index| !linear(index)).collect();
+        let all: Vec<usize> = (0..candidates.len())
+            .filter(|index| linear(index) || kept.contains(index))
+            .filter(|index| !last.places(&[*index]).is_empty())
+            .collect();
+        let places = last.places(&all);
+        let off: Vec<f64> = all.iter().map(|index| last.point[*index] - candidates[*index].off).collect();
+        let gram = submatrix(&last.total.gram, &places);
+        let score = subvector(&last.total.score, &places);
+        let held: Vec<bool> = all.iter().map(|index| kept.contains(index)).collect();
+        let offsets = last.offsets(signals).select_rows(&places);
+        let told = Told::new(&gram, &score, &offsets, &off)?;
+        Some(Self { last, candidates, active, all, held, told })
     }
-    let mut point = last.point.clone();
-    active.iter().for_each(|index| point[*index] = candidates[*index].off);
-    for (index, size) in chosen.iter().zip(sizes) {
-        let candidate = &candidates[*index];
-        point[*index] = (candidate.off + size).clamp(candidate.range.0, candidate.range.1);
+
+    /// The subset that is needed, if it is another than the active ones.
+    pub(super) fn best(&self) -> Option<Proposal> {
+        let (left, sizes) = self.told.best(&self.held)?;
+        let proposal = self.proposal(&left, &sizes);
+        let same = proposal.active.len() == self.active.len()
+            && proposal.active.iter().all(|index| self.active.contains(index));
+        (!same).then_some(proposal)
     }
-    Some(Proposal { active: chosen, point })
+
+    /// One more in the place of two, those that columns speak for most first. Two that together come near a third one take its place
+    /// where its column errs by more than what tells it from them: the larger the effects beside it, the more.
+    pub(super) fn one_for_two(&self) -> Vec<Proposal> {
+        let is_active = |place: &usize| self.active.contains(&self.all[*place]);
+        let on: Vec<usize> = (0..self.all.len()).filter(is_active).collect();
+        let open = |place: &usize| !self.held[*place];
+        let mut ranked: Vec<(f64, Proposal)> = Vec::new();
+        for more in (0..self.all.len()).filter(|place| !is_active(place) && open(place)) {
+            for (i, one) in on.iter().enumerate().filter(|(_, one)| open(one)) {
+                for other in on[i + 1..].iter().filter(|other| open(other)) {
+                    let rest = on.iter().copied().filter(|place| place != one && place != other);
+                    let places: Vec<usize> = rest.chain([more]).collect();
+                    let Some((explained, sizes)) = self.told.explained(&places) else { continue };
+                    ranked.push((explained, self.proposal(&places, &sizes)));
+                }
+            }
+        }
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.into_iter().map(|(_, proposal)| proposal).collect()
+    }
+
+    fn proposal(&self, places: &[usize], sizes: &[f64]) -> Proposal {
+        let mut point = self.last.point.clone();
+        self.active.iter().for_each(|index| point[*index] = self.candidates[*index].off);
+        let active: Vec<usize> = places.iter().map(|place| self.all[*place]).collect();
+        for (index, size) in active.iter().zip(sizes) {
+            let candidate = &self.candidates[*index];
+            point[*index] = (candidate.off + size).clamp(candidate.range.0, candidate.range.1);
+        }
+        Proposal { active, point }
+    }
 }
 
 /// What the data tell of distances from neutral, with what correct renderers may differ by reckoned as noise.
@@ -93,14 +136,20 @@ impl Told {
                 bit.is_none_or(|bit| chosen >> bit & 1 == 1)
             };
             let places: Vec<usize> = (0..held.len()).filter(is_in).collect();
-            let score = subvector(&self.score, &places);
-            let Some(sizes) = solve(&submatrix(&self.information, &places), &score) else { continue };
-            let worth = sizes.dot(&score) - SELECTION.together * places.len() as f64;
+            let Some((explained, sizes)) = self.explained(&places) else { continue };
+            let worth = explained - SELECTION.together * places.len() as f64;
             if best.as_ref().is_none_or(|(known, _, _)| worth > *known) {
-                best = Some((worth, places, sizes.iter().copied().collect()));
+                best = Some((worth, places, sizes));
             }
         }
         best.map(|(_, places, sizes)| (places, sizes))
+    }
+
+    /// What a subset explains, and its sizes.
+    fn explained(&self, places: &[usize]) -> Option<(f64, Vec<f64>)> {
+        let score = subvector(&self.score, places);
+        let sizes = solve(&submatrix(&self.information, places), &score)?;
+        Some((sizes.dot(&score), sizes.iter().copied().collect()))
     }
 }
 

@@ -93,3 +93,16 @@ fn value_a_loss_counts_less_by_what_is_not_known_of_columns() {
     // two more frames lost: 3² each
     assert_eq!(along(10.0, 0.0, false), (10.0, 18.0));
 }
+
+#[test]
+fn law_what_those_beside_an_effect_would_take_speaks_for_no_other() {
+    let candidates = [(); 3].map(|()| candidate(Side::Camera, false));
+    // an effect, another in its place, and one beside it that both resemble; half a standard deviation is left along the latter
+    let columns = [[100.0, 1.0, 0.0], [100.0, 0.5, 0.5], [100.0, 0.0, 0.0]];
+    let product = |a: usize, b: usize| (0..3).map(|row| columns[a][row] * columns[b][row]).sum::<f64>();
+    let gram: Vec<f64> = (0..9).map(|place| product(place / 3, place % 3)).collect();
+    let last = evaluation(&[1.0, 0.0, 1.0], &[50.0; 3], &gram);
+    let replaced = linear_loss(&last, &[2], 0, 1, &candidates).expect("columns differ");
+    // half of one square of what tells the effect from the one beside it: the half is no reason to prefer the other by 2500
+    assert!((replaced.loss - 0.5).abs() < 1e-6 && (replaced.x - 1.0).abs() < 1e-6, "{}", replaced.loss);
+}

@@ -1,0 +1,122 @@
+//! Where the search goes on by more than one effect at once: what linear effects of an image say together, and one of them in the place
+//! of two.
+
+use super::{SEARCH, Search, linearise, mean_square};
+use crate::error::Error;
+use crate::rigs::acrobot::selection::Step;
+use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::rigs::acrobot::selection::screen::screen;
+use crate::rigs::acrobot::selection::settle::settle;
+use crate::rigs::acrobot::selection::together::{Proposal, Together, pays};
+use crate::watch::Watch;
+
+impl Search<'_> {
+    /// What no step of one effect finds. Whether anything did. A repeated search begins where the first one had it all.
+    pub(super) fn all_at_once(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+        let together = self.together(watch)?;
+        Ok((watch.known().is_none() && self.one_for_two(watch)?) || together)
+    }
+
+    /// Tries in the place of all that were found what linear effects say together. Whether they stay.
+    fn together(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+        let mut found = false;
+        // far from the truth columns bend, and more seems to be needed than is
+        for _ in 0..SELECTION.again {
+            let Some(proposal) = self.linear().and_then(|linear| linear.best()) else { break };
+            let new = proposal.active.iter().filter(|index| !self.active.contains(index)).count();
+            if !found && new < 2 {
+                break;
+            }
+            watch.stage(&format!("{}: effects that show only together", self.cut.name()));
+            if !self.put(proposal)? {
+                break;
+            }
+            found = true;
+        }
+        Ok(found)
+    }
+
+    /// Tries one in the place of two, as long as that pays. Whether it did. A tilt and a small offset of the principal point look so alike
+    /// that a search one by one takes two other terms for the offset: columns err by a share of the tilt, which is more.
+    fn one_for_two(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+        let mut found = false;
+        'again: for _ in 0..SELECTION.again {
+            let proposals = self.linear().map_or_else(Vec::new, |linear| linear.one_for_two());
+            for proposal in proposals.into_iter().take(SELECTION.sparse_trials) {
+                if watch.is_over(SEARCH) {
+                    break 'again;
+                }
+                watch.stage(&format!("{}: one effect in the place of two", self.cut.name()));
+                if self.put(proposal)? {
+                    found = true;
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        Ok(found)
+    }
+
+    /// What the linear effects of the image say together, where there are several and the image is all that is compared.
+    fn linear(&self) -> Option<Together<'_>> {
+        let policy = self.cut.policy();
+        if !policy.lattice || policy.free_pose || self.active.len() < 2 {
+            return None;
+        }
+        Together::of(&self.last, self.candidates, &self.active, self.cut.signals())
+    }
+
+    /// Fits a proposal through the units and puts it in the place of all that were found, if it pays.
+    fn put(&mut self, Proposal { mut active, mut point }: Proposal) -> Result<bool, Error> {
+        let kept = self.cut.nuisances.clone();
+        let dropped = settle(self.cut, self.candidates, &mut active, &mut point)?;
+        let there = linearise(self.cut, self.candidates, &point, &active)?;
+        let more = active.len() as f64 - self.active.len() as f64;
+        let gained = self.last.under(&there).total.square - there.total.square;
+        if !pays(gained, more, there.total.square) {
+            self.cut.restore(&kept);
+            return Ok(false);
+        }
+        self.steps.push(Step {
+            best: Vec::new(),
+            p_value: self.found.p_value,
+            accepted: None,
+            together: active.clone(),
+            dropped,
+            deviance: (self.last.deviance(), there.deviance()),
+            mean_square: (mean_square(&self.last), mean_square(&there)),
+            held_out: (f64::NAN, f64::NAN),
+        });
+        (self.active, self.last, self.class) = (active, there, None);
+        self.found = screen(&self.last, self.candidates, &self.active);
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::rigs::acrobot::candidates::Side;
+    use crate::rigs::acrobot::residual::Policy;
+    use crate::rigs::acrobot::selection::examples::{candidate, toy_like};
+    use crate::rigs::acrobot::selection::study;
+    use crate::watch::{Doing, Watch};
+
+    /// Of two effects that are on, and a third that does what both do but for a share of the second's.
+    fn left(missing: f64) -> Vec<usize> {
+        let candidates = [(); 3].map(|()| candidate(Side::Camera, false));
+        let image = Policy { lattice: true, ..Policy::USUAL };
+        let rows =
+            move |x: &[f64]| vec![100.0 * (1.0 - x[0] - x[2]), 100.0 * (1.0 - x[1] - (1.0 - missing) * x[2])];
+        let mut nobody = |_: &Doing<'_>| {};
+        let watch = &mut Watch::new(&mut nobody, None);
+        let found = study(&mut toy_like(image, rows), &candidates, &[1.0, 1.0, 0.0], &[0, 1], watch);
+        found.expect("runs").active
+    }
+
+    #[test]
+    fn law_one_takes_the_place_of_two_that_together_only_do_what_it_does() {
+        assert_eq!(left(0.0), [2]);
+        // a tenth of 100 standard deviations is more than two effects are worth
+        assert_eq!(left(0.1), [0, 1]);
+    }
+}

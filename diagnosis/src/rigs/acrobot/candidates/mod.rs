@@ -194,9 +194,8 @@ pub fn candidates(
         if withheld.iter().any(|name| name == entry.name) {
             continue;
         }
-        // a rolling arm's upright is where the ground says; a pinned arm has no ground, and its zeros were set by hand
-        let other = if pinned(model) { entry.is(Attribute::Ground) } else { entry.side == Side::Zero };
-        if other {
+        // a pinned arm has no ground
+        if entry.is(Attribute::Ground) && pinned(model) {
             continue;
         }
         let (off, steps, range) = match entry.motion {

@@ -236,6 +236,15 @@ impl DataSet {
         log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
     }
 
+    /// Turns the angles of the plant's logs back whose zeros are off by so much, rad.
+    pub fn turn_back(&mut self, off: [f64; 2]) {
+        for log in self.runs.iter_mut().filter_map(|run| run.plant.as_mut()) {
+            for (name, off) in ["q1", "q2"].iter().zip(off) {
+                log.column_mut(name).into_iter().flatten().for_each(|angle| *angle -= off);
+            }
+        }
+    }
+
     /// Puts all images aside, and with them the runs that hold nothing else.
     ///
     /// # Errors

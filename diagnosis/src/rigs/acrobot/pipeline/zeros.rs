@@ -28,7 +28,8 @@ pub(super) fn doubted(parts: &[Part], list: &[Candidate], point: &[f64]) -> Opti
     doubted.then(|| zeros(list, point, None))
 }
 
-/// Encoders of which one was set up badly: the other's zero in the place of an effect, if the logs can't tell them apart.
+/// Zeros in the place of effects that the logs can't tell from them. Encoders of which one was set up badly are two for all that these
+/// logs say; where neither is known to be off, it takes two effects, and zeros that fit no worse.
 pub(super) fn both(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
@@ -37,21 +38,31 @@ pub(super) fn both(
 ) -> Result<Option<Part>, Error> {
     let (found, last) = (&part.study.active, &part.study.last);
     let (on, off): (Vec<usize>, Vec<usize>) = places(list).partition(|zero| found.contains(zero));
-    let ([_], [other]) = (&on[..], &off[..]) else { return Ok(None) };
-    let alike = |index: &&usize| !list[**index].side.is_of_log() && resembles(&part.study, *other, **index);
-    for effect in found.iter().filter(alike) {
-        let known: Vec<usize> = found.iter().map(|one| if one == effect { *other } else { *one }).collect();
+    let like = |index: &usize| off.iter().any(|zero| resembles(&part.study, *zero, *index));
+    let alike: Vec<usize> =
+        found.iter().copied().filter(|index| !list[*index].side.is_of_log() && like(index)).collect();
+    let (instead, allowed): (Vec<&[usize]>, f64) = match (on.len(), alike.len()) {
+        (1, _) => (alike.chunks(1).collect(), CLASS),
+        (0, 2) => (vec![&alike], PIPELINE.first),
+        _ => (Vec::new(), 0.0),
+    };
+    for effects in instead.into_iter().filter(|effects| effects.len() == off.len()) {
+        let others = found.iter().copied().filter(|index| !effects.contains(index));
+        let known: Vec<usize> = others.chain(off.iter().copied()).collect();
         let mut there = last.point.clone();
-        there[*effect] = list[*effect].off;
+        effects.iter().for_each(|effect| there[*effect] = list[*effect].off);
         rows.reset();
         let study = study(rows, list, &there, &known, watch)?;
-        let fits = study.last.under(last).deviance() < last.deviance() + CLASS;
-        if fits && !study.active.contains(effect) && study.active.len() <= found.len() {
+        let fits = study.last.under(last).deviance() < last.deviance() + allowed;
+        let gone = effects.iter().all(|effect| !study.active.contains(effect));
+        if fits && gone && study.active.len() <= found.len() {
             return classed(rows, list, study, true, watch).map(Some);
         }
     }
-    rows.reset();
-    rows.linearise(&last.point, &[])?;
+    if !alike.is_empty() {
+        rows.reset();
+        rows.linearise(&last.point, &[])?;
+    }
     Ok(None)
 }
 

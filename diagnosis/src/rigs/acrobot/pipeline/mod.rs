@@ -1,6 +1,7 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then image, then what both say together.
 
 mod averages;
+mod blind;
 mod camera;
 mod clock;
 mod conclude;
@@ -16,9 +17,10 @@ mod policy;
 mod saturations;
 mod scale;
 mod sensor;
+mod whole;
 mod zeros;
 
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Verdict};
 use crate::error::{Error, Notice};
 use crate::options::Options;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, candidates};
@@ -84,6 +86,8 @@ struct Part {
     rough: Vec<(usize, f64)>,
     /// What moving candidates does to the image.
     laws: Laws,
+    /// What is known of whole numbers.
+    whole: Vec<whole::Whole>,
 }
 
 /// Diagnoses a data set. `listener` hears of each stage.
@@ -187,6 +191,10 @@ pub fn diagnose(
         }
     }
     no_merit(&mut diagnosis, &parts, &list);
+    if let Some(blind) = blind::blind(&data, &model)? {
+        diagnosis.unknown.get_or_insert(blind);
+        diagnosis.verdict = Verdict::Unknown;
+    }
     diagnosis.ended_early = watch.ended().to_vec();
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -319,6 +327,7 @@ fn classed(
         };
         classes.push((*effect, class));
     }
+    let whole = if watch.known().is_some() { Vec::new() } else { whole::whole(cut, list, &study) };
     Ok(Part {
         study,
         signals: cut.signals().to_vec(),
@@ -328,5 +337,6 @@ fn classed(
         noise: None,
         rough: Vec::new(),
         laws: Laws::default(),
+        whole,
     })
 }

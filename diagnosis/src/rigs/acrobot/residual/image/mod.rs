@@ -7,9 +7,9 @@
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
 use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
+use super::plant::zero;
 use super::settings::settings;
 use super::trajectory::Motion;
-use super::plant::zero;
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;

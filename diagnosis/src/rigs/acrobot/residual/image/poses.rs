@@ -1,8 +1,8 @@
 //! Poses read off images.
 
 use super::*;
-use crate::rigs::acrobot::residual::plant::zeros;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::plant::zeros;
 use crate::rigs::acrobot::residual::trajectory::State;
 use nalgebra::{DVector, Matrix2, Vector2};
 

@@ -61,7 +61,7 @@ fn differing(
     }
     let hard = at.hard();
     let left = squares(&hard) - steadiness(&hard, index, active)?.squares;
-    let clear = |of: f64, law: f64| left <= CHECK.far_less * (1.0 - law) * of;
+    let clear = |of: f64, law: f64| left.max(0.0) < CHECK.far_less * (1.0 - law) * of;
     let in_its_place = !active.contains(&index) || clear(laws.squares, laws.nominal);
     if !clear(squares(&hard), laws.left) || !in_its_place {
         return None;

@@ -61,12 +61,9 @@ struct Torques {
     best: Option<(f64, usize, Form)>,
     /// Of each link.
     squares: [f64; 2],
-    /// The share that few windows hold, and the block of the largest.
-    event: (f64, usize),
+    /// Where few windows hold most of it, which is an event and no law: the share that they hold, and the block of the largest.
+    event: Option<(f64, usize)>,
 }
-
-/// Share that few windows hold from which it is an event, not a law.
-const EVENT: f64 = 0.8;
 
 fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     let lacking = torques(&at.blocks, &[], &[], &study.folds.of);
@@ -108,16 +105,17 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     let few = sizes.len().div_ceil(20);
     let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
         / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
-    Torques { best, squares, event: (held, sizes.first().map_or(0, |largest| largest.1)) }
+    let event = sizes.first().filter(|_| held > 0.8).map(|largest| (held, largest.1));
+    Torques { best, squares, event }
 }
 
 pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
-    let Torques { best, squares, event: (held, largest) } = law_of_torques(study, at);
+    let Torques { best, squares, event } = law_of_torques(study, at);
     let link = if squares[0] > squares[1] { 0 } else { 1 };
     let signal =
         |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
-    match best {
-        _ if held > EVENT => {
+    match (event, best) {
+        (Some((held, largest)), _) => {
             let block = &at.blocks[largest];
             let shape = format!(
                 "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
@@ -126,7 +124,7 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
             );
             (signal(link), vec!["time".into()], shape)
         }
-        Some((share, link, (variables, shape))) if share > 0.15 => (
+        (None, Some((share, link, (variables, shape)))) if share > 0.15 => (
             signal(link),
             variables.iter().map(|name| (*name).to_owned()).collect(),
             format!("{shape} ({:.0} % of it)", 100.0 * share),
@@ -138,10 +136,10 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
 /// Share of what a model leaves that one law takes away which is common to all runs: of the torques, or of the image's worst signal.
 pub(super) fn common(study: &Study, at: &Evaluation, signals: &[Signal], torque: bool) -> f64 {
     if torque {
-        let Torques { best, squares, event: (held, _) } = law_of_torques(study, at);
+        let Torques { best, squares, event } = law_of_torques(study, at);
         let all = squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let law = best.map_or(0.0, |(share, link, _)| share * squares[link] / all);
-        return if held > EVENT { held.max(law) } else { law };
+        return event.map_or(law, |(held, _)| held.max(law));
     }
     let worst = (0..signals.len().min(AREAS.start)).max_by(|a, b| square(at, *a).total_cmp(&square(at, *b)));
     worst.and_then(|worst| law_of_image(at, worst)).map_or(0.0, |(share, _)| share)

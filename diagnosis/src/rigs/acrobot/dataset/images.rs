@@ -70,7 +70,7 @@ pub(super) fn tells_poses(camera: &Table) -> bool {
 
 /// Times of the frames of a log, s, in none of which the camera found its circles.
 pub(super) fn sees_nothing(run: &Run) -> Option<Vec<f64>> {
-    let camera = run.camera.as_ref().filter(|camera| camera.len() > 0)?;
+    let camera = run.camera.as_ref().filter(|camera| !camera.is_empty())?;
     let valid = camera.column("valid")?;
     valid.iter().all(|valid| *valid == 0.0).then(|| camera.time.clone())
 }

@@ -46,6 +46,8 @@ pub struct Effect {
     pub off: f64,
     /// It stands at an end of the range that is searched: it may lie beyond.
     pub at_end: bool,
+    /// The data bound it from below only: the interval's upper end is the loosest that they could tell from none.
+    pub unbounded: bool,
 }
 
 /// One of the names that an effect may have.
@@ -78,6 +80,7 @@ impl Effect {
             unit: String::new(),
             off: candidate.value(candidate.off),
             at_end: false,
+            unbounded: false,
         }
     }
 }

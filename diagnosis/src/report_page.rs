@@ -210,8 +210,10 @@ fn effects(diagnosis: &Diagnosis) -> Table {
         let mut row: Vec<Cell> = vec![
             match effect.at_end {
                 true => {
-                    format!("{} (at the end of the range that is searched: it may lie beyond)", effect.phrase)
-                        .into()
+                    format!("{} (at the end of what can be tried: it may lie beyond)", effect.phrase).into()
+                }
+                false if effect.unbounded => {
+                    format!("{} (these data give no upper bound)", effect.phrase).into()
                 }
                 false => effect.phrase.clone().into(),
             },

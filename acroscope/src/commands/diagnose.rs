@@ -99,7 +99,11 @@ fn effect(effect: &Effect) {
         effect.class.join(" or "),
         effect.value,
         effect.phrase,
-        if effect.at_end { ", at the end of the range that is searched: it may lie beyond" } else { "" }
+        match (effect.at_end, effect.unbounded) {
+            (true, _) => ", at the end of what can be tried: it may lie beyond",
+            (_, true) => ", of which these data give no upper bound",
+            _ => "",
+        }
     );
 }
 

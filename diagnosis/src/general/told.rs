@@ -49,6 +49,7 @@ pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effec
             unit: units.get(&parameter.name).cloned().unwrap_or_default(),
             off: parameter.neutral,
             at_end: value != parameter.neutral && (value <= least || value >= most),
+            unbounded: false,
         });
     }
     list

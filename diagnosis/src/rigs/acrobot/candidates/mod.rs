@@ -164,6 +164,11 @@ impl Candidate {
         matches!(self.motion, Motion::Count { .. } | Motion::Switch)
     }
 
+    /// It stands at an end of what is searched, where values may lie beyond: not of a switch, which has two.
+    pub fn ends_at(&self, x: f64) -> bool {
+        self.motion != Motion::Switch && x != self.off && (x <= self.range.0 || x >= self.range.1)
+    }
+
     /// Stopped by a bound that is there against nonsense: something else is missing, for which this one stands in. None at all is
     /// no nonsense, where a nominal machine has friction that the real one lacks.
     pub fn is_at_its_end(&self, x: f64) -> bool {
@@ -194,9 +199,8 @@ pub fn candidates(
         if withheld.iter().any(|name| name == entry.name) {
             continue;
         }
-        // a rolling arm's upright is where the ground says; a pinned arm has no ground, and its zeros were set by hand
-        let other = if pinned(model) { entry.is(Attribute::Ground) } else { entry.side == Side::Zero };
-        if other {
+        // a pinned arm has no ground
+        if entry.is(Attribute::Ground) && pinned(model) {
             continue;
         }
         let (off, steps, range) = match entry.motion {
@@ -276,6 +280,8 @@ mod tests {
         };
         // an end of an interval
         assert_eq!(switch.value(-1e-9).to_string(), "0");
+        // there is nothing beyond
+        assert!(!switch.ends_at(0.0));
     }
 
     #[test]
@@ -317,6 +323,7 @@ mod tests {
             clocks_apart: false,
             late_by_hand: 0.0,
             pictures_apart: false,
+            blind: BTreeMap::new(),
         };
         let model = Model::load(&data, &scenarios::unit_path()).expect("cargo xtask pack was run");
         candidates(&model, &[], &|_| vec![0.5])

@@ -25,6 +25,8 @@ pub struct Check {
     /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a
     /// backlash were imitated by five and four effects.
     pub slight: f64,
+    /// Runs differ if values of their own leave no more than this share of what a law leaves that all runs share.
+    pub far_less: f64,
 }
 
 /// Those in force.
@@ -37,4 +39,5 @@ pub const CHECK: Check = Check {
     mended: SLIGHT,
     resembles: PART,
     slight: STEP,
+    far_less: 1.0 - PART,
 };

@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::ANGLES;
+use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS};
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 use nalgebra::DVector;
@@ -52,9 +52,22 @@ fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'st
     ]
 }
 
-pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
+/// Names of what a law depends on, and its form.
+type Form = (&'static [&'static str], &'static str);
+
+/// What torques that lack look like.
+struct Torques {
+    /// The simple law that takes most of one link's squares away, with the share of them, and the link.
+    best: Option<(f64, usize, Form)>,
+    /// Of each link.
+    squares: [f64; 2],
+    /// Where few windows hold most of it, which is an event and no law: the share that they hold, and the block of the largest.
+    event: Option<(f64, usize)>,
+}
+
+fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     let lacking = torques(&at.blocks, &[], &[], &study.folds.of);
-    let mut best: Option<(f64, usize, &'static [&'static str], &'static str)> = None;
+    let mut best: Option<(f64, usize, Form)> = None;
     let mut squares = [0.0; 2];
     for (link, square) in squares.iter_mut().enumerate() {
         let values: Vec<(f64, [f64; 4], f64)> = lacking
@@ -81,26 +94,29 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
                 name = Some((variables, shape));
             }
             let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
-            if let Some((variables, shape)) = name
-                && best.is_none_or(|(known, ..)| share > known)
-            {
-                best = Some((share, link, variables, shape));
+            if let Some(form) = name.filter(|_| best.is_none_or(|(known, ..)| share > known)) {
+                best = Some((share, link, form));
             }
         }
     }
-    // a few windows that hold most of it are an event, not a law
     let mut sizes: Vec<(f64, usize)> =
         lacking.iter().map(|t| (t.torque.iter().map(|x| x * x).sum::<f64>(), t.block)).collect();
     sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let few = sizes.len().div_ceil(20);
     let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
         / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
+    let event = sizes.first().filter(|_| held > 0.8).map(|largest| (held, largest.1));
+    Torques { best, squares, event }
+}
+
+pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
+    let Torques { best, squares, event } = law_of_torques(study, at);
     let link = if squares[0] > squares[1] { 0 } else { 1 };
     let signal =
         |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
-    match best {
-        _ if held > 0.8 => {
-            let block = &at.blocks[sizes[0].1];
+    match (event, best) {
+        (Some((held, largest)), _) => {
+            let block = &at.blocks[largest];
             let shape = format!(
                 "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
                 100.0 * held,
@@ -108,7 +124,7 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
             );
             (signal(link), vec!["time".into()], shape)
         }
-        Some((share, link, variables, shape)) if share > 0.15 => (
+        (None, Some((share, link, (variables, shape)))) if share > 0.15 => (
             signal(link),
             variables.iter().map(|name| (*name).to_owned()).collect(),
             format!("{shape} ({:.0} % of it)", 100.0 * share),
@@ -117,17 +133,31 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
     }
 }
 
-pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, String) {
-    type Law = (&'static [&'static str], &'static str);
-    const LAWS: [Law; 7] = [
-        (&[], "constant: this circle sits elsewhere than the model has it"),
-        (&["u"], "linear in u"),
-        (&["v"], "linear in v"),
-        (&["u", "v"], "with the square of the distance from the centre"),
-        (&["dq2"], "with the motion: a matter of time, the same all along"),
-        (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
-        (&["dq2", "time"], "with motion times time: clocks that drift apart"),
-    ];
+/// Share of what a model leaves that one law takes away which is common to all runs: of the torques, or of the image's worst signal.
+pub(super) fn common(study: &Study, at: &Evaluation, signals: &[Signal], torque: bool) -> f64 {
+    if torque {
+        let Torques { best, squares, event } = law_of_torques(study, at);
+        let all = squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let law = best.map_or(0.0, |(share, link, _)| share * squares[link] / all);
+        return event.map_or(law, |(held, _)| held.max(law));
+    }
+    let worst = (0..signals.len().min(AREAS.start)).max_by(|a, b| square(at, *a).total_cmp(&square(at, *b)));
+    worst.and_then(|worst| law_of_image(at, worst)).map_or(0.0, |(share, _)| share)
+}
+
+/// Simple laws of a residual of the image.
+const LAWS: [Form; 7] = [
+    (&[], "constant: this circle sits elsewhere than the model has it"),
+    (&["u"], "linear in u"),
+    (&["v"], "linear in v"),
+    (&["u", "v"], "with the square of the distance from the centre"),
+    (&["dq2"], "with the motion: a matter of time, the same all along"),
+    (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
+    (&["dq2", "time"], "with motion times time: clocks that drift apart"),
+];
+
+/// The law that takes most of a signal's residual away, and the share of it.
+fn law_of_image(at: &Evaluation, signal: usize) -> Option<(f64, Form)> {
     let mut rows: Vec<(f64, [f64; 7])> = Vec::new();
     for block in &at.blocks {
         for cell in &block.cells {
@@ -151,11 +181,14 @@ pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, Strin
         let xx = design.dot(&design);
         if xx > 0.0 && total > 0.0 { design.dot(&residual).powi(2) / xx / total } else { 0.0 }
     };
-    let best = (0..LAWS.len()).map(|law| (share(law), law)).max_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((share, law)) if share > 0.1 => (
-            LAWS[law].0.iter().map(|name| (*name).to_owned()).collect(),
-            format!("{} ({:.0} % of it)", LAWS[law].1, 100.0 * share),
+    (0..LAWS.len()).map(|law| (share(law), LAWS[law])).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, String) {
+    match law_of_image(at, signal) {
+        Some((share, (variables, shape))) if share > 0.1 => (
+            variables.iter().map(|name| (*name).to_owned()).collect(),
+            format!("{shape} ({:.0} % of it)", 100.0 * share),
         ),
         _ => (Vec::new(), "no simple law of place, motion or time".into()),
     }

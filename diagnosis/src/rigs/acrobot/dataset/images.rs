@@ -68,12 +68,24 @@ pub(super) fn tells_poses(camera: &Table) -> bool {
     holds(camera, &JOINT_AND_TIP) || holds(camera, &vision_angles())
 }
 
+/// Times of the frames of a log, s, in none of which the camera found its circles.
+pub(super) fn sees_nothing(run: &Run) -> Option<Vec<f64>> {
+    let camera = run.camera.as_ref().filter(|camera| !camera.is_empty())?;
+    let valid = camera.column("valid")?;
+    valid.iter().all(|valid| *valid == 0.0).then(|| camera.time.clone())
+}
+
 /// Whether the log is usable beside others, and what it lacks, if anything.
 fn lacking(camera: &Table, motion: bool, torque: bool) -> Option<(bool, String)> {
     let centroids = measuring(File::Camera, Measures::Centroid);
     let missing: Vec<&str> = centroids.into_iter().filter(|name| !holds(camera, &[name])).collect();
     if missing.is_empty() {
         return None;
+    }
+    if camera.column("valid").is_some_and(|valid| valid.iter().all(|valid| *valid == 0.0)) {
+        let message =
+            "the camera found its circles in no frame (`valid` = 0 in all rows): its log is excluded";
+        return Some((false, message.into()));
     }
     let aside = |why: &str| Some((false, format!("{}; the camera's log is excluded", lack(&missing, why))));
     let circles = holds(camera, &JOINT_AND_TIP);

@@ -24,6 +24,7 @@ use crate::rigs::acrobot::channels::{File, columns};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use timestamps::Moved;
 
@@ -159,6 +160,8 @@ pub struct DataSet {
     pub late_by_hand: f64,
     /// Nothing but the motion tells how late images are in some run: a delay of theirs can't be told from their clock.
     pub pictures_apart: bool,
+    /// Times of the frames of runs, by name, whose camera found its circles in none of them.
+    pub blind: BTreeMap<String, Vec<f64>>,
 }
 
 impl DataSet {
@@ -171,7 +174,7 @@ impl DataSet {
         let (falling, gravity) = (angles::falling(&manifest), angles::gravity(&manifest));
         let mut notices = Vec::new();
         let mut runs = Vec::new();
-        let (mut clocks_apart, mut pictures_apart) = (false, false);
+        let (mut clocks_apart, mut pictures_apart, mut blind) = (false, false, BTreeMap::new());
         let (size, stated) = (manifest.picture(), &manifest.stated);
         let mut read = Vec::new();
         for name in &manifest.runs {
@@ -194,7 +197,11 @@ impl DataSet {
             if stated.gaps_known == Some(false) {
                 run.tear();
             }
+            let none = images::sees_nothing(&run);
             let moved = check::run(&mut run, falling, &mut notices);
+            if run.camera.is_none() {
+                blind.extend(none.map(|times| (run.name.clone(), times)));
+            }
             clocks_apart |= moved == Some(Moved::Angles);
             pictures_apart |= moved == Some(Moved::Pictures);
             if run.camera.is_some() || run.plant.is_some() {
@@ -205,7 +212,7 @@ impl DataSet {
             return Err(Error::NothingUsable { path: path.to_owned(), notices });
         }
         let path = path.to_owned();
-        Ok(Self { path, manifest, runs, notices, clocks_apart, late_by_hand: 0.0, pictures_apart })
+        Ok(Self { path, manifest, runs, notices, clocks_apart, late_by_hand: 0.0, pictures_apart, blind })
     }
 
     /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
@@ -234,6 +241,15 @@ impl DataSet {
     pub fn set_back(&mut self, run: usize, late: f64) {
         let log = self.runs.get_mut(run).and_then(|run| run.plant.as_mut());
         log.into_iter().flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    }
+
+    /// Turns the angles of the plant's logs back whose zeros are off by so much, rad.
+    pub fn turn_back(&mut self, off: [f64; 2]) {
+        for log in self.runs.iter_mut().filter_map(|run| run.plant.as_mut()) {
+            for (name, off) in ["q1", "q2"].iter().zip(off) {
+                log.column_mut(name).into_iter().flatten().for_each(|angle| *angle -= off);
+            }
+        }
     }
 
     /// Puts all images aside, and with them the runs that hold nothing else.

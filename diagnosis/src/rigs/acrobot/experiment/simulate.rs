@@ -115,6 +115,7 @@ pub fn simulate(
         clocks_apart: false,
         late_by_hand: 0.0,
         pictures_apart: false,
+        blind: std::collections::BTreeMap::new(),
     };
     Ok(Trial { data, motion: log.motion()? })
 }

@@ -129,6 +129,7 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         clocks_apart: false,
         late_by_hand: 0.0,
         pictures_apart: false,
+        blind: std::collections::BTreeMap::new(),
     };
     let units = scenarios::unit_path();
     let model = Model::load(&empty, &units).expect("cargo xtask pack was run");

@@ -36,6 +36,7 @@ pub(super) fn camera_part(
     };
     if let Some(pictures) = pictures(&mut chain, &mut image) {
         pictures.know(laws);
+        pictures.doubt_zeros(zeros::doubted(parts, list, point).filter(|_| watch.known().is_none()));
         watch.stage("camera: frames rendered again at the measured pose");
     }
     let parted = match (&mut chain, &mut image) {

@@ -145,6 +145,7 @@ impl Conclusion {
         } else {
             let confounded = left.is_some().then_some(judged.confounded);
             for (effect, swap) in part_effects(logs.data, part, list, &free, &logs.doubts, confounded) {
+                self.story.extend(effect.unbounded.then(|| story::of_open(&effect)));
                 self.effects.push(effect);
                 self.swaps.extend(swap);
             }

@@ -32,6 +32,7 @@ pub(super) fn part_effects(
         let own = errors[place]?.hypot(systematic[place].sqrt()).hypot(doubt);
         Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
     };
+    let whole = |index: usize| part.whole.iter().find(|whole| whole.candidate == index);
     let mut taken = part.study.active.clone();
     part.classes
         .iter()
@@ -54,12 +55,14 @@ pub(super) fn part_effects(
             members.iter_mut().for_each(|member| member.probability *= kept);
             let probability =
                 members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - SELECTION.alpha);
+            let ci95 = whole(name).map_or_else(|| interval::ci95(candidate, at, error), |whole| whole.ends);
             let effect = Effect {
                 name: candidate.name.to_owned(),
                 class: members.iter().map(|member| member.name.clone()).collect(),
                 value: candidate.value(at),
-                ci95: interval::ci95(candidate, at, error),
-                at_end: at != candidate.off && (at <= candidate.range.0 || at >= candidate.range.1),
+                ci95,
+                at_end: whole(name).map_or_else(|| candidate.ends_at(at), |whole| whole.beyond),
+                unbounded: interval::is_open(candidate, ci95),
                 probability,
                 members,
                 phrase: candidate.phrase.to_owned(),

@@ -4,15 +4,17 @@ use super::*;
 use crate::rigs::acrobot::candidates::{Cuts, Motion};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::discrepancy;
-use crate::statistics::levels::WITHIN;
+use crate::statistics::levels::{HALF, WITHIN};
 use crate::statistics::linear::{inverse, submatrix};
 use nalgebra::DMatrix;
 
 /// The 95 % interval of a candidate at `at`, where its coordinate has this standard error; `None` where that is not known.
 pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 2] {
-    let value = candidate.value(at);
-    if candidate.is_discrete() {
-        return [value, value];
+    match candidate.motion {
+        Motion::Switch => return [candidate.value(at); 2],
+        // the nearest whole number of all in between
+        Motion::Count { .. } => return [at - HALF, at + HALF],
+        _ => {}
     }
     let known = error.filter(|error| error.is_finite());
     let (low, high) = match (known, candidate.motion) {
@@ -22,11 +24,22 @@ pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 
         (None, _) => candidate.range,
     };
     let ends = match candidate.motion {
-        Motion::Saturation { .. } => [low.max(at / PIPELINE.never_reached), high.max(at)],
+        Motion::Saturation { .. } => [low.max(loosest(candidate).min(at)), high.max(at)],
         _ => [low, high],
     };
     let ends = ends.map(|end| candidate.value(end));
     [ends[0].min(ends[1]), ends[0].max(ends[1])]
+}
+
+/// The coordinate of the loosest ceiling that these logs tell from none: the loosest that was tried.
+fn loosest(candidate: &Candidate) -> f64 {
+    candidate.steps.iter().map(|step| candidate.off + step).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether an interval ends where the logs tell a ceiling from none no more.
+pub(super) fn is_open(candidate: &Candidate, ci95: [f64; 2]) -> bool {
+    let ceiling = matches!(candidate.motion, Motion::Saturation { .. });
+    ceiling && ci95[1] >= candidate.value(loosest(candidate))
 }
 
 /// Standard errors of the continuous active values, each; `None` where nothing tells.
@@ -162,11 +175,24 @@ mod tests {
         let within = 0.4 * 1.959_963_984_540_054; // scipy.stats.norm.ppf(0.975)
         let [low, high] = ci95(&saturation(), 2.0, Some(0.4));
         assert!((low - 1.0 / (2.0 + within)).abs() < 1e-12 && (high - 1.0 / (2.0 - within)).abs() < 1e-12);
-        // not told from none, and not known at all: neither end is 0, which would say that there is no saturation
+        assert!(!is_open(&saturation(), [low, high]));
+        // not told from none, and not known at all: neither end is 0, which would say that there is no saturation, and the upper one is
+        // the loosest that was tried, 1 N·m
         for error in [Some(2.0), Some(f64::NAN), None] {
             let [low, high] = ci95(&saturation(), 2.0, error);
-            assert!(0.0 < low && low < 0.5 && (high - 50.0).abs() < 1e-9, "{error:?}: {low} {high}");
+            assert!(0.0 < low && low < 0.5 && (high - 1.0).abs() < 1e-9, "{error:?}: {low} {high}");
+            assert!(is_open(&saturation(), [low, high]));
         }
+        // one that is looser still is no tighter than itself
+        assert_eq!(ci95(&saturation(), 0.5, None)[1], 2.0);
+    }
+
+    #[test]
+    fn value_a_whole_number_is_the_nearest_one_and_a_switch_is_itself() {
+        let passes = Candidate { motion: Motion::Count { tried: 4, most: 16 }, ..saturation() };
+        assert_eq!(ci95(&passes, 3.0, None), [2.5, 3.5]);
+        let switch = Candidate { motion: Motion::Switch, ..saturation() };
+        assert_eq!(ci95(&switch, 0.0, None), [0.0, 0.0]);
     }
 
     /// One effect of 100 of deviance, of which this share shows in the first of two runs.

@@ -1,6 +1,7 @@
 //! The workflow from a folder to a [`Diagnosis`]: plant first, then image, then what both say together.
 
 mod averages;
+mod blind;
 mod camera;
 mod clock;
 mod conclude;
@@ -17,11 +18,13 @@ mod saturations;
 mod scale;
 mod seats;
 mod sensor;
+mod whole;
+mod zeros;
 
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Verdict};
 use crate::error::{Error, Notice};
 use crate::options::Options;
-use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, ZEROS, candidates};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, LIST, Side, candidates};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::gap;
 use crate::rigs::acrobot::model::Model;
@@ -47,6 +50,7 @@ use seats::seat;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
+use zeros::Zeros;
 
 /// Whether all that was chosen can be.
 fn check(options: &Options) -> Result<(), Error> {
@@ -85,6 +89,8 @@ struct Part {
     rough: Vec<(usize, f64)>,
     /// What moving candidates does to the image.
     laws: Laws,
+    /// What is known of whole numbers.
+    whole: Vec<whole::Whole>,
 }
 
 /// Diagnoses a data set. `listener` hears of each stage.
@@ -114,10 +120,6 @@ pub fn diagnose(
     let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
     let mut list = candidates(&model, &options.without, &|cuts| saturations(&data, cuts, contact));
     let seen = data.runs.iter().any(|run| run.camera.is_some());
-    if seen {
-        // the image has a mount of its own, and knows the angles
-        list.retain(|candidate| candidate.side != Side::Zero);
-    }
     if !data.runs.iter().any(Run::logs_the_torque) {
         // what nobody drives has no motor that could be off; one that is told 0 may be
         list.retain(|candidate| !candidate.is(Attribute::Bias));
@@ -162,13 +164,14 @@ pub fn diagnose(
         }
         compared = compare(&data, &model, &list, options, &none, watch)?;
     }
+    let zeros = zeros_cleared(&mut data, &model, &mut list, options, &mut compared, watch)?;
     let Compared { mut parts, mut point, notices: more } = compared;
     notices.extend(more);
     if parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
     notices.extend(clocks.clear(&model, &list, &mut parts, &mut point));
-    clear_zeros(&list, &mut parts, &mut point, &mut notices);
+    notices.extend(zeros.clear(&list, &mut parts, &mut point));
     let known = remembered(options, &list, &mut parts);
     let (mut diagnosis, compared) = conclude(&data, &model, &list, &parts, &point, notices, units, watch)?;
     diagnosis.story.splice(0..0, clocks.story());
@@ -191,6 +194,10 @@ pub fn diagnose(
         }
     }
     no_merit(&mut diagnosis, &parts, &list);
+    if let Some(blind) = blind::blind(&data, &model)? {
+        diagnosis.unknown.get_or_insert(blind);
+        diagnosis.verdict = Verdict::Unknown;
+    }
     diagnosis.ended_early = watch.ended().to_vec();
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -230,6 +237,34 @@ fn remembered(options: &Options, list: &[Candidate], parts: &mut [Part]) -> Vec<
     classes.filter_map(known).collect()
 }
 
+/// Turns the plant's logs back by what pictures say their zeros are off, and compares all again: kept if so the machine lacks no more
+/// than before, else no zero is in question.
+fn zeros_cleared(
+    data: &mut DataSet,
+    model: &Model,
+    list: &mut Arc<Vec<Candidate>>,
+    options: &Options,
+    compared: &mut Compared,
+    watch: &mut Watch<'_>,
+) -> Result<Zeros, Error> {
+    let mut zeros = Zeros::default();
+    while let Some(off) =
+        zeros.seen(list, compared).filter(|_| !watch.is_over("the search for zeros that are off"))
+    {
+        watch.stage("plant: the log's angles are turned to where pictures have them");
+        zeros.turn(data, off);
+        let again = compare(data, model, list, options, &Laws::default(), watch)?;
+        if zeros::effects(&again, list) <= zeros::effects(compared, list) {
+            *compared = again;
+            continue;
+        }
+        zeros.turn(data, off.map(|off| -off));
+        Arc::<Vec<Candidate>>::make_mut(list).retain(|candidate| candidate.side != Side::Zero);
+        *compared = compare(data, model, list, options, &Laws::default(), watch)?;
+    }
+    Ok(zeros)
+}
+
 /// Lets logs be late by as much as any other, where their clocks are known to be off.
 fn trust_no_clock(list: &mut [Candidate]) {
     let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
@@ -259,25 +294,6 @@ fn compare(
     let motions = plant_part(data, model, list, &mut point, &mut parts, &mut notices, watch)?;
     camera_part(data, model, list, motions, options, laws, &mut point, &mut parts, &mut notices, watch)?;
     Ok(Compared { parts, point, notices })
-}
-
-/// Takes zeros of angles that are off out of what is named: how a sensor or a camera was set up is no part of the machine.
-fn clear_zeros(list: &[Candidate], parts: &mut [Part], point: &mut [f64], notices: &mut Vec<Notice>) {
-    for (zero, angle) in ZEROS.into_iter().zip(["q1", "q2"]) {
-        let Some(index) = list.iter().position(|candidate| candidate.name == zero) else { continue };
-        if point[index] == 0.0 {
-            continue;
-        }
-        let message = format!(
-            "{angle} reads {:.4} rad ({:.2}°) too large against gravity: taken as its sensor's zero (or the camera's \
-             upright), not as an effect",
-            point[index],
-            point[index].to_degrees()
-        );
-        notices.push(Notice { file: "plant.csv".into(), line: 0, message });
-        point[index] = 0.0;
-        parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
-    }
 }
 
 fn part(
@@ -315,6 +331,7 @@ fn classed(
         seat(cut, list, &mut study, (&mut effect, &mut class), SELECTION.settled)?;
         classes.push((effect, class));
     }
+    let whole = if watch.known().is_some() { Vec::new() } else { whole::whole(cut, list, &study) };
     Ok(Part {
         study,
         signals: cut.signals().to_vec(),
@@ -324,5 +341,6 @@ fn classed(
         noise: None,
         rough: Vec::new(),
         laws: Laws::default(),
+        whole,
     })
 }

@@ -97,6 +97,7 @@ pub(super) mod tests {
             unit: String::new(),
             off,
             at_end: false,
+            unbounded: false,
         }
     }
 
@@ -138,6 +139,7 @@ pub(super) mod tests {
             clocks_apart: false,
             late_by_hand: 0.0,
             pictures_apart: false,
+            blind: std::collections::BTreeMap::new(),
         }
     }
 

@@ -23,6 +23,8 @@ pub struct Steadiness {
     pub decrease: f64,
     /// See `decrease`.
     pub apart: f64,
+    /// The same, however blocks scatter.
+    pub squares: f64,
     /// Drift of x within the runs, a second, and how many standard errors that is.
     pub drift: (f64, f64),
 }
@@ -60,7 +62,7 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
     let decrease = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
     let apart = decrease - score * score / length / over;
-    Some(Steadiness { runs, mean: score / length, decrease, apart, drift })
+    Some(Steadiness { runs, mean: score / length, decrease, apart, squares: over * apart, drift })
 }
 
 fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {

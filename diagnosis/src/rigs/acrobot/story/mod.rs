@@ -94,10 +94,20 @@ pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
 /// An effect that was stopped by the range that is searched.
 pub fn of_end(effect: &Effect) -> String {
     format!(
-        "{} = {} stands at the end of the range that is searched: it may lie beyond, and then its value and what was named beside it mend \
+        "{} = {} stands at the end of what can be tried: it may lie beyond, and then its value and what was named beside it mend \
          the difference.",
         effect.name,
         brief(effect.value)
+    )
+}
+
+/// A ceiling that the logs don't bound from above.
+pub fn of_open(effect: &Effect) -> String {
+    format!(
+        "{} = {}: these data give it no upper bound. Its interval ends at {}, the loosest that they could tell from none.",
+        effect.name,
+        brief(effect.value),
+        brief(effect.ci95[1])
     )
 }
 

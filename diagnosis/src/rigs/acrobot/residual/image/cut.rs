@@ -20,7 +20,8 @@ impl Cut for ImageCut {
     fn sees(&self, candidate: &Candidate) -> bool {
         let free = !matches!(self.pose, Pose::Logged(..));
         let seen = matches!(candidate.side, Side::Camera | Side::Timestamps);
-        seen && !(free && candidate.is(Attribute::ImageDelay))
+        let zero = candidate.side == Side::Zero && !free && self.zeros.is_some();
+        zero || seen && !(free && candidate.is(Attribute::ImageDelay))
     }
 
     fn policy(&self) -> Policy {

@@ -7,6 +7,7 @@
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
 use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
+use super::plant::zero;
 use super::settings::settings;
 use super::trajectory::Motion;
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Signal};
@@ -42,7 +43,7 @@ pub use laws::Laws;
 use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
-use poses::{back, free_poses};
+use poses::{back, free_poses, turned};
 use reel::{Made, Reel};
 pub use state::ImageState;
 
@@ -91,6 +92,8 @@ pub struct ImageCut {
     delay: Option<usize>,
     exposure: Option<usize>,
     nominal_delay: f64,
+    /// By how much the motion's angles were turned back, rad, where it is in question.
+    zeros: Option<[f64; 2]>,
     signals: Vec<Signal>,
     /// Change of the image with q1 and q2, kept: it hardly depends on small effects.
     turns: Option<Vec<[Option<Seen>; 2]>>,
@@ -175,6 +178,7 @@ impl ImageCut {
             delay,
             exposure,
             nominal_delay,
+            zeros: None,
             signals,
             turns: None,
             kept: BTreeMap::new(),
@@ -231,7 +235,7 @@ impl ImageCut {
 
     fn place(&mut self, point: &[f64]) {
         let delay = self.delay(point);
-        let interval = self.studio.interval();
+        let (interval, off) = (self.studio.interval(), self.turned_back(point));
         if let Pose::Logged(motions, _) = &self.pose {
             for frame in &mut self.frames {
                 let motion = &motions[frame.run];
@@ -240,6 +244,7 @@ impl ImageCut {
                 if let Some(end) = end {
                     let before =
                         motion.at(frame.time - delay - interval).unwrap_or_else(|| back(&end, interval));
+                    let [before, end] = [before, end].map(|state| turned(&state, off));
                     frame.shot = Shot { before, end, ..frame.shot };
                 }
             }
@@ -293,11 +298,9 @@ impl ImageCut {
         let mut columns = Vec::with_capacity(perturbations.len());
         for perturbation in perturbations {
             let seen = self.sees(&self.candidates[perturbation.candidate]);
-            columns.push(if !seen || Some(perturbation.candidate) == self.delay {
-                None
-            } else {
-                Some(self.column(point, *perturbation)?)
-            });
+            let posed = Some(perturbation.candidate) == self.delay
+                || zero(&self.candidates[perturbation.candidate]).is_some();
+            columns.push(if !seen || posed { None } else { Some(self.column(point, *perturbation)?) });
         }
         let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
         self.unseen = (self.frames.iter().zip(base))
@@ -322,6 +325,14 @@ impl ImageCut {
                         Some(column) => column[index].map_or(0.0, |slope| slope[*s]),
                         None if Some(perturbations[place].candidate) == delay && !free => {
                             -(one[*s] * frame.shot.end[2] + two[*s] * frame.shot.end[3])
+                        }
+                        // a reading that is too large has the arm nearer to the upright
+                        None if self.sees(&self.candidates[perturbations[place].candidate]) => {
+                            match zero(&self.candidates[perturbations[place].candidate]) {
+                                Some(0) => -one[*s],
+                                Some(_) => -two[*s],
+                                None => 0.0,
+                            }
                         }
                         None => 0.0,
                     };

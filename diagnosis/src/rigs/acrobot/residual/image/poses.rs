@@ -2,11 +2,17 @@
 
 use super::*;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::plant::zeros;
 use crate::rigs::acrobot::residual::trajectory::State;
 use nalgebra::{DVector, Matrix2, Vector2};
 
 pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]
+}
+
+/// A state whose angles are smaller by so much.
+pub(super) fn turned(state: &State, off: [f64; 2]) -> State {
+    [state[0] - off[0], state[1] - off[1], state[2], state[3]]
 }
 
 /// Poses as a person reads them off an image whose mount is turned by so much (rad): the directions from circle to
@@ -65,6 +71,18 @@ fn rolling(studio: &Studio) -> Result<Option<[[f64; 2]; 2]>, Error> {
 }
 
 impl ImageCut {
+    /// Puts the zeros of the motion's angles in question, which it was turned back by so much.
+    pub fn doubt_zeros(&mut self, turned: Option<[f64; 2]>) {
+        self.zeros = turned;
+    }
+
+    /// How much farther a point turns the motion back.
+    pub(super) fn turned_back(&self, point: &[f64]) -> [f64; 2] {
+        let Some(before) = self.zeros else { return [0.0; 2] };
+        let now = zeros(&self.candidates, point, None);
+        std::array::from_fn(|angle| now[angle] - before[angle])
+    }
+
     /// Lets poses that were read off the image follow a camera that was moved, so that frames are rendered where this camera
     /// has them: the pixel lattice is part of the model only there.
     pub(super) fn follow(&mut self, point: &[f64]) -> Result<(), Error> {

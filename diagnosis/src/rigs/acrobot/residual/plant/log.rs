@@ -63,7 +63,7 @@ impl PlantCut {
 pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Perturbation>) -> [f64; 2] {
     let mut off = [0.0; 2];
     for (index, candidate) in candidates.iter().enumerate() {
-        if let Some(angle) = angle(candidate) {
+        if let Some(angle) = zero(candidate) {
             let by = moved
                 .filter(|perturbation| perturbation.candidate == index)
                 .map_or(0.0, |perturbation| perturbation.by);
@@ -74,7 +74,7 @@ pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Perturbation
 }
 
 /// Which angle's zero a candidate is.
-pub(super) fn angle(candidate: &Candidate) -> Option<usize> {
+pub fn zero(candidate: &Candidate) -> Option<usize> {
     ZEROS.iter().position(|name| *name == candidate.name)
 }
 

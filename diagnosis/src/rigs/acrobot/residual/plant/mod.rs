@@ -34,7 +34,7 @@ mod window;
 use fitting::WindowFit;
 use layout::Layout;
 use log::steered;
-pub use log::zeros;
+pub use log::{zero, zeros};
 pub use through::Poses;
 use through::Through;
 pub use window::WindowState;
@@ -266,7 +266,7 @@ impl PlantCut {
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
-        if let Some(angle) = log::angle(&self.candidates[candidate]) {
+        if let Some(angle) = zero(&self.candidates[candidate]) {
             return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
         }
         let Some(through) = &self.through else { return vec![0.0; layout.len()] };

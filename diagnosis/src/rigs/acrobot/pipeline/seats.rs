@@ -14,6 +14,10 @@ pub(super) fn seat(
     (effect, class): (&mut usize, &mut [Alternative]),
     most: f64,
 ) -> Result<bool, Error> {
+    // what of a log is off is weighed against effects that look like it by itself, in `clock.rs`
+    if list[*effect].side.is_of_log() {
+        return Ok(false);
+    }
     // a name that another effect has already says nothing of this one
     let open = |other: &&Alternative| other.candidate == *effect || !study.active.contains(&other.candidate);
     let others: Vec<Alternative> = class.iter().filter(open).cloned().collect();

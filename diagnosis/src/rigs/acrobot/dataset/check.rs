@@ -8,6 +8,7 @@ use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::story::brief;
 
 /// Takes out what is no measurement, whatever the logs mean by it. `gravity` is the torque of the nominal model's, N·m.
 pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
@@ -84,8 +85,9 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             run.plant = None;
         } else if let Some(apart) = far_apart(plant, falling) {
             let message = format!(
-                "rows are {apart:.4} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
-                 file excluded"
+                "rows are {} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
+                 file excluded",
+                brief(apart)
             );
             notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
             run.plant = None;

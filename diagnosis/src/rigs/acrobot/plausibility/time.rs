@@ -4,6 +4,7 @@ use super::{Facts, Finding};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
+use crate::rigs::acrobot::story::brief;
 use crate::statistics::levels::SEVERAL;
 
 /// Seconds since 1970 of anything that is logged today.
@@ -30,7 +31,8 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         let (unit, _) = UNITS.into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.interval)?;
         return (gap > PLAUSIBLE.other_unit * facts.interval).then(|| {
             let sentence = format!(
-                "frames are {gap:.4} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
+                "frames are {} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
+                brief(gap),
                 facts.interval
             );
             found("camera.csv", sentence, unit)
@@ -46,7 +48,8 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let (unit, _) = epoch.or_else(|| UNITS.into_iter().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
     (gap * fastest > POLICY.coarse).then(|| {
         let sentence = format!(
-            "rows are {gap:.4} s apart, and the arm loses its balance in between: time looks like {unit}"
+            "rows are {} s apart, and the arm loses its balance in between: time looks like {unit}",
+            brief(gap)
         );
         found("plant.csv", sentence, unit)
     })
@@ -70,7 +73,9 @@ pub(super) fn units_apart(facts: &Facts<'_>) -> Option<Finding> {
             file: format!("{}/{file}", run.name),
             line: 0,
             sentence: format!(
-                "it lasts {longest:.4} s and {other} {shortest:.4} s: its times look like {unit}, and all logs need the same unit"
+                "it lasts {} s and {other} {} s: its times look like {unit}, and all logs need the same unit",
+                brief(longest),
+                brief(shortest)
             ),
             add: String::new(),
         })

@@ -1,15 +1,16 @@
 //! What depends on what: ModelStructure and directional derivatives.
 //!
 //! The derivatives of (q̇, q̈) by (q, q̇, tau, tau_1, tau_2) are the linearised plant with all its effects, at any state.
-//! Those by states are fourth-order central differences of the equation of motion, within 1e-9 of the derivative
-//! (1e-6 of Coulomb friction's part of it); those by torques are exact.
+//! Those by states are fourth-order central differences of the equation of motion, within 1e-9 of the derivative, and beside them Coulomb
+//! friction's own derivative, whose smoothing may be far narrower than a difference; those by torques are exact.
 
 use crate::{Plant, Variables, dynamics::Dynamics, effects::Motion};
 use fmi2_export::Dependencies;
+use mechanics::Equation;
 
 const STATES: [&str; 4] = ["q1", "q2", "dq1", "dq2"];
-/// Steps of the differences: rad, and a share of what Coulomb friction is smoothed over.
-const DIFFERENCES: (f64, f64) = (1e-4, 0.02);
+/// Steps of the differences, rad and rad/s.
+const DIFFERENCES: [f64; 4] = [1e-4, 1e-4, 2e-5, 2e-5];
 
 /// ModelStructure.
 pub fn dependencies(output: &str) -> Dependencies {
@@ -58,30 +59,42 @@ fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Opt
     if plant.contact {
         return [0.0; 2];
     }
-    let dynamics = Dynamics::new(variables, [0.0; 2]);
-    let equation = |state: [f64; 4]| {
-        let motion = Motion { q: [state[0], state[1]], dq: [state[2], state[3]] };
-        dynamics.equation(&motion, variables.outputs.applied_torque, 0.0)
+    let q = [plant.state[0], plant.state[1]];
+    let by_force = |f1: f64, f2: f64| {
+        let motion = Motion { q, dq: [0.0; 2] };
+        let mass = Dynamics::new(variables, [0.0; 2]).equation(&motion, 0.0, 0.0);
+        Equation { f1, f2, ..mass }.accelerations()
     };
-    if let Some(place) = state {
-        let step =
-            if place < 2 { DIFFERENCES.0 } else { DIFFERENCES.1 * variables.effects.coulomb.smoothest() };
-        let at = |multiple: f64| {
-            let mut moved = plant.state;
-            moved[place] += multiple * step;
-            equation(moved).accelerations()
-        };
-        let [far_before, before, after, far_after] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
-        return [0, 1]
-            .map(|i| (8.0 * (after[i] - before[i]) - (far_after[i] - far_before[i])) / (12.0 * step));
+    match (state, known) {
+        (Some(place @ (0 | 1)), _) => by_differences(variables, plant.state, place),
+        (Some(place), _) => {
+            let mut smooth = variables.clone();
+            (smooth.effects.coulomb.roll, smooth.effects.coulomb.joint) = (0.0, 0.0);
+            let rest = by_differences(&smooth, plant.state, place);
+            let motion = Motion { q, dq: [plant.state[2], plant.state[3]] };
+            let [roll, joint] = variables.effects.coulomb.slopes(&motion);
+            // the rate of the joint is dq2 - dq1, and its torque acts on link 2 and back on link 1
+            let own = if place == 2 { by_force(roll + joint, -joint) } else { by_force(-joint, joint) };
+            [rest[0] + own[0], rest[1] + own[1]]
+        }
+        (None, "tau") => by_force(-feedthrough(variables), feedthrough(variables)),
+        (None, "tau_1") => by_force(1.0, 0.0),
+        (None, _) => by_force(0.0, 1.0),
     }
-    let mut equation = equation(plant.state);
-    (equation.f1, equation.f2) = match known {
-        "tau" => (-feedthrough(variables), feedthrough(variables)),
-        "tau_1" => (1.0, 0.0),
-        _ => (0.0, 1.0),
+}
+
+/// ∂q̈/∂ a place of the state.
+fn by_differences(variables: &Variables, state: [f64; 4], place: usize) -> [f64; 2] {
+    let dynamics = Dynamics::new(variables, [0.0; 2]);
+    let step = DIFFERENCES[place];
+    let at = |multiple: f64| {
+        let mut moved = state;
+        moved[place] += multiple * step;
+        let motion = Motion { q: [moved[0], moved[1]], dq: [moved[2], moved[3]] };
+        dynamics.equation(&motion, variables.outputs.applied_torque, 0.0).accelerations()
     };
-    equation.accelerations()
+    let [far_before, before, after, far_after] = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
+    [0, 1].map(|i| (8.0 * (after[i] - before[i]) - (far_after[i] - far_before[i])) / (12.0 * step))
 }
 
 /// ∂tau_applied/∂tau: 0 where the actuator needs time, or is saturated.

@@ -6,6 +6,50 @@ use fmi2_export::{Experiment, Model, ModelError, Step};
 use mechanics::Theta;
 use plant::{Plant, Variables};
 
+#[test]
+fn law_derivatives_hold_where_friction_sticks() {
+    // v_s of the joint is 0.1 mrad/s, that of rolling 0.03
+    let near = [0.3, -0.2, 1e-5, 6e-5];
+    let at = |start: [f64; 4]| {
+        let rig = Rig::at(start, |variables| {
+            (variables.effects.coulomb.roll, variables.effects.coulomb.joint) = (0.003, 0.01);
+        });
+        let locals = &rig.variables.locals;
+        ([locals.link1_acceleration, locals.link2_acceleration], rig)
+    };
+    let (_, rig) = at(near);
+    let h = 1e-8;
+    for (place, known) in [(2, "dq1"), (3, "dq2")] {
+        let beside = |by: f64| {
+            let mut start = near;
+            start[place] += by;
+            at(start).0
+        };
+        let (before, after) = (beside(-h), beside(h));
+        for (row, unknown) in ["ddq1", "ddq2"].into_iter().enumerate() {
+            let expected = (after[row] - before[row]) / (2.0 * h);
+            let told = rig.plant.derivative(&rig.variables, unknown, known).unwrap();
+            // rounding of 1e-15 over h, and (h/v_s)² of some thousands
+            assert!(
+                (told - expected).abs() < 1e-4 * expected.abs(),
+                "{unknown} by {known}: {told} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_friction_however_small_leaves_numbers() {
+    for friction in [f64::from_bits(1), 1e-300, 1e-9] {
+        let mut rig = Rig::at([0.0; 4], |variables| {
+            (variables.effects.coulomb.roll, variables.effects.coulomb.joint) = (friction, friction);
+        });
+        rig.step(0.1);
+        let slope = rig.plant.derivative(&rig.variables, "ddq2", "dq2").unwrap();
+        assert!(rig.state().iter().all(|x| x.is_finite()) && slope.is_finite(), "{friction:e}: {slope}");
+    }
+}
+
 fn busy(variables: &mut Variables) {
     let effects = &mut variables.effects;
     effects.viscous.joint = 0.01;

@@ -44,16 +44,15 @@ impl Mechanical for Coulomb {
 
 /// v_s of a friction, rad/s.
 fn smoothing(friction: f64) -> f64 {
-    SMOOTHING_RATE.min(friction / STIFFNESS)
+    SMOOTHING_RATE.min(friction / STIFFNESS).max(f64::MIN_POSITIVE)
 }
 
 impl Coulomb {
-    /// The smallest v_s in force, rad/s.
-    pub fn smoothest(&self) -> f64 {
-        [self.roll, self.joint]
-            .into_iter()
-            .filter(|friction| *friction > 0.0)
-            .map(smoothing)
-            .fold(SMOOTHING_RATE, f64::min)
+    /// Derivatives of the torques of rolling and at the joint by their rates, N·m·s/rad.
+    pub fn slopes(&self, motion: &Motion) -> [f64; 2] {
+        [(self.roll, motion.dq[0]), (self.joint, motion.joint_rate())].map(|(friction, rate)| {
+            let sign = libm::tanh(rate / smoothing(friction));
+            -friction / smoothing(friction) * (1.0 - sign * sign)
+        })
     }
 }

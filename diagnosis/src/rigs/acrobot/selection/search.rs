@@ -55,7 +55,7 @@ pub fn study_until(
         search.doubt_known(watch)?;
     }
     search.one_by_one(SELECTION.search_most, watch, &mut *enough)?;
-    if !watch.is_over(SEARCH) && search.all_at_once(watch)? {
+    if !watch.is_over(SEARCH) && search.all_at_once(watch) {
         let most = search.active.len() + 1;
         search.one_by_one(most, watch, enough)?;
     }

@@ -2,7 +2,6 @@
 //! of two.
 
 use super::{SEARCH, Search, linearise, mean_square};
-use crate::error::Error;
 use crate::rigs::acrobot::selection::Step;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::rigs::acrobot::selection::screen::screen;
@@ -12,13 +11,13 @@ use crate::watch::Watch;
 
 impl Search<'_> {
     /// What no step of one effect finds. Whether anything did. A repeated search begins where the first one had it all.
-    pub(super) fn all_at_once(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
-        let together = self.together(watch)?;
-        Ok((watch.known().is_none() && self.one_for_two(watch)?) || together)
+    pub(super) fn all_at_once(&mut self, watch: &mut Watch<'_>) -> bool {
+        let together = self.together(watch);
+        (watch.known().is_none() && self.one_for_two(watch)) || together
     }
 
     /// Tries in the place of all that were found what linear effects say together. Whether they stay.
-    fn together(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+    fn together(&mut self, watch: &mut Watch<'_>) -> bool {
         let mut found = false;
         // far from the truth columns bend, and more seems to be needed than is
         for _ in 0..SELECTION.again {
@@ -28,17 +27,17 @@ impl Search<'_> {
                 break;
             }
             watch.stage(&format!("{}: effects that show only together", self.cut.name()));
-            if !self.put(proposal)? {
+            if !self.put(proposal) {
                 break;
             }
             found = true;
         }
-        Ok(found)
+        found
     }
 
     /// Tries one in the place of two, as long as that pays. Whether it did. A tilt and a small offset of the principal point look so alike
     /// that a search one by one takes two other terms for the offset: columns err by a share of the tilt, which is more.
-    fn one_for_two(&mut self, watch: &mut Watch<'_>) -> Result<bool, Error> {
+    fn one_for_two(&mut self, watch: &mut Watch<'_>) -> bool {
         let mut found = false;
         'again: for _ in 0..SELECTION.again {
             let proposals = self.linear().map_or_else(Vec::new, |linear| linear.one_for_two());
@@ -47,14 +46,14 @@ impl Search<'_> {
                     break 'again;
                 }
                 watch.stage(&format!("{}: one effect in the place of two", self.cut.name()));
-                if self.put(proposal)? {
+                if self.put(proposal) {
                     found = true;
                     continue 'again;
                 }
             }
             break;
         }
-        Ok(found)
+        found
     }
 
     /// What the linear effects of the image say together, where there are several and the image is all that is compared.
@@ -67,15 +66,20 @@ impl Search<'_> {
     }
 
     /// Fits a proposal through the units and puts it in the place of all that were found, if it pays.
-    fn put(&mut self, Proposal { mut active, mut point }: Proposal) -> Result<bool, Error> {
+    fn put(&mut self, Proposal { mut active, mut point }: Proposal) -> bool {
         let kept = self.cut.nuisances.clone();
-        let dropped = settle(self.cut, self.candidates, &mut active, &mut point)?;
-        let there = linearise(self.cut, self.candidates, &point, &active)?;
+        let fitted = settle(self.cut, self.candidates, &mut active, &mut point)
+            .and_then(|dropped| Ok((dropped, linearise(self.cut, self.candidates, &point, &active)?)));
+        // where a unit can't follow a proposal, what stood goes on standing
+        let Ok((dropped, there)) = fitted else {
+            self.cut.restore(&kept);
+            return false;
+        };
         let more = active.len() as f64 - self.active.len() as f64;
         let gained = self.last.under(&there).total.square - there.total.square;
         if !pays(gained, more, there.total.square) {
             self.cut.restore(&kept);
-            return Ok(false);
+            return false;
         }
         self.steps.push(Step {
             best: Vec::new(),
@@ -89,7 +93,7 @@ impl Search<'_> {
         });
         (self.active, self.last, self.class) = (active, there, None);
         self.found = screen(&self.last, self.candidates, &self.active);
-        Ok(true)
+        true
     }
 }
 

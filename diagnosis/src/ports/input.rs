@@ -1,7 +1,7 @@
 //! The course of an input after the effects at its port.
 //!
 //! A held log is a chain of straight lines with jumps; delay, saturation and rate limit turn lines into lines; a lag
-//! turns each into an exponential, which is cut into lines short against its time constant. Gain and bias act last.
+//! adds to each what fades away exponentially, and cuts it where the unit has to be stepped. Gain and bias act last.
 
 use super::policy::PORTS;
 use crate::dynamics::grid::Course;
@@ -30,20 +30,32 @@ impl Effects {
         Self { gain: 1.0, bias: 0.0, delay: 0.0, lag: 0.0, saturation: 0.0, rate_limit: 0.0 };
 }
 
-/// A straight piece.
+/// A straight piece, and what fades away beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+struct Line {
     /// Begin, s.
-    pub from: f64,
-    /// Value there.
-    pub first: f64,
-    /// Value at its end, where the next one begins.
-    pub last: f64,
+    from: f64,
+    /// Value of the straight part there.
+    first: f64,
+    /// Its value at the end, where the next one begins.
+    last: f64,
+    /// What is to be added at the begin; it fades with the lag.
+    fading: f64,
+}
+
+impl Line {
+    fn straight(from: f64, first: f64, last: f64) -> Self {
+        Self { from, first, last, fading: 0.0 }
+    }
 }
 
 /// A chain of lines; the last one holds for ever.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Lines(pub Vec<Line>);
+pub struct Lines {
+    lines: Vec<Line>,
+    /// s.
+    lag: f64,
+}
 
 /// What reaches the unit.
 pub fn arriving(course: &Course, effects: &Effects) -> Lines {
@@ -60,14 +72,15 @@ pub fn arriving(course: &Course, effects: &Effects) -> Lines {
     if effects.lag > 0.0 {
         lines = lagged(&lines, effects.lag);
     }
-    for line in &mut lines.0 {
+    for line in &mut lines {
         line.first = effects.gain * line.first + effects.bias;
         line.last = effects.gain * line.last + effects.bias;
+        line.fading *= effects.gain;
     }
-    lines
+    Lines { lines, lag: effects.lag }
 }
 
-fn logged(course: &Course) -> Lines {
+fn logged(course: &Course) -> Vec<Line> {
     let count = course.time.len();
     let line = |row: usize| {
         let first = course.values[row];
@@ -75,33 +88,33 @@ fn logged(course: &Course) -> Lines {
             Hold::Linear if row + 1 < count => course.values[row + 1],
             _ => first,
         };
-        Line { from: course.time[row], first, last }
+        Line::straight(course.time[row], first, last)
     };
     let mut lines: Vec<Line> = (0..count).map(line).collect();
     // rows at which nothing changes are one line: each break costs a step of the unit
     lines.dedup_by(|next, known| {
         known.first == known.last && next.first == known.last && next.last == known.last
     });
-    Lines(lines)
+    lines
 }
 
 /// Before the log the first value holds.
-fn delay(lines: &mut Lines, by: f64) {
-    let Some(begin) = lines.0.first().copied() else { return };
-    lines.0.iter_mut().for_each(|line| line.from += by);
-    lines.0.insert(0, Line { from: begin.from, first: begin.first, last: begin.first });
+fn delay(lines: &mut Vec<Line>, by: f64) {
+    let Some(begin) = lines.first().copied() else { return };
+    lines.iter_mut().for_each(|line| line.from += by);
+    lines.insert(0, Line::straight(begin.from, begin.first, begin.first));
 }
 
 /// Calls with begin, length and values of each line; the last has no end.
-fn each(lines: &Lines, mut job: impl FnMut(Line, f64)) {
-    for (place, line) in lines.0.iter().enumerate() {
-        let end = lines.0.get(place + 1).map_or(f64::INFINITY, |next| next.from);
+fn each(lines: &[Line], mut job: impl FnMut(Line, f64)) {
+    for (place, line) in lines.iter().enumerate() {
+        let end = lines.get(place + 1).map_or(f64::INFINITY, |next| next.from);
         job(*line, end - line.from);
     }
 }
 
-fn saturated(lines: &Lines, limit: f64) -> Lines {
-    let mut cut = Vec::with_capacity(lines.0.len());
+fn saturated(lines: &[Line], limit: f64) -> Vec<Line> {
+    let mut cut = Vec::with_capacity(lines.len());
     each(lines, |line, span| {
         let rise = line.last - line.first;
         let mut corners: Vec<f64> = Vec::new();
@@ -114,16 +127,16 @@ fn saturated(lines: &Lines, limit: f64) -> Lines {
         for to in corners.into_iter().chain([1.0]) {
             let value = |share: f64| (line.first + rise * share).clamp(-limit, limit);
             let from = if share == 0.0 { line.from } else { line.from + share * span };
-            cut.push(Line { from, first: value(share), last: value(to) });
+            cut.push(Line::straight(from, value(share), value(to)));
             share = to;
         }
     });
-    Lines(cut)
+    cut
 }
 
-fn limited(lines: &Lines, limit: f64) -> Lines {
-    let mut slow = Vec::with_capacity(lines.0.len());
-    let mut value = lines.0.first().map_or(0.0, |line| line.first);
+fn limited(lines: &[Line], limit: f64) -> Vec<Line> {
+    let mut slow = Vec::with_capacity(lines.len());
+    let mut value = lines.first().map_or(0.0, |line| line.first);
     each(lines, |line, span| {
         let rate = if span.is_finite() && span > 0.0 { (line.last - line.first) / span } else { 0.0 };
         let gap = line.first - value;
@@ -134,7 +147,7 @@ fn limited(lines: &Lines, limit: f64) -> Lines {
             let until = caught.min(span);
             let to =
                 if caught <= span { line.first + rate * caught } else { value + limit.copysign(gap) * span };
-            slow.push(Line { from: line.from, first: value, last: to });
+            slow.push(Line::straight(line.from, value, to));
             value = to;
             from = until;
         }
@@ -144,70 +157,85 @@ fn limited(lines: &Lines, limit: f64) -> Lines {
                 (true, false) => value + limit.copysign(rate) * (span - from),
                 (false, _) => value,
             };
-            slow.push(Line { from: line.from + from, first: value, last: to });
+            slow.push(Line::straight(line.from + from, value, to));
             value = to;
         }
     });
-    Lines(slow)
+    slow
 }
 
-fn lagged(lines: &Lines, time: f64) -> Lines {
-    let mut slow = Vec::with_capacity(2 * lines.0.len());
-    let mut value = lines.0.first().map_or(0.0, |line| line.first);
-    // after so many time constants it is off by 1e-7
-    let settled = 2.0 * PORTS.cuts;
+/// y = u₀ + rate (t - T) + (y₀ - u₀ + rate T) exp(-t / T). The unit holds the mean over each of its steps: its rates are exact at the
+/// cuts then, and its states are off by the first moment of what is left, which graded cuts make the same in each.
+fn lagged(lines: &[Line], time: f64) -> Vec<Line> {
+    let mut slow = Vec::with_capacity(2 * lines.len());
+    let mut value = lines.first().map_or(0.0, |line| line.first);
     each(lines, |line, span| {
-        let whole = span.min(settled * time);
         let rate = if span.is_finite() && span > 0.0 { (line.last - line.first) / span } else { 0.0 };
-        if rate == 0.0 && value == line.first {
-            slow.push(Line { from: line.from, first: value, last: value });
+        let behind = |t: f64| line.first + rate * (t - time);
+        let fading = |t: f64| (value - behind(0.0)) * libm::exp(-t / time);
+        if fading(0.0) == 0.0 {
+            slow.push(Line::straight(line.from, behind(0.0), line.last - rate * time));
+            value = line.last - rate * time;
             return;
         }
-        // y = u₀ + rate (t - T) + (y₀ - u₀ + rate T) exp(-t / T)
-        let at = |t: f64, y0: f64| {
-            line.first + rate * (t - time) + (y0 - line.first + rate * time) * libm::exp(-t / time)
-        };
-        let parts = (PORTS.cuts * whole / time).ceil().clamp(1.0, PORTS.cuts * settled) as usize;
-        let begin = value;
-        for part in 0..parts {
-            let (from, to) = (part as f64 / parts as f64 * whole, (part + 1) as f64 / parts as f64 * whole);
-            let last = at(to, begin);
-            slow.push(Line { from: line.from + from, first: value, last });
-            value = last;
+        let mut ends = cuts(time).skip(1).take_while(|end| *end < span).chain([span]);
+        let mut from = 0.0;
+        for end in &mut ends {
+            let last = if end.is_finite() { behind(end) } else { line.first };
+            slow.push(Line { from: line.from + from, first: behind(from), last, fading: fading(from) });
+            from = end;
         }
-        if whole < span {
-            let last = if span.is_finite() { at(span, begin) } else { line.first };
-            slow.push(Line { from: line.from + whole, first: value, last });
-            value = last;
-        }
+        // what is over must not cut the next line, too
+        let left = if span < PORTS.settled * time { fading(span) } else { 0.0 };
+        value = if span.is_finite() { behind(span) + left } else { line.first };
     });
-    Lines(slow)
+    slow
+}
+
+/// Begins of pieces of a decay of one time constant, which is over after the last: its height times the cube of a piece's length is
+/// the same in each.
+fn cuts(time: f64) -> impl Iterator<Item = f64> {
+    let all = 1.0 - libm::exp(-PORTS.settled / 3.0);
+    (0..=PORTS.cuts).map(move |cut| -3.0 * time * libm::log1p(-all * f64::from(cut) / f64::from(PORTS.cuts)))
 }
 
 impl Lines {
     /// Place of the line that holds just after a time; `near` is where it was last.
     fn place(&self, time: f64, near: usize) -> usize {
-        let mut place = near.min(self.0.len() - 1);
-        while place > 0 && self.0[place].from > time {
+        let mut place = near.min(self.lines.len() - 1);
+        while place > 0 && self.lines[place].from > time {
             place -= 1;
         }
-        while place + 1 < self.0.len() && self.0[place + 1].from <= time {
+        while place + 1 < self.lines.len() && self.lines[place + 1].from <= time {
             place += 1;
         }
         place
     }
 
     fn end(&self, place: usize) -> f64 {
-        self.0.get(place + 1).map_or(f64::INFINITY, |next| next.from)
+        self.lines.get(place + 1).map_or(f64::INFINITY, |next| next.from)
     }
 
     fn value(&self, place: usize, time: f64) -> f64 {
-        let line = self.0[place];
+        let line = self.lines[place];
+        self.straight(place, time) + self.fading(&line, time)
+    }
+
+    fn straight(&self, place: usize, time: f64) -> f64 {
+        let line = self.lines[place];
         let end = self.end(place);
         if !end.is_finite() || line.first == line.last || time <= line.from {
             return line.first;
         }
         line.first + (line.last - line.first) * ((time - line.from) / (end - line.from)).min(1.0)
+    }
+
+    /// What is left of what fades.
+    fn fading(&self, line: &Line, time: f64) -> f64 {
+        if line.fading == 0.0 {
+            return 0.0;
+        }
+        line.fading * libm::exp(-(time - line.from).max(0.0) / self.lag)
     }
 
     /// The value just after a time.
@@ -219,9 +247,11 @@ impl Lines {
     /// The value just before a time; before the first line its first value.
     pub fn before(&self, time: f64, near: &mut usize) -> f64 {
         *near = self.place(time, *near);
-        let line = self.0[*near];
+        let line = self.lines[*near];
         match near.checked_sub(1) {
-            Some(last) if time - line.from <= PORTS.same_time * time.abs() => self.0[last].last,
+            Some(last) if time - line.from <= PORTS.same_time * time.abs() => {
+                self.lines[last].last + self.fading(&self.lines[last], line.from)
+            }
             _ => self.value(*near, time),
         }
     }
@@ -236,18 +266,22 @@ impl Lines {
         while begin < to {
             let end = self.end(place).min(to);
             if end > begin {
-                let line = self.0[place];
+                let line = self.lines[place];
                 let (first, last) = if line.first == line.last {
                     (line.first, line.first)
                 } else {
-                    (self.value(place, begin), if end < to { line.last } else { self.value(place, end) })
+                    (
+                        self.straight(place, begin),
+                        if end < to { line.last } else { self.straight(place, end) },
+                    )
                 };
                 sum += 0.5 * (first + last) * (end - begin);
+                sum += self.lag * (self.fading(&line, begin) - self.fading(&line, end));
                 begin = end;
             }
             place += 1;
-            if place >= self.0.len() && begin < to {
-                sum += self.0[self.0.len() - 1].last * (to - begin);
+            if place >= self.lines.len() && begin < to {
+                sum += self.lines[self.lines.len() - 1].last * (to - begin);
                 begin = to;
             }
         }
@@ -257,7 +291,7 @@ impl Lines {
     /// Times of jumps and corners strictly between two times.
     pub fn breaks(&self, from: f64, to: f64, near: &mut usize, into: &mut Vec<f64>) {
         *near = self.place(from, *near);
-        let after = self.0[*near + 1..].iter().map(|line| line.from);
+        let after = self.lines[*near + 1..].iter().map(|line| line.from);
         into.extend(after.take_while(|time| *time < to).filter(|time| *time > from));
     }
 }
@@ -288,16 +322,52 @@ mod tests {
     }
 
     #[test]
-    fn law_a_lag_after_a_jump_settles_once() {
-        let slow = arriving(&step(), &Effects { lag: 0.02, ..Effects::OFF });
-        // 3 - 2 exp(-t / T); lines over an eighth of T are off by (1/8)²/8 of the height at most
+    fn law_a_lag_is_exact_at_all_times_and_in_the_mean() {
+        let slow = arriving(&step(), &Effects { lag: 0.02, gain: 0.5, bias: 1.0, ..Effects::OFF });
+        let exact = |t: f64| 1.0 + 0.5 * (3.0 - 2.0 * libm::exp(-t / 0.02));
         for t in [0.0, 0.013, 0.05, 0.2, 0.31] {
-            let exact = 3.0 - 2.0 * libm::exp(-t / 0.02);
-            assert!((slow.after(0.4 + t, &mut 0) - exact).abs() < 2.0 / 512.0, "{t}");
+            assert!((slow.after(0.4 + t, &mut 0) - exact(t)).abs() < 1e-14, "{t}");
         }
+        let integral = |t: f64| 2.5 * t + 0.02 * libm::exp(-t / 0.02);
+        for (from, to) in [(0.0, 0.001), (0.0005, 0.013), (0.013, 0.5), (0.4, 0.45)] {
+            let mean = (integral(to) - integral(from)) / (to - from);
+            assert!((slow.mean(0.4 + from, 0.4 + to, &mut 0) - mean).abs() < 1e-13, "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn law_a_lag_of_a_ramp_runs_behind_it() {
+        let course = Course { time: vec![0.0, 1.0, 2.0], values: vec![0.0, 2.0, 2.0], hold: Hold::Linear };
+        let slow = arriving(&course, &Effects { lag: 0.1, ..Effects::OFF });
+        let ramp = |t: f64| 2.0 * (t - 0.1 + 0.1 * libm::exp(-t / 0.1));
+        for t in [0.05, 0.3, 0.99] {
+            assert!((slow.after(t, &mut 0) - ramp(t)).abs() < 1e-14, "{t}");
+        }
+        // what it is behind when the ramp ends fades
+        let after = 2.0 - (2.0 - ramp(1.0)) * libm::exp(-0.2 / 0.1);
+        assert!((slow.after(1.2, &mut 0) - after).abs() < 1e-14);
+        assert!((slow.before(1.0, &mut 0) - ramp(1.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn value_a_lag_after_a_jump_settles_once() {
+        let slow = arriving(&step(), &Effects { lag: 0.02, ..Effects::OFF });
         let mut breaks = Vec::new();
         slow.breaks(0.0, 0.99, &mut 0, &mut breaks);
-        // eight lines over each of sixteen time constants, and what is settled; before the jump nothing moves
-        assert_eq!(breaks.len(), 129);
+        // sixteen pieces, and what is settled; before the jump nothing moves
+        assert_eq!(breaks.len(), 17);
+        // the unit integrates the mean of each twice: what that is off by, of a jump of 2
+        let moment: f64 = breaks
+            .windows(2)
+            .map(|ends| {
+                let (mean, count) = (slow.mean(ends[0], ends[1], &mut 0), 2000);
+                let step = (ends[1] - ends[0]) / f64::from(count);
+                let at = |place: i32| ends[0] + (f64::from(place) + 0.5) * step;
+                (0..count)
+                    .map(|place| (slow.after(at(place), &mut 0) - mean) * (ends[1] - at(place)) * step)
+                    .sum::<f64>()
+            })
+            .sum();
+        assert!(moment.abs() < 2.0 * 0.0095 * 0.02 * 0.02, "{moment}");
     }
 }

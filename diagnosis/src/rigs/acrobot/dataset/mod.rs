@@ -7,6 +7,7 @@ mod angles;
 mod check;
 mod even;
 mod images;
+mod lost;
 mod manifest;
 pub(crate) mod policy;
 pub mod stated;
@@ -198,7 +199,11 @@ impl DataSet {
                 run.tear();
             }
             let none = images::sees_nothing(&run);
+            let commanded = run.controller.is_some();
             let moved = check::run(&mut run, falling, &mut notices);
+            if stated.gaps_known != Some(true) {
+                lost::mark(&mut run, if commanded { "controller.csv" } else { "plant.csv" }, &mut notices);
+            }
             if run.camera.is_none() {
                 blind.extend(none.map(|times| (run.name.clone(), times)));
             }

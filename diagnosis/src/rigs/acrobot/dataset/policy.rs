@@ -4,13 +4,19 @@ use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::plausibility::time::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
-use crate::statistics::levels::{FAR, FEW, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
+use crate::statistics::levels::{FAR, FEW, HALF, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
     /// One in so many rows without a torque is one that is missing.
     pub few_bare: usize,
+    /// Share of its period by which a clock's rows scatter at most where a gap among them tells of a row that is missing, and by which
+    /// such a gap is off a whole number of periods: more is a loop that took longer.
+    pub even: f64,
+    pub whole: f64,
+    /// Images are missing beside a torque where they pause for this share of the time.
+    pub most: f64,
     /// Links that touch may give way by this, or be logged a little off, rad.
     pub touching: f64,
     /// Links this near to their mechanical limit may touch it, rad, by encoders and in images, which a lens bends.
@@ -64,6 +70,9 @@ pub struct Logs {
 /// Those in force.
 pub const LOGS: Logs = Logs {
     few_bare: SAMPLE,
+    even: SMALL,
+    whole: PART,
+    most: HALF,
     touching: POLICY.small_angle,
     near: POLICY.least_motion,
     seen: POLICY.small_angle,

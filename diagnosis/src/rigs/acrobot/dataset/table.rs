@@ -58,6 +58,12 @@ impl Table {
         }
     }
 
+    /// Whether two rows hold the same.
+    pub fn same(&self, row: usize, other: usize) -> bool {
+        let alike = |one: f64, two: f64| one == two || one.is_nan() && two.is_nan();
+        self.columns.iter().all(|(_, values)| alike(values[row], values[other]))
+    }
+
     /// Exchanges two columns that are both there.
     pub fn swap(&mut self, one: &str, other: &str) {
         let place = |name: &str| self.columns.iter().position(|(column, _)| column == name);

@@ -135,17 +135,19 @@ pub(super) fn torque_holes(facts: &Facts<'_>) -> Option<Finding> {
     })
 }
 
+/// The usual time between rows of a torque that is logged by a clock, s; `None` for one that is logged where it changes.
+pub fn by_a_clock(torque: &Table) -> Option<f64> {
+    let usual = typical_gap(torque).filter(|_| torque.len() >= POLICY.rows)?;
+    let gaps = torque.time.windows(2).map(|pair| pair[1] - pair[0]);
+    let regular = gaps.filter(|gap| (gap / usual - 1.0).abs() < 0.5).count();
+    (regular as f64 >= PLAUSIBLE.regular * (torque.len() - 1) as f64).then_some(usual)
+}
+
 /// Holes in a torque that is logged by a clock: row before each, from, to (s).
 pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
-    let torque = run.controller.as_ref().filter(|log| log.len() >= POLICY.rows);
-    let Some((torque, usual)) = torque.and_then(|log| Some((log, typical_gap(log)?))) else {
+    let Some((torque, usual)) = run.controller.as_ref().and_then(|log| Some((log, by_a_clock(log)?))) else {
         return Vec::new();
     };
-    let gaps = || torque.time.windows(2).map(|pair| pair[1] - pair[0]);
-    let regular = gaps().filter(|gap| (gap / usual - 1.0).abs() < 0.5).count();
-    if (regular as f64) < PLAUSIBLE.regular * (torque.len() - 1) as f64 {
-        return Vec::new();
-    }
     let others = || [&run.plant, &run.camera].into_iter().flatten();
     let inside = |from: f64, to: f64| {
         let rows = |log: &Table| log.time.iter().filter(|time| **time > from + usual && **time < to).count();

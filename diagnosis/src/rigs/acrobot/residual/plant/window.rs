@@ -6,6 +6,7 @@ use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
+use std::ops::Range;
 
 /// What a linearisation found of a window's nuisances.
 #[derive(Debug, Clone)]
@@ -23,7 +24,9 @@ pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
     };
-    let short = windows.first().and_then(length).is_some_and(|length| length < HALF * WINDOWS.window);
+    // some end where the torque is not known
+    let first = windows.iter().take_while(|window| window.run == windows[0].run);
+    let short = first.filter_map(length).all(|length| length < HALF * WINDOWS.window);
     if short { WINDOWS.most / 4 } else { WINDOWS.most }
 }
 
@@ -170,41 +173,59 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &m
     let earliest = plant.time[usable[0]].max(begin - PREROLL);
     let driven = |row: &usize| (begin..=end).contains(&plant.time[*row]);
     let usable = thinned(each, &plant.time, [q1, q2], usable.into_iter().filter(driven));
-    let undriven = run.undriven();
-    let mut from = 0;
+    for part in parts(&plant.time, &usable, (length, typical), (&run.undriven(), before)) {
+        let rows = usable[part].to_vec();
+        let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
+        let (start, end) = ((times[0] - before).max(earliest), times[times.len() - 1]);
+        let edges: Vec<f64> =
+            (0..=WINDOWS.parts).map(|k| start + (end - start) * k as f64 / WINDOWS.parts as f64).collect();
+        into.push(Window {
+            run: index,
+            drive: Drive::new(run, start, &times, &edges),
+            rows,
+            start: guess(&plant.time, q1, q2, start, curve),
+            curve,
+            edges,
+            slack: vec![0.0; 2 * WINDOWS.parts],
+            kept: None,
+            free: None,
+        });
+    }
+}
+
+/// Which of some rows belong to each window: as many as are `length` long without a gap, `typical` s apart. A window ends where the torque
+/// is not known, and the next one begins `before` s after it is known again, when the actuator has forgotten what was not.
+fn parts(
+    time: &[f64],
+    usable: &[usize],
+    (length, typical): (f64, f64),
+    (undriven, before): (&[(f64, f64)], f64),
+) -> Vec<Range<usize>> {
+    let at = |place: usize| time[usable[place]];
+    let (mut all, mut from) = (Vec::new(), 0);
     while from < usable.len() {
-        let begin = plant.time[usable[from]];
+        let begin = at(from);
+        let unknown = |span: &&(f64, f64)| span.0 <= begin && span.1 + before > begin;
+        if let Some((_, known)) = undriven.iter().find(unknown) {
+            from = usable.partition_point(|row| time[*row] < known + before).max(from + 1);
+            continue;
+        }
+        let stop =
+            undriven.iter().map(|span| span.0).filter(|stop| *stop > begin).fold(f64::INFINITY, f64::min);
         let mut to = from;
         while to < usable.len()
-            && plant.time[usable[to]] < begin + length - 0.5 * typical
-            && (to == from || plant.time[usable[to]] - plant.time[usable[to - 1]] < (5.0 * typical).max(0.1))
+            && at(to) < begin + length - 0.5 * typical
+            && at(to) <= stop
+            && (to == from || at(to) - at(to - 1) < (5.0 * typical).max(0.1))
         {
             to += 1;
         }
-        let rows = usable[from..to].to_vec();
-        let last = plant.time[rows[rows.len() - 1]];
-        let known = undriven.iter().all(|span| span.0 >= last || span.1 <= begin - before);
-        if rows.len() >= 6 && known {
-            let times: Vec<f64> = rows.iter().map(|row| plant.time[*row]).collect();
-            let start = (begin - before).max(earliest);
-            let end = times[times.len() - 1];
-            let edges: Vec<f64> = (0..=WINDOWS.parts)
-                .map(|k| start + (end - start) * k as f64 / WINDOWS.parts as f64)
-                .collect();
-            into.push(Window {
-                run: index,
-                drive: Drive::new(run, start, &times, &edges),
-                rows,
-                start: guess(&plant.time, q1, q2, start, curve),
-                curve,
-                edges,
-                slack: vec![0.0; 2 * WINDOWS.parts],
-                kept: None,
-                free: None,
-            });
+        if to - from >= 6 {
+            all.push(from..to);
         }
         from = to.max(from + 1);
     }
+    all
 }
 
 /// Whether link 2 turns so fast that it goes over the top within a window, time after time: then errors of the start state
@@ -308,6 +329,18 @@ mod tests {
         let kept = thinned(1e-3, &time, [&angle, &angle], 0..time.len());
         assert_eq!(kept.iter().filter(|row| **row < 200).count(), 50);
         assert!((201..250).all(|row| kept.contains(&row)), "{kept:?}");
+    }
+
+    #[test]
+    fn every_row_counts_that_is_driven_by_what_is_known() {
+        let (time, usable): (Vec<f64>, Vec<usize>) = (0..60).map(|row| (0.03125 * row as f64, row)).unzip();
+        let cut = |undriven: &[(f64, f64)]| parts(&time, &usable, (0.5, 0.03125), (undriven, 0.1));
+        assert_eq!(cut(&[]), [0..16, 16..32, 32..48, 48..60]);
+        // from row 20 to row 22; 0.1 s later is row 26
+        assert_eq!(cut(&[(time[20], time[22])]), [0..16, 26..42, 42..58]);
+        // up to the last row before it, if these are enough
+        assert_eq!(cut(&[(time[10], time[11])]), [0..11, 15..31, 31..47, 47..60]);
+        assert_eq!(cut(&[(time[4], time[6]), (time[8], time[9])]), [13..29, 29..45, 45..60]);
     }
 
     #[test]

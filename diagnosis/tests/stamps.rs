@@ -178,3 +178,28 @@ fn every_log_late_by_what_its_stamps_scatter_is_no_actuator_that_lags() {
     assert!(["plant.tau_delay", "plant.T_act"].contains(&names(&found)[0].as_str()), "{:#?}", found.story);
     assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
 }
+
+#[test]
+fn every_stamp_of_a_frame_that_scatters_says_nothing_of_the_machine() {
+    let folder = common::logged_along("frames-scatter", LIVELY, &[], false);
+    let mut random = Random::new(11);
+    for run in ["run-01", "run-02"] {
+        std::fs::remove_file(folder.path().join(run).join("plant.csv")).expect("it was recorded");
+        let path = folder.path().join(run).join("camera.csv");
+        let text = std::fs::read_to_string(&path).expect("it was recorded");
+        let (head, rows) = text.split_once('\n').expect("a head");
+        let mut kept = format!("{head}\n");
+        for (time, cells) in rows.lines().filter_map(|line| line.split_once(',')) {
+            let time = time.parse::<f64>().expect("a number") + 2e-3 * random.normal();
+            let _ = writeln!(kept, "{time},{cells}");
+        }
+        std::fs::write(&path, kept).expect("it can be written");
+    }
+    let found = common::found(&folder);
+    assert_eq!(
+        (found.verdict, common::names(&found)),
+        (diagnosis::Verdict::None, vec![]),
+        "{:?}",
+        found.unknown
+    );
+}

@@ -6,6 +6,8 @@
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
 use super::image::{ImageCut, Pose, pose_shift};
+use super::plant::jitter::unevenness;
+use super::plant::policy::WINDOWS;
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
@@ -74,8 +76,23 @@ impl Chain {
         let mut chain = Self { image, plant, candidates, signals, first };
         let perturbations = [Perturbation { candidate: 0, by: candidates_step(&chain.candidates) }];
         chain.first = chain.linearise(&off, &perturbations, &chain.first.clone())?.nuisances;
+        chain.find_jitter(&off)?;
         chain.image.forget();
         Ok(Some(chain))
+    }
+
+    /// Finds how much the stamps of frames scatter, where they stand unevenly: poses are off by their rates times that.
+    fn find_jitter(&mut self, point: &[f64]) -> Result<(), Error> {
+        let mut stamps: Vec<Vec<f64>> = Vec::new();
+        for frame in &self.image.frames {
+            stamps.resize(stamps.len().max(frame.run + 1), Vec::new());
+            stamps[frame.run].push(frame.time);
+        }
+        if stamps.iter().any(|time| unevenness(time) > WINDOWS.jitter) {
+            let from = self.first.clone();
+            self.first.windows = self.plant.find_jitter(point, &from)?.windows;
+        }
+        Ok(())
     }
 
     /// Puts the frames where the plant that was fitted to them has them, if that is within what an image can tell:

@@ -144,7 +144,9 @@ impl Conclusion {
             self.withdrawn.extend(&part.study.active);
         } else {
             let confounded = left.is_some().then_some(judged.confounded);
-            for (effect, swap) in part_effects(logs.data, part, list, &free, &logs.doubts, confounded) {
+            let early = !watch.ended().is_empty();
+            for (effect, swap) in part_effects(logs.data, part, list, &free, &logs.doubts, confounded, early)
+            {
                 self.story.extend(effect.unbounded.then(|| story::of_open(&effect)));
                 self.effects.push(effect);
                 self.swaps.extend(swap);

@@ -1,6 +1,7 @@
 //! The effects of a cut, with their classes, values and intervals.
 
 use super::interval;
+use super::zeros::Shared;
 use super::*;
 use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
@@ -16,6 +17,7 @@ pub(super) fn part_effects(
     free: &[usize],
     doubts: &[(usize, f64)],
     confounded: Option<bool>,
+    early: bool,
 ) -> Vec<(Effect, Option<Swap>)> {
     let errors = interval::errors(&part.study, free);
     let systematic = part.study.last.systematic(free, &part.signals);
@@ -51,7 +53,8 @@ pub(super) fn part_effects(
             let error = error(*index).map(|error| known * error);
             let mut members = members(name, *index, &alternatives, list);
             let kept = worth(*index).map_or(1.0, |worth| worth.share)
-                * interval::confirmed(&part.study, data, list, *index);
+                * interval::confirmed(&part.study, data, list, *index)
+                * doubted(&part.shared, *index, early);
             members.iter_mut().for_each(|member| member.probability *= kept);
             let probability =
                 members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - SELECTION.alpha);
@@ -72,6 +75,13 @@ pub(super) fn part_effects(
             (effect, swap)
         })
         .collect()
+}
+
+/// The share of its certainty that a name keeps beside zeros that explain as much, and where time was up `early`: then who else might
+/// have its place was not asked.
+fn doubted(shared: &[Shared], index: usize, early: bool) -> f64 {
+    let zeros: f64 = shared.iter().filter(|one| one.effect == index).map(|one| one.share).product();
+    if early { zeros * PIPELINE.beside } else { zeros }
 }
 
 /// What the log's clock leaves in doubt of a candidate.

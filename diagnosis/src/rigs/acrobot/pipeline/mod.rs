@@ -91,6 +91,8 @@ struct Part {
     laws: Laws,
     /// What is known of whole numbers.
     whole: Vec<whole::Whole>,
+    /// What zeros of encoders explain as well.
+    shared: Vec<zeros::Shared>,
 }
 
 /// Diagnoses a data set. `listener` hears of each stage.
@@ -342,5 +344,6 @@ fn classed(
         rough: Vec::new(),
         laws: Laws::default(),
         whole,
+        shared: Vec::new(),
     })
 }

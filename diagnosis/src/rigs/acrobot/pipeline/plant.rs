@@ -64,10 +64,8 @@ pub(super) fn plant_part(
     if !found.1.is_empty() && !part.study.discrepancy_dominated && !rows.jitter_remains(&found.0)? {
         part = Part { coarse: part.coarse, ..self::part(&mut rows, list, &found.0, &found.1, true, watch)? };
     }
-    if data.runs.iter().all(|run| run.camera.is_none())
-        && let Some(zeros) = zeros::both(&mut rows, list, &part, watch)?
-    {
-        part = Part { coarse: part.coarse, ..zeros };
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        part = zeros::both(&mut rows, list, part, watch)?;
     }
     told_apart(data, model, list, (&part.study, &part.signals), &mut part.classes, watch);
     // what compares by torques is not asked: no linked state speaks there

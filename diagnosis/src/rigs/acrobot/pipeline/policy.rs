@@ -43,7 +43,7 @@ pub struct Pipeline {
     pub confounded: f64,
     /// Share of its certainty that any name keeps beside something that has none: that may have a part of which nobody can say that it isn't
     /// this effect (rows exposed one after the other are late in the mean, backlash swings like a rotor). Seen on 21 blind sets: of the names that explained
-    /// nearly all that was to be explained 4 of 7 were right, of the others 2 of 10.
+    /// nearly all that was to be explained 4 of 7 were right, of the others 2 of 10. So, too, where time was up before all had been asked.
     pub beside: f64,
     /// Share of what the data say of a value beyond which one run says it all.
     pub interval_alone: f64,

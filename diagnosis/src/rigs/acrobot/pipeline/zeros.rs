@@ -4,6 +4,7 @@ use super::*;
 use crate::rigs::acrobot::residual::plant::{PlantCut, zeros};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::submatrix;
+use crate::watch::Known;
 
 /// Places of the zeros in the list.
 fn places(list: &[Candidate]) -> impl Iterator<Item = usize> {
@@ -28,42 +29,101 @@ pub(super) fn doubted(parts: &[Part], list: &[Candidate], point: &[f64]) -> Opti
     doubted.then(|| zeros(list, point, None))
 }
 
-/// Zeros in the place of effects that the logs can't tell from them. Encoders of which one was set up badly are two for all that these
-/// logs say; where neither is known to be off, it takes two effects, and zeros that fit no worse.
+/// What the zero of an encoder explains as well, one number for one, so that these logs say of either only that it may be so.
+pub(super) struct Shared {
+    pub(super) effect: usize,
+    /// The zero, and by how much it would be off.
+    zero: usize,
+    off: f64,
+    /// The share of its certainty that the effect keeps.
+    pub(super) share: f64,
+}
+
+/// Puts zeros in the place of effects that the logs can't tell from them. Where the ground lies is seen by no encoder but as angles that
+/// are off, and encoders that are set by eye are off by as much: so ground gives way to zeros that fit nearly as well. But where that
+/// is one number for one, nothing says which: then both are told.
 pub(super) fn both(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
-    part: &Part,
+    mut part: Part,
     watch: &mut Watch<'_>,
-) -> Result<Option<Part>, Error> {
-    let (found, last) = (&part.study.active, &part.study.last);
+) -> Result<Part, Error> {
+    let found = part.study.active.clone();
     let (on, off): (Vec<usize>, Vec<usize>) = places(list).partition(|zero| found.contains(zero));
-    let like = |index: &usize| off.iter().any(|zero| resembles(&part.study, *zero, *index));
-    let alike: Vec<usize> =
-        found.iter().copied().filter(|index| !list[*index].side.is_of_log() && like(index)).collect();
-    let (instead, allowed): (Vec<&[usize]>, f64) = match (on.len(), alike.len()) {
-        (1, _) => (alike.chunks(1).collect(), CLASS),
-        (0, 2) => (vec![&alike], PIPELINE.first),
-        _ => (Vec::new(), 0.0),
-    };
-    for effects in instead.into_iter().filter(|effects| effects.len() == off.len()) {
+    let instead = in_place(list, &part, on.len(), &off);
+    if instead.is_empty() {
+        return Ok(part);
+    }
+    let own = settled(rows, list, &part.study.last.point, &found, watch)?;
+    for (effects, allowed) in &instead {
         let others = found.iter().copied().filter(|index| !effects.contains(index));
         let known: Vec<usize> = others.chain(off.iter().copied()).collect();
-        let mut there = last.point.clone();
+        let mut there = part.study.last.point.clone();
         effects.iter().for_each(|effect| there[*effect] = list[*effect].off);
-        rows.reset();
-        let study = study(rows, list, &there, &known, watch)?;
-        let fits = study.last.under(last).deviance() < last.deviance() + allowed;
+        let study = settled(rows, list, &there, &known, watch)?;
+        let study = settled(rows, list, &study.last.point, &study.active, watch)?;
+        let loss = study.last.under(&own.last).deviance() - own.last.deviance();
         let gone = effects.iter().all(|effect| !study.active.contains(effect));
-        if fits && gone && study.active.len() <= found.len() {
-            return classed(rows, list, study, true, watch).map(Some);
+        if loss >= *allowed || !gone || named(list, &study.active).count() >= named(list, &found).count() {
+            continue;
+        }
+        let taken: Vec<usize> = off.iter().copied().filter(|zero| study.active.contains(zero)).collect();
+        match (effects.as_slice(), taken.as_slice(), on.is_empty()) {
+            ([effect], [zero], true) => {
+                let share = 1.0 / (1.0 + libm::exp(-0.5 * loss));
+                let off = study.last.point[*zero];
+                part.shared.push(Shared { effect: *effect, zero: *zero, off, share });
+            }
+            _ => {
+                return classed(rows, list, study, true, watch)
+                    .map(|zeros| Part { coarse: part.coarse, ..zeros });
+            }
         }
     }
-    if !alike.is_empty() {
-        rows.reset();
-        rows.linearise(&last.point, &[])?;
+    rows.reset();
+    rows.linearise(&part.study.last.point, &[])?;
+    Ok(part)
+}
+
+/// Effects that zeros are tried in the place of, and what they may lose there: the ground, by each of its effects. Of what a zero
+/// resembles otherwise, one gives way where a zero is off already, and two give way to two that fit no worse.
+fn in_place(list: &[Candidate], part: &Part, on: usize, off: &[usize]) -> Vec<(Vec<usize>, f64)> {
+    let found = &part.study.active;
+    let like = |index: &usize| off.iter().any(|zero| resembles(&part.study, *zero, *index));
+    let ground: Vec<usize> = named(list, found).filter(|index| list[*index].is(Attribute::Ground)).collect();
+    let alike: Vec<usize> = named(list, found).filter(like).collect();
+    let mut instead = Vec::new();
+    if !ground.is_empty() && !off.is_empty() {
+        instead.push((ground.clone(), CLASS * ground.len() as f64));
     }
-    Ok(None)
+    match (on, alike.len()) {
+        (1, _) => instead.extend(alike.iter().map(|one| (vec![*one], CLASS))),
+        (0, 2) if alike != ground => instead.push((alike, PIPELINE.first)),
+        _ => {}
+    }
+    instead
+}
+
+/// Those of them that are effects of the machine.
+fn named<'a>(list: &'a [Candidate], active: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+    active.iter().copied().filter(|index| !list[*index].side.is_of_log())
+}
+
+/// What is on, settled from a point without what windows have come to on their way there: where an arm sticks, that weighs more than a
+/// zero against the ground. Nobody else takes a place, or what is compared would be the same twice.
+fn settled(
+    rows: &mut Tracked<PlantCut>,
+    list: &[Candidate],
+    point: &[f64],
+    active: &[usize],
+    watch: &mut Watch<'_>,
+) -> Result<Study, Error> {
+    let before = watch.known().cloned();
+    watch.begin_from(Some(Known { point: point.to_vec(), active: active.to_vec(), by_torques: false }));
+    rows.reset();
+    let study = study(rows, list, point, active, watch);
+    watch.begin_from(before);
+    study
 }
 
 /// By how much the zeros of the plant's logs were found to be off.
@@ -97,7 +157,8 @@ impl Zeros {
             parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
         }
         let off = ["q1", "q2"].into_iter().zip((0..2).map(|angle| self.turned[angle] + left[angle]));
-        off.filter(|(_, off)| *off != 0.0).map(|(angle, off)| told(angle, off)).collect()
+        let off = off.filter(|(_, off)| *off != 0.0).map(|(angle, off)| told(angle, off));
+        off.chain(parts.iter().flat_map(|part| &part.shared).map(|shared| shared.told(list))).collect()
     }
 }
 
@@ -109,6 +170,16 @@ fn told(angle: &str, off: f64) -> Notice {
         off.to_degrees()
     );
     Notice { file: "plant.csv".into(), line: 0, message }
+}
+
+impl Shared {
+    fn told(&self, list: &[Candidate]) -> Notice {
+        let (effect, zero, off) = (list[self.effect].name, list[self.zero].phrase, self.off);
+        let message = format!(
+            "{effect} may as well be the {zero}, {off:.4} rad too large: only pictures tell them apart"
+        );
+        Notice { file: "plant.csv".into(), line: 0, message }
+    }
 }
 
 /// How many effects of the machine stand in all parts.

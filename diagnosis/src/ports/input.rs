@@ -186,7 +186,7 @@ fn lagged(lines: &[Line], time: f64) -> Vec<Line> {
             from = end;
         }
         // what is over must not cut the next line, too
-        let left = if span < PORTS.settled * time { fading(span) } else { 0.0 };
+        let left = if span < f64::from(PORTS.cuts) * time { fading(span) } else { 0.0 };
         value = if span.is_finite() { behind(span) + left } else { line.first };
     });
     slow
@@ -195,8 +195,10 @@ fn lagged(lines: &[Line], time: f64) -> Vec<Line> {
 /// Begins of pieces of a decay of one time constant, which is over after the last: its height times the cube of a piece's length is
 /// the same in each.
 fn cuts(time: f64) -> impl Iterator<Item = f64> {
-    let all = 1.0 - libm::exp(-PORTS.settled / 3.0);
-    (0..=PORTS.cuts).map(move |cut| -3.0 * time * libm::log1p(-all * f64::from(cut) / f64::from(PORTS.cuts)))
+    let all = f64::from(PORTS.cuts);
+    let last = libm::cbrt(libm::exp(-all));
+    let root = move |cut: u32| 1.0 - (1.0 - last) * f64::from(cut) / all;
+    (0..=PORTS.cuts).map(move |cut| -time * libm::log(root(cut) * root(cut) * root(cut)))
 }
 
 impl Lines {

@@ -18,8 +18,9 @@ pub struct Check {
     /// fifth order was imitated, 0.35 to 1.5 for effects that are there.
     pub cancelled: f64,
     /// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
-    /// clearly there, and resemble it by more than that (a correlation). Seen: 0.014 and 0.67 to 0.96 where k1 imitated k2 in noisy
-    /// images.
+    /// clearly there, and as many as imitate resemble it by more than that (a correlation), itself among them. Seen: 0.014 and 0.67 to
+    /// 0.96 where k1 imitated k2 in noisy images. One that resembles it (0.99) and others that don't (below 0.01) are effects by themselves:
+    /// k1, k2 and a friction, or roll, u0 and a delay.
     pub mended: f64,
     pub resembles: f64,
     /// Whom the first needn't resemble: one whose own square is below this share of all. Seen: 0.002 and 0.004 where a lens and a

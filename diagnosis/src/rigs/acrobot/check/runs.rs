@@ -7,7 +7,6 @@ use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::chained;
-use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Evaluation, steadiness};
 use crate::rigs::acrobot::story::brief;
 
@@ -56,7 +55,7 @@ fn differing(
     let all =
         (0..list.len()).filter(machine).filter_map(|index| Some((index, steadiness(at, index, active)?)));
     let (index, runs) = all.max_by(|a, b| a.1.apart.total_cmp(&b.1.apart))?;
-    if runs.runs.len() < 2 || runs.apart < POLICY.runs_apart {
+    if runs.runs.len() < 2 || !runs.differ() {
         return None;
     }
     let hard = at.hard();
@@ -123,15 +122,18 @@ mod tests {
             };
             Block { run, from: time, to: time + 0.5, cells: vec![cell], state: [0.0; 4] }
         });
-        let signal = Signal {
+        Evaluation::of(blocks.collect(), &[2.0], &[Perturbation { candidate: 0, by: 0.002 }], &[angle()])
+    }
+
+    fn angle() -> Signal {
+        Signal {
             name: "plant.q1".into(),
             unit: "rad",
             known: Some(0.01),
             sigma: 0.01,
             least: 0.0,
             tolerance: 0.0,
-        };
-        Evaluation::of(blocks.collect(), &[2.0], &[Perturbation { candidate: 0, by: 0.002 }], &[signal])
+        }
     }
 
     /// Of so much of what is left.
@@ -154,6 +156,20 @@ mod tests {
             differing(&seen([-0.1, -0.1, 0.2]), active, &[inertia()], &names, laws).is_some()
         };
         assert!(beside(&[], &laws(0.5)) && !beside(&[], &laws(1.0)));
+        // a model that is wrong wants other values in each third of a run, too: 0.1 more or less
+        let mut swaying = seen([0.0, 0.0, 0.3]);
+        assert!(differing(&swaying, &[], &[inertia()], &names, &laws(0.0)).is_some());
+        let sway = |block: &mut Block| {
+            let wrong = if block.from % 5.0 < 2.5 { 0.1 } else { -0.1 };
+            block.cells.iter_mut().for_each(|cell| {
+                let column = cell.columns.column(0).into_owned();
+                cell.residual.iter_mut().zip(&column).for_each(|(rest, slope)| *rest += wrong * slope);
+            });
+        };
+        swaying.blocks.iter_mut().for_each(sway);
+        let swaying =
+            Evaluation::of(swaying.blocks, &[2.0], &[Perturbation { candidate: 0, by: 0.002 }], &[angle()]);
+        assert_eq!(differing(&swaying, &[], &[inertia()], &names, &laws(0.0)), None);
         // the nominal model leaves as much, of which a law takes all: that the inertia is named, too, makes no runs that differ
         let whole = Laws { nominal: 1.0, squares: squares(&seen([-0.1, -0.1, 0.2]).hard()), ..laws(0.0) };
         assert!(beside(&[], &whole) && !beside(&[0], &whole));

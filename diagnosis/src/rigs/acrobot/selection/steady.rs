@@ -1,6 +1,8 @@
 //! Whether a candidate has one value in all runs and all along them, as far as its column tells.
 
 use super::evaluation::Evaluation;
+use crate::rigs::acrobot::policy::POLICY;
+use crate::statistics::levels::FEW;
 use crate::statistics::linear::{solve, submatrix, subvector};
 use std::collections::BTreeMap;
 
@@ -23,10 +25,21 @@ pub struct Steadiness {
     pub decrease: f64,
     /// See `decrease`.
     pub apart: f64,
-    /// The same, however blocks scatter.
+    /// What values of their own bring in each third of a run, for each of them.
+    pub within: f64,
+    /// What runs apart bring, however blocks scatter.
     pub squares: f64,
     /// Drift of x within the runs, a second, and how many standard errors that is.
     pub drift: (f64, f64),
+}
+
+impl Steadiness {
+    /// Whether runs want values of their own: by far more than what thirds of one run want, which is all that a wrong model shows, since
+    /// runs move differently.
+    pub fn differ(&self) -> bool {
+        let each = self.apart / self.runs.len().saturating_sub(1).max(1) as f64;
+        each >= POLICY.runs_apart * self.within.max(1.0)
+    }
 }
 
 /// Judges one candidate where the active ones are fitted. `None` where its column says nothing.
@@ -62,7 +75,34 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
     let decrease = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
     let apart = decrease - score * score / length / over;
-    Some(Steadiness { runs, mean: score / length, decrease, apart, squares: over * apart, drift })
+    let within = within(&wishes) / over;
+    Some(Steadiness { runs, mean: score / length, decrease, apart, within, squares: over * apart, drift })
+}
+
+/// Decrease of the deviance that a value of its own for each third of a run brings beside one for each run, for each value.
+fn within(wishes: &[Wish]) -> f64 {
+    let mut spans: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for wish in wishes {
+        let span = spans.entry(wish.run).or_insert((wish.time, wish.time));
+        *span = (span.0.min(wish.time), span.1.max(wish.time));
+    }
+    let mut sums: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
+    for wish in wishes {
+        let (from, to) = spans[&wish.run];
+        let share = (wish.time - from) / (to - from).max(f64::MIN_POSITIVE);
+        let third = ((FEW as f64 * share) as usize).min(FEW - 1);
+        let sum = sums.entry((wish.run, third)).or_default();
+        *sum = (sum.0 + wish.score, sum.1 + wish.length);
+    }
+    sums.retain(|_, sum| sum.1 > 0.0);
+    let decrease = |sum: &(f64, f64)| sum.0 * sum.0 / sum.1;
+    let mut runs: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for ((run, _), sum) in &sums {
+        let all = runs.entry(*run).or_default();
+        *all = (all.0 + sum.0, all.1 + sum.1);
+    }
+    let own = sums.values().map(decrease).sum::<f64>() - runs.values().map(decrease).sum::<f64>();
+    own / (sums.len() - runs.len()).max(1) as f64
 }
 
 fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {

@@ -43,7 +43,7 @@ pub(super) fn detectable(
                     .map(|(perturbation, _)| perturbation.by.abs())
                     .min_by(f64::total_cmp)
                     .map(|by| 1.0 / by),
-                _ => own.map(|(_, error)| threshold * error).min_by(f64::total_cmp),
+                _ => clear_at(own.map(|(step, error)| (step.by.abs(), error)).collect(), threshold),
             }
         };
         // a smaller one is taken for the log's clock
@@ -58,5 +58,38 @@ pub(super) fn detectable(
         if let Some(size) = size.filter(|size| size.is_finite() && *size > 0.0) {
             into.insert(candidate.name.to_owned(), size);
         }
+    }
+}
+
+/// The size at which a candidate is so many standard deviations clear, by its steps with the errors that a value has along each. Between
+/// two steps what shows grows as a straight line, so that an effect that bends is not promised below the step that shows it.
+fn clear_at(mut steps: Vec<(f64, f64)>, threshold: f64) -> Option<f64> {
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut known = (0.0, 0.0);
+    for (by, error) in &steps {
+        let clear = by / error;
+        if clear >= threshold {
+            return Some(known.0 + (by - known.0) * (threshold - known.1) / (clear - known.1));
+        }
+        known = (*by, clear);
+    }
+    steps.last().map(|(_, error)| threshold * error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_what_bends_is_promised_where_its_steps_show_it() {
+        // what is linear is clear at threshold times its error, within its steps and beyond
+        for steps in [vec![(1.0, 0.5)], vec![(0.1, 0.5), (100.0, 0.5)]] {
+            assert_eq!(clear_at(steps, 5.0), Some(2.5));
+        }
+        // the square of a size: 0.04 standard deviations at 0.02, 4 at 0.2 and 49 at 0.7
+        let square = vec![(0.7, 0.7 / 49.0), (0.02, 0.5), (0.2, 0.05)];
+        let size = clear_at(square, 5.0).expect("it shows");
+        assert!((size - (0.2 + 0.5 / 45.0)).abs() < 1e-12, "{size}");
+        assert_eq!(clear_at(Vec::new(), 5.0), None);
     }
 }

@@ -19,6 +19,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
+mod applied;
 mod fitting;
 mod following;
 mod forced;
@@ -65,6 +66,8 @@ pub struct PlantCut {
     doubt: f64,
     /// Torque that the scatter of its timestamps explains, N·m.
     explained: f64,
+    /// How near to a change of the command each run's torque is in doubt, s.
+    reach: Arc<Vec<f64>>,
     /// Start states as the data alone have them.
     first: Arc<Vec<WindowState>>,
     /// Windows that the logs were cut into, before they were thinned.
@@ -118,6 +121,7 @@ impl PlantCut {
             .filter(|_| runs.iter().any(steered));
         let part = windows.first().map_or(WINDOWS.window, |window| window.edges[1] - window.edges[0]);
         let explained = jitter::torque_jitter(&runs, part);
+        let reach = Arc::new(runs.iter().map(applied::reach).collect());
         let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
@@ -132,11 +136,17 @@ impl PlantCut {
             zeros: [0.0; 2],
             jitter: 0.0,
             explained,
+            reach,
             first,
             doubt: if data.clocks_apart { f64::INFINITY } else { data.late_by_hand },
             cut,
             inertia_scale,
         }))
+    }
+
+    /// Whether a signal is the torque that arrives.
+    fn applied(&self, signal: usize) -> bool {
+        CHANNELS[signal].measures == Measures::AppliedTorque
     }
 
     /// Windows that are compared, and those that the logs were cut into.

@@ -1,6 +1,7 @@
 //! The plant log's clock: cleared before anything is named.
 
 use super::*;
+use crate::diagnosis::Effect;
 use crate::rigs::acrobot::candidates::Attribute::{Exposure, ImageDelay, Retards};
 use crate::rigs::acrobot::candidates::place;
 use crate::rigs::acrobot::dataset::Run;
@@ -79,6 +80,28 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     let twice = 2.0 * model.frame_rate();
     let of = |attribute, each: f64| place(list, attribute).map(|index| (index, each * error));
     [of(ImageDelay, 1.0), of(Exposure, twice)].into_iter().flatten().collect()
+}
+
+/// What is told beside an actuator's delay whose log has a clock that nothing else tells of: the two are one reading each of the same data.
+pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) -> Option<Notice> {
+    let clock = own_clock(list)?;
+    let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
+    let unknown = known(plant, list, clock).is_none_or(|(_, error, alone)| error > PIPELINE.blurred * alone);
+    let named = |attribute| {
+        let own = move |effect: &&Effect| list.iter().any(|one| one.name == effect.name && one.is(attribute));
+        effects.iter().find(own)
+    };
+    let actuator = named(Retards).filter(|_| unknown)?;
+    let late = 1e3 * actuator.value;
+    let camera = named(ImageDelay).map(|delay| {
+        format!(", and {} {:.2} ms instead of {:.2}", delay.name, 1e3 * delay.value + late, 1e3 * delay.value)
+    });
+    let message = format!(
+        "a log that is stamped {late:.2} ms late looks the same as {}: if its clock is off, that is none{}",
+        actuator.name,
+        camera.unwrap_or_default()
+    );
+    Some(Notice { file: "plant.csv".into(), line: 0, message })
 }
 
 /// By how much the plant's logs were set back, s.

@@ -187,6 +187,7 @@ impl Conclusion {
             noises.for_each(|index| point[index] = list[index].off);
         }
         counted(data, model, list, &mut self.effects, &mut self.smallest);
+        self.notices.extend(super::clock::or_late(list, parts, &self.effects));
         let gone = self.superseded();
         self.effects.retain(|effect| !gone.contains(&effect.name));
         if let Some(message) = super::scale::unscaled(data, list, &mut self.effects) {

@@ -14,7 +14,7 @@ use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::residual::picture::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
-use crate::statistics::levels::{FINE, HALF};
+use crate::statistics::levels::{FINE, HALF, WITHIN};
 use crate::statistics::random::Random;
 
 /// Signals of circle 1, and the scatter (px) below which two right renderers may differ.
@@ -62,7 +62,7 @@ impl ImageCut {
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
         let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
-        let Some(seen) = self.scatter(&[measured]) else { return Ok(None) };
+        let Some(mut seen) = self.scatter(&[measured]) else { return Ok(None) };
         let predicted = |sigma: f64| -> Result<Option<Scatter>, Error> {
             let mut there = point.to_vec();
             there[index] = sigma;
@@ -83,16 +83,21 @@ impl ImageCut {
         let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
         let mut here = here;
         self.unsure_lattice(point, &clean, &mut here)?;
-        let apart = compare(&seen, &here);
+        let mut apart = compare(&seen, &here);
         let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
             (true, true) => nominal * (libm::exp(POLICY.clear * apart.error / slope) - 1.0),
             _ => from,
         };
-        let clear = apart.mean.abs() > POLICY.clear * apart.error;
+        let clear = |apart: &Ratio| apart.mean.abs() > POLICY.clear * apart.error;
+        if clear(&apart) && apart.mean < 0.0 {
+            let Some(quiet) = predicted(from / IMAGES.most)? else { return Ok(None) };
+            poses_alone(&mut seen, &quiet);
+            apart = compare(&seen, &here);
+        }
         // a sensor without noise can't have less: poses are known better than they need be
         let none = nominal == 0.0 && apart.mean < 0.0;
-        if none || !clear {
+        if none || !clear(&apart) {
             return Ok(Some(Noise {
                 nominal,
                 value: nominal,
@@ -206,6 +211,17 @@ struct Ratio {
     error: f64,
 }
 
+/// Takes out of what was seen each channel that scatters less than a sensor without noise would have it: its poses are known
+/// better than was reckoned, and it says nothing of the sensor.
+fn poses_alone(seen: &mut Scatter, quiet: &Scatter) {
+    for (own, quiet) in seen.iter_mut().zip(quiet) {
+        let below = libm::log(own.0 / quiet.0);
+        if below < -WITHIN * own.1.hypot(quiet.1).hypot(IMAGES.known) {
+            own.1 = f64::INFINITY;
+        }
+    }
+}
+
 fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let each: Vec<(f64, f64)> = seen
         .iter()
@@ -217,4 +233,26 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let weights: f64 = each.iter().map(|(_, error)| error.powi(-2)).sum();
     let mean = each.iter().map(|(ratio, error)| ratio / (error * error)).sum::<f64>() / weights;
     Ratio { mean, error: weights.sqrt().recip() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_a_channel_that_poses_alone_scatter_more_says_nothing_of_the_sensor() {
+        // as seen with encoders of 1000 counts: the first channel scatters less than without any noise
+        let (here, quiet) =
+            ([(1.4e-3, 0.04), (8.7e-4, 0.04), (0.46, 0.07)], [(1.2e-3, 0.03), (5.1e-4, 0.03), (0.32, 0.02)]);
+        let mut seen = [(7.3e-4, 0.06), (7.1e-4, 0.08), (0.35, 0.06)];
+        let before = compare(&seen, &here);
+        assert!(before.mean < -POLICY.clear * before.error);
+        poses_alone(&mut seen, &quiet);
+        assert_eq!(seen.map(|(_, error)| error.is_finite()), [false, true, true]);
+        let after = compare(&seen, &here);
+        assert!(after.mean < 0.0 && after.mean > -POLICY.clear * after.error);
+        // without any that speaks nothing is clear
+        let none = compare(&seen.map(|(own, _)| (own, f64::INFINITY)), &here);
+        assert!(none.mean.is_nan());
+    }
 }

@@ -208,6 +208,12 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
     assert!(found.effects[0].class.iter().any(|name| name == "plant.tau_delay"), "{:?}", found.effects);
     // the standard error is about 1e-4 s
     assert!((found.effects[0].value - 0.004).abs() < 5e-4, "{:?}", found.effects);
+    // but not from a late log beside a late picture
+    let late = common::notice(&found.notices, "ms late looks the same as plant.");
+    assert!(
+        late.message.contains("and camera.T_delay is ") && late.message.ends_with(" ms, not 0.00"),
+        "{late:?}"
+    );
 
     let found = logged("late", 0.0, &|_, time| time + 4e-3);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);

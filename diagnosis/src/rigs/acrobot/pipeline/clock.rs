@@ -87,17 +87,18 @@ pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) ->
     let clock = own_clock(list)?;
     let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
     let unknown = known(plant, list, clock).is_none_or(|(_, error, alone)| error > PIPELINE.blurred * alone);
-    let named = |attribute| {
-        let own = move |effect: &&Effect| list.iter().any(|one| one.name == effect.name && one.is(attribute));
-        effects.iter().find(own)
-    };
-    let actuator = named(Retards).filter(|_| unknown)?;
+    let find = |index: usize| effects.iter().find(|effect| effect.name == list[index].name);
+    let actuator = (0..list.len()).filter(|index| list[*index].is(Retards)).find_map(find);
+    let actuator = actuator.filter(|_| unknown)?;
     let late = 1e3 * actuator.value;
-    let camera = named(ImageDelay).map(|delay| {
-        format!(", and {} {:.2} ms instead of {:.2}", delay.name, 1e3 * delay.value + late, 1e3 * delay.value)
+    // images, too, come that much later after what the motor was told then
+    let delay = place(list, ImageDelay).filter(|_| parts.iter().any(|part| !part.torque));
+    let camera = delay.map(|index| {
+        let own = 1e3 * find(index).map_or(list[index].off, |effect| effect.value);
+        format!(", and {} is {:.2} ms, not {own:.2}", list[index].name, own + late)
     });
     let message = format!(
-        "a log that is stamped {late:.2} ms late looks the same as {}: if its clock is off, that is none{}",
+        "a log that is stamped {late:.2} ms late looks the same as {0}: if its clock is off by that, there is no {0}{1}",
         actuator.name,
         camera.unwrap_or_default()
     );

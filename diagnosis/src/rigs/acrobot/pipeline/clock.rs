@@ -90,11 +90,12 @@ pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) ->
     let find = |index: usize| effects.iter().find(|effect| effect.name == list[index].name);
     let actuator = (0..list.len()).filter(|index| list[*index].is(Retards)).find_map(find);
     let actuator = actuator.filter(|_| unknown)?;
-    let late = 1e3 * actuator.value;
+    let ms = |time: f64| 1e3 * time;
+    let late = ms(actuator.value);
     // images, too, come that much later after what the motor was told then
     let delay = place(list, ImageDelay).filter(|_| parts.iter().any(|part| !part.torque));
     let camera = delay.map(|index| {
-        let own = 1e3 * find(index).map_or(list[index].off, |effect| effect.value);
+        let own = ms(find(index).map_or(list[index].off, |effect| effect.value));
         format!(", and {} is {:.2} ms, not {own:.2}", list[index].name, own + late)
     });
     let message = format!(

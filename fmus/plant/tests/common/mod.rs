@@ -98,3 +98,16 @@ impl Rig {
 pub fn distance(a: [f64; 4], b: [f64; 4]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
+
+/// Friction, and an actuator with all its effects.
+pub fn busy(variables: &mut Variables) {
+    let effects = &mut variables.effects;
+    effects.viscous.joint = 0.01;
+    effects.coulomb.roll = 0.01;
+    effects.delay.time = 0.0512;
+    effects.saturation.limit = 0.7;
+    effects.rate_limit.limit = 9.0;
+    effects.lag.time = 0.01;
+    effects.gain.factor = 0.9;
+    effects.bias.torque = 0.01;
+}

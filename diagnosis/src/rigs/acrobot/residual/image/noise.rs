@@ -90,7 +90,7 @@ impl ImageCut {
             _ => from,
         };
         let clear = |apart: &Ratio| apart.mean.abs() > POLICY.clear * apart.error;
-        if clear(&apart) && apart.mean < 0.0 {
+        if nominal > 0.0 && apart.mean < 0.0 && clear(&apart) {
             let Some(quiet) = predicted(from / IMAGES.most)? else { return Ok(None) };
             poses_alone(&mut seen, &quiet);
             apart = compare(&seen, &here);

@@ -95,7 +95,7 @@ pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) ->
     // images, too, come that much later after what the motor was told then
     let delay = place(list, ImageDelay).filter(|_| parts.iter().any(|part| !part.torque));
     let camera = delay.map(|index| {
-        let own = ms(find(index).map_or(list[index].off, |effect| effect.value));
+        let own = ms(find(index).map_or(list[index].value(list[index].off), |effect| effect.value));
         format!(", and {} is {:.2} ms, not {own:.2}", list[index].name, own + late)
     });
     let message = format!(

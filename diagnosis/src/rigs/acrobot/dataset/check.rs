@@ -163,7 +163,12 @@ fn without_torque(run: &mut Run, commanded: bool) -> String {
         let rows: Vec<usize> = (0..plant.len()).filter(|row| applied[*row].is_finite()).collect();
         let pick = |values: &[f64]| rows.iter().map(|row| values[*row]).collect::<Vec<f64>>();
         let tau = vec![("tau".to_owned(), pick(&applied))];
-        run.controller = (!rows.is_empty()).then(|| Table::new(pick(&plant.time), tau));
+        let line = rows.iter().map(|row| plant.line[*row]).collect();
+        run.controller = (!rows.is_empty()).then(|| {
+            let mut log = Table::new(pick(&plant.time), tau);
+            log.line = line;
+            log
+        });
         plant.remove("tau_applied");
         return "no usable controller.csv beside it: tau_applied is taken as the command, so nothing of the actuator can be \
                 told"
@@ -206,5 +211,22 @@ fn mask_invalid(run: &mut Run) {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_measured_torque_keeps_the_line_it_stands_on() {
+        let plant = Table::new(
+            vec![0.0, 0.1, 0.2, 0.3],
+            vec![("q1".into(), vec![0.0; 4]), ("tau_applied".into(), vec![f64::NAN, 0.1, f64::NAN, 0.3])],
+        );
+        let mut run = Run { name: String::new(), camera: None, controller: None, plant: Some(plant) };
+        without_torque(&mut run, false);
+        let torque = run.controller.map(|log| (log.time, log.line));
+        assert_eq!(torque, Some((vec![0.1, 0.3], vec![3, 5])));
     }
 }

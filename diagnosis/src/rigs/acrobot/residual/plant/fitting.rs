@@ -157,16 +157,30 @@ impl PlantCut {
     ) -> Result<WindowFit, Error> {
         let settings = self.settings(point, None)?;
         let layout = Layout::of(self, window);
-        let mut begin = self.fit(window, &layout, &settings, window.start, window.slack.clone())?;
-        let known = window.kept.as_ref().filter(|kept| kept.hard.nrows() == layout.len());
-        let (fit, free) = match known {
-            Some(kept) => {
-                (begin.cell.hard, begin.cell.soft) = (kept.hard.clone(), kept.soft.clone());
-                (self.chord(window, &layout, &settings, window.has_slack(), begin)?, None)
-            }
+        let begin = self.fit(window, &layout, &settings, window.start, window.slack.clone())?;
+        let (fit, free) = match self.nearer(window, &layout, &settings, window.has_slack(), &begin)? {
+            Some(near) => (near, None),
             None => self.settled(window, &layout, &settings, begin)?,
         };
         self.compared(window, &layout, point, perturbations, fit, free)
+    }
+
+    /// Chord steps from `begin`, by the columns of the window's last linearisation; `None` without any. They are few simulations beside
+    /// those that new columns take.
+    fn nearer(
+        &self,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        slackened: bool,
+        begin: &Fit,
+    ) -> Result<Option<Fit>, Error> {
+        let known = window.kept.as_ref().filter(|kept| kept.hard.nrows() == layout.len());
+        let Some(kept) = known else { return Ok(None) };
+        let mut near = begin.clone();
+        (near.cell.hard, near.cell.soft) = (kept.hard.clone(), kept.soft.clone());
+        near.here = [kept.is_of(settings, &window.drive, &near); 2];
+        self.chord(window, layout, settings, slackened, near).map(Some)
     }
 
     /// A window's nuisances settled from `begin`, and, if there was one, the fit without slack torques.
@@ -180,14 +194,18 @@ impl PlantCut {
         let (mut fit, mut free) = (begin.clone(), None);
         let slack_before = window.has_slack();
         if !slack_before {
-            // before the fit is settled: slack torques begin with these columns again
-            self.nuisance_columns(window, layout, settings, false, &mut begin)?;
-            fit = self.settle(window, layout, settings, false, begin.clone())?;
+            let near = self.nearer(window, layout, settings, false, &begin)?;
+            if near.is_none() {
+                // before the fit is settled: slack torques begin with these columns again
+                self.nuisance_columns(window, layout, settings, false, &mut begin)?;
+            }
+            fit = self.settle(window, layout, settings, false, near.unwrap_or_else(|| begin.clone()))?;
             free = Some(fit.clone());
         }
         if slack_before || self.astray(layout, &fit) {
+            let near = if slack_before { self.nearer(window, layout, settings, true, &begin)? } else { None };
             // from the first guess again: a state that was fitted without slack torques may be far away
-            fit = self.settle(window, layout, settings, true, begin)?;
+            fit = self.settle(window, layout, settings, true, near.unwrap_or(begin))?;
         }
         self.nuisance_columns(window, layout, settings, true, &mut fit)?;
         Ok((fit, free))

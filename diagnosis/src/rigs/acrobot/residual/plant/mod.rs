@@ -206,6 +206,7 @@ impl PlantCut {
         let fit = |place: &usize| self.linearised(&self.windows[*place], point, perturbations);
         let mut done: Vec<_> = places.par_iter().map(fit).collect();
         let in_vain = !self.handed(places, point, perturbations, &mut done, in_vain)? || in_vain;
+        let settings = self.settings(point, None)?;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
             let WindowFit { start, slack, block, free } = result?;
@@ -214,7 +215,8 @@ impl PlantCut {
             window.kept = block.cells.first().map(|cell| {
                 let count = cell.soft.ncols() - cell.discrepancy;
                 let soft = cell.soft.columns(cell.discrepancy, count).into_owned();
-                Arc::new(Kept { start, slack: slack.clone(), hard: cell.hard.clone(), soft })
+                let (settings, drive) = (settings.clone(), window.drive.clone());
+                Arc::new(Kept { start, slack: slack.clone(), hard: cell.hard.clone(), soft, settings, drive })
             });
             (window.start, window.slack) = (start, slack);
             blocks.push(block);

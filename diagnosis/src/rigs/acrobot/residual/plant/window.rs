@@ -1,5 +1,6 @@
 //! Windows of a log: where they begin and end, which rows count, and a guess of the state at their begin.
 
+use super::fitting::Fit;
 use super::*;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
@@ -15,6 +16,19 @@ pub(super) struct Kept {
     pub(super) slack: Vec<f64>,
     pub(super) hard: DMatrix<f64>,
     pub(super) soft: DMatrix<f64>,
+    /// What the columns were taken with.
+    pub(super) settings: Vec<Setting>,
+    pub(super) drive: Drive,
+}
+
+impl Kept {
+    /// Whether the columns are those of a fit.
+    pub(super) fn is_of(&self, settings: &[Setting], drive: &Drive, fit: &Fit) -> bool {
+        self.start == fit.start
+            && self.slack == fit.slack
+            && self.settings == settings
+            && self.drive == *drive
+    }
 }
 
 /// Most windows that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and what it tells grows
@@ -51,7 +65,7 @@ pub struct WindowState {
     start: State,
     slack: Vec<f64>,
     kept: Option<Arc<Kept>>,
-    free: Option<Arc<super::fitting::Fit>>,
+    free: Option<Arc<Fit>>,
 }
 
 impl WindowState {
@@ -85,7 +99,7 @@ pub(super) struct Window {
     /// Start, slack torques and columns of the nuisances, from the last linearisation.
     pub(super) kept: Option<Arc<Kept>>,
     /// The fit without slack torques of the last linearisation: by it the window got slack torques, or not.
-    pub(super) free: Option<Arc<super::fitting::Fit>>,
+    pub(super) free: Option<Arc<Fit>>,
 }
 
 impl Window {

@@ -38,7 +38,7 @@ fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque
     let series: Vec<bool> =
         study.active.iter().map(|index| candidates[*index].is(Attribute::RadialSeries)).collect();
     let nearest = cancelled(&gram, &sizes, &names, &series).or_else(|| mended(&gram, &sizes, &names))?;
-    let (signal, depends_on, shape) = nominal_shape(study, signals, torque)?;
+    let (signal, depends_on, shape) = nominal_shape(study, signals, candidates, torque)?;
     Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }
 

@@ -3,17 +3,22 @@
 
 mod confounded;
 mod drift;
+#[cfg(test)]
+mod examples;
 mod gap;
+mod images;
 mod policy;
 mod residual;
 mod runs;
 mod shape;
+mod wander;
 
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 pub use drift::drifting;
+pub use images::of_angles;
 pub use shape::torque_shape;
 
 /// What a cut shows.
@@ -57,7 +62,7 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Of the model with its effects.
-const OF_THE_MODEL: [Doubt; 2] = [residual::doubt, confounded::doubt];
+const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, wander::doubt];
 /// Of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 3] = [drift::doubt, runs::doubt, gap::doubt];
 

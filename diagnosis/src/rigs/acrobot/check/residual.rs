@@ -1,16 +1,16 @@
 //! Is what is left noise?
 
-use super::shape::{image_shape, nearest, torque_shape};
+use super::images::image_shape;
+use super::shape::{nearest, torque_shape, widest};
 use super::{Found, Judgement};
-use crate::diagnosis::Unknown;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::rigs::acrobot::selection::{Evaluation, Study, lacking};
+use crate::rigs::acrobot::selection::{Evaluation, lacking};
 use crate::statistics::linear::bare;
 
 /// For each signal, variance of the block means of a model's residual over what independent rows would give, and the rows of a block; beside
@@ -48,11 +48,17 @@ fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
 
 /// More than noise is left, of which nothing on the list has the form.
 pub(super) fn doubt(found: &Found<'_>, _: Option<&Unknown>) -> Judgement {
-    unknown(found.study, found.signals, found.list, found.torque).into()
+    unknown(found).into()
+}
+
+/// Whether a gap stays open.
+fn is_open(gap: &Gap) -> bool {
+    gap.after > CHECK.open * gap.floor
 }
 
 /// The residual in words, if it is more than noise.
-fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
+fn unknown(found: &Found<'_>) -> Option<Unknown> {
+    let Found { study, signals, list: candidates, torque, .. } = *found;
     let stamps = SELECTION.stamps * study.explained;
     // what scattering timestamps of the torque do goes on from row to row, too
     let accounted = if study.last.discrepancy_sd <= stamps { study.last.discrepancy_sd } else { 0.0 };
@@ -85,7 +91,24 @@ fn unknown(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: 
     let means = block_means(&study.last, signals, accounted);
     let means = means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
     let worst = means.map(|(s, mean)| (s, over(s, *mean))).max_by(|a, b| a.1.total_cmp(&b.1));
-    let (worst, _) = worst.filter(|(_, size)| *size >= 1.0)?;
-    let (depends_on, shape) = image_shape(&study.last, worst);
-    Some(Unknown { signal: signals[worst].name.clone(), depends_on, shape, nearest, ..Unknown::default() })
+    // what comes and goes has no mean, and isn't noise either
+    let open = || is_open(found.gap).then(|| widest(&study.last));
+    let worst = worst.filter(|(_, size)| *size >= 1.0).map(|(worst, _)| worst).or_else(open)?;
+    let (signal, depends_on, shape) = image_shape(&study.last, worst, &study.noise, signals, candidates);
+    Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::gap::{Compared, Sums};
+
+    #[test]
+    fn value_a_gap_is_open_from_half_as_much_again_as_noise() {
+        let after = |after: f64| {
+            let sums = Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
+            is_open(&sums.gap(Compared::Centroids))
+        };
+        assert_eq!([1.16, 1.45, 1.55].map(after), [false, false, true]);
+    }
 }

@@ -15,7 +15,7 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     let Some(left) = so_far.filter(|_| found.drift.is_none()) else { return Judgement::Keep };
     let torques = found.torque || chained(found.signals) && left.signal.starts_with("plant");
     let study = found.study;
-    let law = |at: &Evaluation| common(study, at, found.signals, torques);
+    let law = |at: &Evaluation| common(study, at, torques);
     let laws = Laws {
         left: law(&study.last),
         nominal: law(&study.nominal),

@@ -1,11 +1,11 @@
-//! What a residual looks like: the simple law of state, place or time that takes most of it away.
+//! What a residual looks like: the simple law of state, place or time that takes most of it away. Torques stand here, images in `images`.
 
+use super::images::{image_shape, law_of_image};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS};
+use crate::rigs::acrobot::residual::picture::CENTROIDS;
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
-use nalgebra::DVector;
 
 /// What of the list comes nearest to it.
 pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
@@ -53,7 +53,7 @@ fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'st
 }
 
 /// Names of what a law depends on, and its form.
-type Form = (&'static [&'static str], &'static str);
+pub(super) type Form = (&'static [&'static str], &'static str);
 
 /// What torques that lack look like.
 struct Torques {
@@ -61,8 +61,19 @@ struct Torques {
     best: Option<(f64, usize, Form)>,
     /// Of each link.
     squares: [f64; 2],
-    /// Where few windows hold most of it, which is an event and no law: the share that they hold, and the block of the largest.
-    event: Option<(f64, usize)>,
+    /// Where few windows hold most of it, which is an event and no law.
+    event: Option<Held>,
+}
+
+/// What few windows hold.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    /// Their share of all squares.
+    share: f64,
+    /// The block of the largest.
+    largest: usize,
+    /// They follow one another in one run.
+    at_once: bool,
 }
 
 fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
@@ -103,9 +114,16 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
         lacking.iter().map(|t| (t.torque.iter().map(|x| x * x).sum::<f64>(), t.block)).collect();
     sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let few = sizes.len().div_ceil(20);
-    let held: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
+    let share: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
         / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
-    let event = sizes.first().filter(|_| held > 0.8).map(|largest| (held, largest.1));
+    let event = sizes.first().filter(|_| share > 0.8).map(|(_, largest)| {
+        let near =
+            |block: usize| at.blocks[block].run == at.blocks[*largest].run && block.abs_diff(*largest) <= few;
+        let (near, all) = sizes[..few].iter().fold((0.0, 0.0), |(near_by, all), (size, block)| {
+            (near_by + if near(*block) { *size } else { 0.0 }, all + size)
+        });
+        Held { share, largest: *largest, at_once: near > 0.8 * all }
+    });
     Torques { best, squares, event }
 }
 
@@ -115,13 +133,22 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
     let signal =
         |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
     match (event, best) {
-        (Some((held, largest)), _) => {
+        (Some(held), _) => {
+            let largest = held.largest;
             let block = &at.blocks[largest];
-            let shape = format!(
-                "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
-                100.0 * held,
-                block.from
-            );
+            let shape = if held.at_once {
+                format!(
+                    "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
+                    100.0 * held.share,
+                    block.from
+                )
+            } else {
+                format!(
+                    "{:.0} % of it in few windows that lie apart, the largest at {:.1} s: pushes from outside, or rows of a log that are far off",
+                    100.0 * held.share,
+                    block.from
+                )
+            };
             (signal(link), vec!["time".into()], shape)
         }
         (None, Some((share, link, (variables, shape)))) if share > 0.15 => (
@@ -134,85 +161,39 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
 }
 
 /// Share of what a model leaves that one law takes away which is common to all runs: of the torques, or of the image's worst signal.
-pub(super) fn common(study: &Study, at: &Evaluation, signals: &[Signal], torque: bool) -> f64 {
+pub(super) fn common(study: &Study, at: &Evaluation, torque: bool) -> f64 {
     if torque {
         let Torques { best, squares, event } = law_of_torques(study, at);
         let all = squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let law = best.map_or(0.0, |(share, link, _)| share * squares[link] / all);
-        return event.map_or(law, |(held, _)| held.max(law));
+        return event.map_or(law, |held| held.share.max(law));
     }
-    let worst = (0..signals.len().min(AREAS.start)).max_by(|a, b| square(at, *a).total_cmp(&square(at, *b)));
-    worst.and_then(|worst| law_of_image(at, worst)).map_or(0.0, |(share, _)| share)
-}
-
-/// Simple laws of a residual of the image.
-const LAWS: [Form; 7] = [
-    (&[], "constant: this circle sits elsewhere than the model has it"),
-    (&["u"], "linear in u"),
-    (&["v"], "linear in v"),
-    (&["u", "v"], "with the square of the distance from the centre"),
-    (&["dq2"], "with the motion: a matter of time, the same all along"),
-    (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
-    (&["dq2", "time"], "with motion times time: clocks that drift apart"),
-];
-
-/// The law that takes most of a signal's residual away, and the share of it.
-fn law_of_image(at: &Evaluation, signal: usize) -> Option<(f64, Form)> {
-    let mut rows: Vec<(f64, [f64; 7])> = Vec::new();
-    for block in &at.blocks {
-        for cell in &block.cells {
-            let Some(row) = cell.signal.iter().position(|s| *s == signal) else { continue };
-            let [q1, q2, dq1, dq2] = block.state;
-            let (u, v) =
-                (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
-            let speed = match signal {
-                _ if signal < 4 || signal == ANGLES.start => dq1,
-                _ if signal == ANGLES.start + 1 => dq2,
-                _ => dq1 + dq2,
-            };
-            let time = cell.time[row];
-            rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time]));
-        }
-    }
-    let total: f64 = rows.iter().map(|(y, _)| y * y).sum();
-    let share = |law: usize| {
-        let design = DVector::from_iterator(rows.len(), rows.iter().map(|(_, x)| x[law]));
-        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
-        let xx = design.dot(&design);
-        if xx > 0.0 && total > 0.0 { design.dot(&residual).powi(2) / xx / total } else { 0.0 }
-    };
-    (0..LAWS.len()).map(|law| (share(law), LAWS[law])).max_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-pub(super) fn image_shape(at: &Evaluation, signal: usize) -> (Vec<String>, String) {
-    match law_of_image(at, signal) {
-        Some((share, (variables, shape))) if share > 0.1 => (
-            variables.iter().map(|name| (*name).to_owned()).collect(),
-            format!("{shape} ({:.0} % of it)", 100.0 * share),
-        ),
-        _ => (Vec::new(), "no simple law of place, motion or time".into()),
-    }
+    law_of_image(at, widest(at)).map_or(0.0, |(share, _)| share)
 }
 
 /// Where and how the nominal model misses the data.
 pub(super) fn nominal_shape(
     study: &Study,
     signals: &[Signal],
+    list: &[Candidate],
     torque: bool,
 ) -> Option<(String, Vec<String>, String)> {
     let nominal = &study.nominal;
     if torque {
         return Some(torque_shape(study, nominal));
     }
-    let worst =
-        (0..signals.len().min(6)).max_by(|a, b| square(nominal, *a).total_cmp(&square(nominal, *b)))?;
-    let (depends_on, shape) = image_shape(nominal, worst);
-    Some((signals[worst].name.clone(), depends_on, shape))
+    Some(image_shape(nominal, widest(nominal), &study.noise, signals, list))
 }
 
-/// Sum of squares of one signal, in its standard deviations.
+/// The centroid that a model misses most.
+pub(super) fn widest(at: &Evaluation) -> usize {
+    let most = |a: &usize, b: &usize| square(at, *a).total_cmp(&square(at, *b));
+    CENTROIDS.max_by(most).unwrap_or(CENTROIDS.start)
+}
+
+/// Sum of squares of one signal, in its unit.
 fn square(at: &Evaluation, signal: usize) -> f64 {
     let cells = at.blocks.iter().flat_map(|block| &block.cells);
-    let rows = cells.flat_map(|cell| cell.signal.iter().zip(cell.residual.iter().zip(&cell.sigma)));
-    rows.filter(|(own, _)| **own == signal).map(|(_, (residual, sigma))| (residual / sigma).powi(2)).sum()
+    let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual));
+    rows.filter(|(own, _)| **own == signal).map(|(_, residual)| residual * residual).sum()
 }

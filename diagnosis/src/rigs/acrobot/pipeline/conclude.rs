@@ -4,11 +4,12 @@ use super::correct::correct;
 use super::counted::{counted, noisy_sensor};
 use super::detectable::detectable;
 use super::effects::{Swap, part_effects};
+use super::policy::PIPELINE;
 use super::*;
 use crate::diagnosis::{Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
 use crate::overlay::{self, Channel};
 use crate::provenance::Provenance;
-use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, torque_shape};
+use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, of_angles, torque_shape};
 use crate::rigs::acrobot::correction::Correction;
 use crate::rigs::acrobot::{amend, experiment, gap, places, story};
 use std::collections::BTreeMap;
@@ -158,7 +159,9 @@ impl Conclusion {
         }
         self.gaps.push(gap);
         self.traces.push(trace);
-        self.unknown = self.unknown.take().or(judged.unknown);
+        // torques that seem to lack are those angles'
+        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(of_angles));
+        self.unknown = first.or(judged.unknown);
     }
 
     /// Fits a correction of what has no name: beside the effects, since without them it would be another one.
@@ -181,12 +184,15 @@ impl Conclusion {
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
-            noisy_sensor(parts, list, &mut self.effects, &mut self.smallest);
+            noisy_sensor(parts, list, &mut self.effects, &mut self.smallest, &mut self.notices);
         } else {
             let noises = (0..list.len()).filter(|index| list[*index].side == Side::SensorNoise);
             noises.for_each(|index| point[index] = list[index].off);
         }
         counted(data, model, list, &mut self.effects, &mut self.smallest);
+        if self.unknown.as_ref().is_some_and(of_angles) {
+            self.doubt_plant(list);
+        }
         self.notices.extend(super::clock::or_late(list, parts, &self.effects));
         let gone = self.superseded();
         self.effects.retain(|effect| !gone.contains(&effect.name));
@@ -196,10 +202,22 @@ impl Conclusion {
         }
         let superseded = |index: &usize| gone.iter().any(|name| name == list[*index].name);
         (0..list.len()).filter(superseded).for_each(|index| point[index] = list[index].off);
-        if let Some(correction) = &self.correction {
+        if let Some(correction) =
+            self.correction.as_ref().filter(|_| !self.unknown.as_ref().is_some_and(of_angles))
+        {
             self.unknown = self.unknown.take().map(|left| correction.told(left));
         }
         point
+    }
+
+    /// What was found by angles that are off themselves is doubted.
+    fn doubt_plant(&mut self, list: &[Candidate]) {
+        let plant =
+            |effect: &&mut Effect| list.iter().any(|own| own.name == effect.name && own.side == Side::Plant);
+        for effect in self.effects.iter_mut().filter(plant) {
+            effect.probability *= PIPELINE.beside;
+            effect.members.iter_mut().for_each(|member| member.probability *= PIPELINE.beside);
+        }
     }
 
     /// Effects that a correction takes the place of.

@@ -105,6 +105,15 @@ impl Evaluation {
         same
     }
 
+    /// The same residuals with the noise of each signal given.
+    pub fn with(&self, noise: &[f64]) -> Self {
+        let mut same = self.clone();
+        rescale(&mut same.blocks, &self.sigmas, noise);
+        same.sigmas = noise.to_vec();
+        same.reduce();
+        same
+    }
+
     /// The same residuals without a discrepancy.
     pub fn hard(&self) -> Self {
         let mut same = Self { discrepancy_sd: 0.0, ..self.clone() };

@@ -31,6 +31,8 @@ pub struct Steadiness {
     pub squares: f64,
     /// Drift of x within the runs, a second, and how many standard errors that is.
     pub drift: (f64, f64),
+    /// What that drift brings, however blocks scatter.
+    pub wandering: f64,
 }
 
 impl Steadiness {
@@ -71,12 +73,22 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
         drift += since * (wish.score - wish.length * run_score / run_length);
         spread += wish.length * since * since;
     }
+    let wandering = if spread > 0.0 { drift * drift / spread } else { 0.0 };
     let drift = if spread > 0.0 { (drift / spread, drift / (spread * over).sqrt()) } else { (0.0, 0.0) };
     let decrease = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
     let apart = decrease - score * score / length / over;
     let within = within(&wishes) / over;
-    Some(Steadiness { runs, mean: score / length, decrease, apart, within, squares: over * apart, drift })
+    Some(Steadiness {
+        runs,
+        mean: score / length,
+        decrease,
+        apart,
+        within,
+        squares: over * apart,
+        drift,
+        wandering,
+    })
 }
 
 /// Decrease of the deviance that a value of its own for each third of a run brings beside one for each run, for each value.

@@ -3,6 +3,7 @@
 use super::*;
 use crate::diagnosis::Effect;
 use crate::rigs::acrobot::counting::losses;
+use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::WITHIN;
 use std::collections::BTreeMap;
@@ -13,15 +14,30 @@ pub(super) fn noisy_sensor(
     list: &[Candidate],
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
+    notices: &mut Vec<Notice>,
 ) {
     let Some(candidate) = list.iter().find(|candidate| candidate.side == Side::SensorNoise) else { return };
     for noise in parts.iter().filter_map(|part| part.noise) {
         smallest.insert(candidate.name.to_owned(), noise.detectable);
         if noise.clear {
             let ci95 = [(noise.value - WITHIN * noise.error).max(0.0), noise.value + WITHIN * noise.error];
-            effects.push(Effect::alone(candidate, noise.value, ci95, 1.0 - SELECTION.alpha));
+            let sure = 1.0 - SELECTION.alpha;
+            let probability = if noise.is_lit() { sure } else { PIPELINE.beside };
+            effects.push(Effect::alone(candidate, noise.value, ci95, probability));
+            notices.extend((!noise.is_lit()).then(|| unlit(candidate.name, noise.larger)));
         }
     }
+}
+
+/// Another light than the nominal one, of which noise is a share.
+fn unlit(name: &str, larger: f64) -> Notice {
+    let than = if larger < 0.0 { "smaller" } else { "larger" };
+    let message = format!(
+        "circles are {:.1} px {than} than the model has them, all alike: another light, threshold or target. {name} is told as if the light \
+         were the nominal one",
+        larger.abs()
+    );
+    Notice { file: "camera.csv".into(), line: 0, message }
 }
 
 /// Lost frames, where more or fewer are missing than the nominal camera loses.

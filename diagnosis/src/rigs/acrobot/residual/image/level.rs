@@ -35,3 +35,36 @@ pub(super) fn level(blocks: &mut [Block]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is left of areas that all differ by so much.
+    fn left(by: f64) -> f64 {
+        let cell = Cell {
+            residual: vec![by; AREAS.len()],
+            sigma: vec![1.0; AREAS.len()],
+            signal: AREAS.collect(),
+            time: vec![0.0; AREAS.len()],
+            hard: DMatrix::zeros(AREAS.len(), 0),
+            soft: DMatrix::zeros(AREAS.len(), 0),
+            discrepancy: 0,
+            inertia_scale: 1.0,
+            columns: DMatrix::from_element(AREAS.len(), 1, 1.0),
+            floor: Vec::new(),
+            state: Vec::new(),
+            lattice: Vec::new(),
+        };
+        let mut blocks = [Block { run: 0, from: 0.0, to: 0.0, cells: vec![cell], state: [0.0; 4] }];
+        level(&mut blocks);
+        blocks[0].cells[0].residual[0]
+    }
+
+    #[test]
+    fn value_a_light_that_is_a_twentieth_lower_says_nothing() {
+        for (by, rest) in [(-0.9, 0.0), (0.9, 0.0), (-4.3, -3.3), (1.1, 0.1)] {
+            assert!((left(by) - rest).abs() < 1e-9, "{by}");
+        }
+    }
+}

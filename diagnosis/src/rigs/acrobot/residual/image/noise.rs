@@ -37,6 +37,15 @@ pub struct Noise {
     pub detectable: f64,
     /// It differs from the nominal one beyond doubt.
     pub clear: bool,
+    /// By how much circles are larger than the camera with this noise has them, px: by another light or threshold.
+    pub larger: f64,
+}
+
+impl Noise {
+    /// Whether the light is the nominal one, against which noise is told.
+    pub fn is_lit(&self) -> bool {
+        self.larger.abs() < IMAGES.unlit
+    }
 }
 
 /// Variance of each channel, and the relative error of its estimate.
@@ -62,8 +71,9 @@ impl ImageCut {
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
         let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
+        let sizes = mean_area(&measured);
         let Some(mut seen) = self.scatter(&[measured]) else { return Ok(None) };
-        let predicted = |sigma: f64| -> Result<Option<Scatter>, Error> {
+        let made = |sigma: f64| -> Result<Vec<Vec<Option<Seen>>>, Error> {
             let mut there = point.to_vec();
             there[index] = sigma;
             let settings = self.settings(&there, None)?;
@@ -76,8 +86,9 @@ impl ImageCut {
                 };
                 sets.push((0..shots.len()).map(residual).collect());
             }
-            Ok(self.scatter(&sets))
+            Ok(sets)
         };
+        let predicted = |sigma: f64| made(sigma).map(|sets| self.scatter(&sets));
         let nominal = candidate.off;
         let from = nominal.max(IMAGES.least);
         let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
@@ -104,6 +115,7 @@ impl ImageCut {
                 error: detectable / POLICY.clear,
                 detectable,
                 clear: false,
+                larger: 0.0,
             }));
         }
         // as far as the unit goes, and what is compared above it
@@ -126,7 +138,8 @@ impl ImageCut {
         let there = compare(&seen, &there);
         let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
         let error = value * there.error / slope.max(0.1);
-        Ok(Some(Noise { nominal, value, error, detectable, clear: true }))
+        let larger = sizes - made(value)?.first().map_or(0.0, |set| mean_area(set));
+        Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger }))
     }
 
     /// Adds to the errors of a prediction how much it changes when the image moves by what isn't known of its place on the
@@ -203,6 +216,13 @@ impl ImageCut {
     }
 }
 
+/// Mean of all areas over all frames, px.
+fn mean_area(set: &[Option<Seen>]) -> f64 {
+    let areas = set.iter().flatten().flat_map(|seen| &seen[AREAS]).filter(|area| area.is_finite());
+    let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), area| (sum + area, count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
 /// How two scatters compare over the channels.
 struct Ratio {
     /// Mean of the logarithms of the variances' ratios.
@@ -238,6 +258,14 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_another_light_is_one_from_half_a_pixel_on() {
+        let of = |larger: f64| {
+            Noise { nominal: 4.0, value: 6.0, error: 0.1, detectable: 0.2, clear: true, larger }.is_lit()
+        };
+        assert_eq!([-0.55, -0.45, 0.45, 0.55].map(of), [false, true, true, false]);
+    }
 
     #[test]
     fn law_a_channel_that_poses_alone_scatter_more_says_nothing_of_the_sensor() {

@@ -1,6 +1,5 @@
 //! Numbers by which images are compared, each with its reason.
 
-use crate::rigs::acrobot::channels::AREAS_APART;
 use crate::rigs::acrobot::channels::CENTROIDS_APART;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
@@ -43,8 +42,11 @@ pub struct Images {
     /// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales an image
     /// turns no link; but steps that are large against the lattice leave a little of its error.
     pub chance: f64,
-    /// By how much all areas may differ alike, px: one renderer rounds grey levels, another cuts them off, which makes half of it.
+    /// By how much all areas may differ alike, px, with no effect behind it: a light or threshold that is a twentieth off makes as much,
+    /// and renderers that round grey levels or cut them off a tenth of it. A defocus of 1 makes four times as much.
     pub level: f64,
+    /// From this on the light is not the nominal one, px, and noise against it another one: a fiftieth lower makes as much.
+    pub unlit: f64,
     /// Realisations of the noise for each frame.
     pub made: i32,
     /// Standard deviation of a pose read off an image and smoothed by the plant, rad.
@@ -86,7 +88,8 @@ pub const IMAGES: Images = Images {
     degree: 4,
     each: FEW,
     chance: SEVERAL,
-    level: 2.0 * AREAS_APART,
+    level: 1.0,
+    unlit: HALF,
     made: RESIDUAL.averaged,
     read: POLICY.read,
     noise_beside: 2.0 * CENTROIDS_APART,

@@ -30,6 +30,8 @@ fn same(q1: f64, q2: f64) -> (f64, f64) {
     (q1, q2)
 }
 
+const DEGREES: &str = "angles = \"deg\"";
+
 /// Signs of both angles and of the torque can't be told from each other by a motion: the equations are the same in a mirror.
 const WAYS: &[Way] = &[
     way("torque = \"mN·m\"", "the torque is in mN·m", same, 1e-3),
@@ -51,7 +53,7 @@ const WAYS: &[Way] = &[
         1.0,
     ),
     way("links = \"swapped\"", "q1 and q2 are exchanged", |a, b| (b, a), 1.0),
-    way("angles = \"deg\"", "angles are in degrees", |a, b| (a * PI / 180.0, b * PI / 180.0), 1.0),
+    way(DEGREES, "angles are in degrees", |a, b| (a * PI / 180.0, b * PI / 180.0), 1.0),
 ];
 
 /// Another way of counting that fits far better than the one in use, if there is one.
@@ -65,13 +67,17 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
     if as_logged < PLAUSIBLE.noise * noise {
         return Ok(None);
     }
-    // a way that no unit can follow is none
+    // a way that no unit can follow is none; an arm that stays within three degrees does nothing that a log is taken for
+    let wide = logs.runs.iter().any(|run| run.plant.as_ref().is_some_and(turns));
     let read = |way: &Way| {
         let mut other = logs.clone();
         other.runs.iter_mut().for_each(|run| count(run, way));
         Some(lacking(&other, model, list).ok()??.0)
     };
-    let mut all: Vec<(f64, &Way)> = WAYS.iter().filter_map(|way| Some((read(way)?, way))).collect();
+    let mut all: Vec<(f64, &Way)> = (WAYS.iter())
+        .filter(|way| wide || way.add != DEGREES)
+        .filter_map(|way| Some((read(way)?, way)))
+        .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [(least, way), second, ..] = all.as_slice() else { return Ok(None) };
     let beyond = *least < PLAUSIBLE.better * as_logged && *least < PLAUSIBLE.clearly * second.0;
@@ -94,6 +100,11 @@ fn stand_in(run: &mut Run) {
     if run.plant.is_none() {
         run.plant = run.camera.as_ref().map(angles::seen).filter(|log| !log.is_empty());
     }
+}
+
+/// Whether some angle goes beyond half a turn, counted as it stands there.
+fn turns(log: &Table) -> bool {
+    ["q1", "q2"].iter().filter_map(|name| log.column(name)).flatten().any(|angle| angle.abs() > PI)
 }
 
 /// Reads a run in another way.
@@ -132,4 +143,15 @@ fn lacking(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Result<
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_degrees_are_asked_of_angles_beyond_half_a_turn() {
+        let log = |angle: f64| Table::new(vec![0.0, 0.1], vec![("q1".into(), vec![0.0, -angle])]);
+        assert_eq!([3.1, 3.2].map(|angle| turns(&log(angle))), [false, true]);
+    }
 }

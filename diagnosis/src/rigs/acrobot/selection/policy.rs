@@ -29,6 +29,9 @@ pub struct Selection {
     /// Decrease of the deviance that an effect must bring which no statistic over blocks shows, and how many are tried then.
     pub sparse: f64,
     pub sparse_trials: usize,
+    /// Squares beyond which the same is asked of an effect of the camera whose column bends. Seen: 350 to 750 for exposures of 0.25 and 0.4
+    /// beside a delay, 21 at most where there is none.
+    pub seldom: f64,
     /// A step that brings so many times what its columns predict (twice, where the deviance decreases along a straight line) is followed by
     /// one that is longer by so much: what passes for a discrepancy holds a value back that explains it.
     pub refit_straight: f64,
@@ -127,6 +130,7 @@ pub const SELECTION: Selection = Selection {
     large: SMALL,
     sparse: CERTAIN * CERTAIN,
     sparse_trials: FEW,
+    seldom: FAR * CERTAIN * CERTAIN,
     refit_straight: MORE,
     stretch: SEVERAL,
     rounds: Options::USUAL.rounds,

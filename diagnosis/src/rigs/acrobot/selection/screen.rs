@@ -1,7 +1,7 @@
 //! Score test for the next candidate: linear, all at once, with active ones and nuisances projected out.
 
 use super::evaluation::Evaluation;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::bootstrap::{Null, Scores};
 use crate::statistics::linear::{solve, submatrix, subvector};
@@ -20,6 +20,15 @@ pub struct Hit {
     pub statistic: f64,
     /// Displacement of x that the column asks for.
     pub displacement: f64,
+}
+
+impl Hit {
+    /// Whether fits are to judge it: a blur shows in the few blocks of quick motion, and bends there, so that its statistic over blocks
+    /// says little of it.
+    pub(super) fn shows_seldom(&self, candidates: &[Candidate]) -> bool {
+        let own = &candidates[self.candidate];
+        own.side == Side::Camera && own.nonlinear && self.gain > SELECTION.seldom
+    }
 }
 
 /// All candidates, screened.
@@ -138,8 +147,14 @@ fn sided(candidate: &Candidate, x: f64, by: f64) -> i8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::candidates::Side;
-    use crate::rigs::acrobot::selection::examples::{block, candidate, evaluation};
+    use crate::rigs::acrobot::selection::examples::{block, candidate, evaluation, hit};
+
+    #[test]
+    fn value_a_blur_that_shows_seldom_is_tried_by_its_gain() {
+        let tried = |side: Side, gain: f64| hit(0, gain).shows_seldom(&[candidate(side, true)]);
+        assert_eq!([195.0, 210.0].map(|gain| tried(Side::Camera, gain)), [false, true]);
+        assert!(!tried(Side::Plant, 1e3) && !hit(0, 1e3).shows_seldom(&[candidate(Side::Camera, false)]));
+    }
 
     #[test]
     fn value_a_step_that_moves_rows_by_next_to_nothing_says_nothing() {

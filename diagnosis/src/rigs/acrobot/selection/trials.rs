@@ -98,9 +98,10 @@ impl Trials<'_> {
             let candidate = hit.candidate;
             watch.trying(self.candidates[candidate].name, place + 1, shortlist.len());
             let own = trials.len();
+            let straight = self.is_straight(candidate) && !hit.shows_seldom(self.candidates);
             self.fit(cut, hit, f64::INFINITY, &mut trials);
             for place in own..trials.len() {
-                let held_out = self.held_out(&trials[place].2, candidate, self.is_straight(candidate));
+                let held_out = self.held_out(&trials[place].2, candidate, straight);
                 if held_out.1 < held_out.0 {
                     return Some(Accepted { candidate, trial: trials.swap_remove(place).2, held_out });
                 }
@@ -268,7 +269,8 @@ pub(super) fn shortlist(
     let mut hits: Vec<Hit> =
         found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
     if discrepancy_dominated || !hits.iter().any(|hit| hit.statistic > threshold) {
-        hits.retain(|hit| hit.statistic > threshold);
+        let seldom = |hit: &Hit| !discrepancy_dominated && hit.shows_seldom(candidates);
+        hits.retain(|hit| hit.statistic > threshold || seldom(hit));
     }
     let worth = |hit: &Hit| if discrepancy_dominated { hit.statistic * hit.statistic } else { hit.gain };
     hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));

@@ -1,7 +1,7 @@
 //! Numbers that doubts of what was found decide by, each with its reason.
 
 use crate::rigs::acrobot::policy::POLICY;
-use crate::statistics::levels::{CERTAIN, FAR, FEW, MORE, PART, SEVERAL, SLIGHT, SMALL, STEP};
+use crate::statistics::levels::{CERTAIN, FAR, FEW, HALF, MORE, PART, SEVERAL, SMALL, STEP};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Check {
     /// fifth order was imitated, 0.35 to 1.5 for effects that are there.
     pub cancelled: f64,
     /// They mend the form of one of them if all the others add less than this to what it explains alone, though each of them is
-    /// clearly there, and as many as imitate resemble it by more than that (a correlation), itself among them. Seen: 0.014 and 0.67 to
+    /// clearly there, and as many as imitate resemble it by more than that (a correlation), itself among them. Seen: 0.014 to 0.027 and 0.42 to
     /// 0.96 where k1 imitated k2 in noisy images. One that resembles it (0.99) and others that don't (below 0.01) are effects by themselves:
     /// k1, k2 and a friction, or roll, u0 and a delay.
     pub mended: f64,
@@ -51,7 +51,7 @@ pub const CHECK: Check = Check {
     far_frame: FAR,
     imitators: FEW,
     cancelled: SMALL,
-    mended: SLIGHT,
+    mended: HALF * SMALL,
     resembles: PART,
     slight: STEP,
     far_less: 1.0 - PART,

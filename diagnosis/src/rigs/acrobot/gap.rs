@@ -138,6 +138,11 @@ pub fn widest(
     if above(&other.0) > above(&own.0) { other } else { own }
 }
 
+/// The gap of an image alone: what circles leave beside each other, whatever a plant does, where poses are read off them.
+pub fn of_pictures(study: &Study, free: &[usize], runs: &[String]) -> Gap {
+    crossed(study, free, runs, Compared::of_picture(&study.last.blocks))
+}
+
 /// The gap where nothing is added to the model: what clocks that were put right close is no name's merit, and no part of the gap.
 pub fn unchanged(gap: Gap) -> Gap {
     let before = gap.after;

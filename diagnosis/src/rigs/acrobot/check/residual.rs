@@ -5,7 +5,7 @@ use super::shape::{nearest, torque_shape, widest};
 use super::{Found, Judgement};
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::check::policy::CHECK;
-use crate::rigs::acrobot::gap::chained;
+use crate::rigs::acrobot::gap::{chained, of_pictures};
 use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
@@ -72,7 +72,11 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
-    if chained(signals) && lacking(&study.last, &study.folds, study.explained, true) {
+    let chain = chained(signals);
+    // circles that don't fit each other are no torque's, which moves the links that they are on
+    let open =
+        || is_open(&if chain { of_pictures(study, found.free, found.runs) } else { found.gap.clone() });
+    if chain && !open() && lacking(&study.last, &study.folds, study.explained, true) {
         let (signal, depends_on, shape) = torque_shape(study, &study.last);
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
@@ -92,8 +96,8 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let means = means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
     let worst = means.map(|(s, mean)| (s, over(s, *mean))).max_by(|a, b| a.1.total_cmp(&b.1));
     // what comes and goes has no mean, and isn't noise either
-    let open = || is_open(found.gap).then(|| widest(&study.last));
-    let worst = worst.filter(|(_, size)| *size >= 1.0).map(|(worst, _)| worst).or_else(open)?;
+    let comes_and_goes = || open().then(|| widest(&study.last));
+    let worst = worst.filter(|(_, size)| *size >= 1.0).map(|(worst, _)| worst).or_else(comes_and_goes)?;
     let (signal, depends_on, shape) = image_shape(&study.last, worst, &study.noise, signals, candidates);
     Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }

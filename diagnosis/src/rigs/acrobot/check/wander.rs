@@ -5,11 +5,12 @@ use super::policy::CHECK;
 use super::shape::{common, torque_shape};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
-use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::candidates::{Motion, Side};
 use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::selection::{Evaluation, Steadiness, steadiness};
 use crate::rigs::acrobot::story::brief;
+use crate::statistics::levels::HALF;
 
 /// What changes, if something does that explains more than a law of state or place.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -28,7 +29,10 @@ fn parameter(found: &Found<'_>, so_far: Option<&Unknown>) -> Option<(f64, Unknow
     let Found { study, list, .. } = *found;
     let at = &study.last;
     let steady = |index: &usize| {
-        matches!(list[*index].side, Side::Plant | Side::Camera) && !list[*index].is_discrete()
+        let own = &list[*index];
+        // a ceiling cuts some commands and not others, which is no course of time
+        let cuts = matches!(own.motion, Motion::Saturation { .. });
+        matches!(own.side, Side::Plant | Side::Camera) && !own.is_discrete() && !cuts
     };
     let wanders = |index: usize| Some((index, steadiness(at, index, &study.active).filter(wanders)?));
     let all = (0..list.len()).filter(steady).filter_map(wanders);
@@ -36,7 +40,7 @@ fn parameter(found: &Found<'_>, so_far: Option<&Unknown>) -> Option<(f64, Unknow
     let torques = found.torque || chained(found.signals) && list[index].side == Side::Plant;
     // noise that was fitted to the runs passes for what is left
     let left = (at.total.square - at.total.freedom).max(of.wandering);
-    if so_far.is_some() && of.wandering < left * common(study, at, torques) {
+    if so_far.is_some() && of.wandering < left * common(study, at, torques).max(HALF) {
         return None;
     }
     let own = &list[index];

@@ -25,7 +25,7 @@ use std::sync::{Mutex, PoisonError};
 
 #[cfg(unix)]
 pub(crate) use ending::unpacked_in;
-pub use lookout::{beat, look_out};
+pub use lookout::{beat, beats, look_out};
 #[cfg(unix)]
 pub use prints::own_output;
 

@@ -113,7 +113,7 @@ pub use bundle::Bundle;
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;
-pub use guard::{Guard, all_done, beat, give_up, look_out};
+pub use guard::{Guard, all_done, beat, beats, give_up, look_out};
 #[cfg(unix)]
 pub use guard::{exit_at_once, own_output};
 pub use isolation::{Host, Isolation, host_units, host_units_by, serve_units};

@@ -59,6 +59,11 @@ pub fn beat() {
     BEATS.with(|beats| beats.store(beats.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed));
 }
 
+/// How often this thread has said so.
+pub fn beats() -> u64 {
+    BEATS.with(|beats| beats.load(Ordering::Relaxed))
+}
+
 /// From now on looks whether threads that [`beat`] come back from their calls within a time. The first that doesn't is told: the unit
 /// and the function.
 pub fn look_out(limit: Duration, told: impl FnOnce(&str, &str) + Send + 'static) {
@@ -99,7 +104,9 @@ mod tests {
 
     #[test]
     fn law_a_thread_that_stays_in_a_call_is_found_and_one_that_goes_on_is_not() {
+        let before = beats();
         beat();
+        assert_eq!(beats(), before + 1);
         assert!(look().is_empty(), "no unit is called");
         within(label("looper"), || {
             calls(Function::DoStep);

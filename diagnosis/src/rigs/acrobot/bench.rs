@@ -162,11 +162,33 @@ impl Bench {
 /// # Errors
 /// It didn't.
 pub fn step(instance: &mut Instance, from: f64, size: f64) -> Result<(), Error> {
+    // a thread that is in steps at every look of half a minute would pass for one that does not come back
+    orchestrator::beat();
     match instance.do_step(from, size, true) {
         Status::Ok | Status::Warning => Ok(()),
         status => {
             let said = instance.log().last().map(|line| format!(": {}", line.text)).unwrap_or_default();
             Err(Error::Model(format!("unit step at {from} s of {size} s: {status}{said}")))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn law_each_step_says_that_work_goes_on() {
+        // `cargo xtask pack` makes it
+        let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
+        let bench =
+            Bench::new(Fmu::open(packed).expect("it was packed"), &BTreeMap::new()).expect("no names");
+        let said = |instance: &mut Instance| {
+            let before = orchestrator::beats();
+            (0..7).try_for_each(|k| step(instance, 0.01 * f64::from(k), 0.01))?;
+            Ok(orchestrator::beats() - before)
+        };
+        assert_eq!(bench.run(&[], 0.0, said).expect("it steps"), 7);
     }
 }

@@ -37,8 +37,9 @@ pub(super) fn image_shape(
     if let Some(text) = frames.single(at, list) {
         return shape(own, &["time"], text);
     }
-    let law =
-        law_of_image(at, worst).map(|(share, form)| (share / (1.0 - quiet(at, worst, noise[worst])), form));
+    // of what noise doesn't leave
+    let loud = 1.0 - quiet(at, worst, noise[worst]);
+    let law = law_of_image(at, worst).map(|(share, form)| ((share / loud).min(1.0), form));
     let share = law.map_or(0.0, |(share, _)| share);
     if let Some((link, angle)) = angle_of_log(at).filter(|(_, angle)| *angle > share.max(HALF)) {
         let name = ["q1", "q2"][link];
@@ -138,7 +139,7 @@ fn angle_of_log(at: &Evaluation) -> Option<(usize, f64)> {
                 xx += x * x;
             }
         }
-        if xx > 0.0 { xy * xy / xx / more } else { 0.0 }
+        if xx > 0.0 { (xy * xy / xx / more).min(1.0) } else { 0.0 }
     };
     let best = [0, 1].map(|link| (link, share(link))).into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     best.filter(|_| more > 0.0)

@@ -82,3 +82,25 @@ fn frames_that_were_repeated_are_told_by_their_number() {
         shape(&found)
     );
 }
+
+#[test]
+fn angles_that_a_vision_read_are_blamed_and_no_circle_that_nobody_logged() {
+    let folder = recorded("repeated-angles", &[]);
+    for run in ["run-01", "run-02"] {
+        let file = format!("{run}/camera.csv");
+        let text = std::fs::read_to_string(folder.path().join(&file)).expect("it was written");
+        let rows = text.lines().enumerate().map(|(row, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            // time, q1_est, q2_est; the last one jumps by 0.05 rad now and then
+            let jumps = row % 60 == 40;
+            let last = cells[12]
+                .parse::<f64>()
+                .map_or(cells[12].to_owned(), |q2| (q2 + if jumps { 0.05 } else { 0.0 }).to_string());
+            format!("{},{},{last}", cells[0], cells[11])
+        });
+        folder.put(&file, &(rows.collect::<Vec<_>>().join("\n") + "\n"));
+    }
+    let found = found(&folder);
+    let left = found.unknown.as_ref().expect("frames jump");
+    assert_eq!(left.signal, "camera.q2_est", "{}", left.shape);
+}

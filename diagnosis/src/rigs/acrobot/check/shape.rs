@@ -2,8 +2,9 @@
 
 use super::images::{image_shape, law_of_image};
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::CENTROIDS;
+use crate::rigs::acrobot::residual::picture::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 
@@ -185,10 +186,11 @@ pub(super) fn nominal_shape(
     Some(image_shape(nominal, widest(nominal), &study.noise, signals, list))
 }
 
-/// The centroid that a model misses most.
+/// The centroid that a model misses most; where no circle was logged, the angle that was read off them.
 pub(super) fn widest(at: &Evaluation) -> usize {
-    let most = |a: &usize, b: &usize| square(at, *a).total_cmp(&square(at, *b));
-    CENTROIDS.max_by(most).unwrap_or(CENTROIDS.start)
+    let of = if measures(&at.blocks, &CENTROIDS) { CENTROIDS } else { ANGLES };
+    let (start, most) = (of.start, |a: &usize, b: &usize| square(at, *a).total_cmp(&square(at, *b)));
+    of.max_by(most).unwrap_or(start)
 }
 
 /// Sum of squares of one signal, in its unit.

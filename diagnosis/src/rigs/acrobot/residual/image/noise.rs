@@ -37,7 +37,7 @@ pub struct Noise {
     pub detectable: f64,
     /// It differs from the nominal one beyond doubt.
     pub clear: bool,
-    /// By how much circles are larger than the camera with this noise has them, px: by another light or threshold.
+    /// By how much circle 1 is larger than the camera with this noise has it, px: by another light or threshold.
     pub larger: f64,
 }
 
@@ -216,9 +216,9 @@ impl ImageCut {
     }
 }
 
-/// Mean of all areas over all frames, px.
+/// Mean area of circle 1 over all frames, px.
 fn mean_area(set: &[Option<Seen>]) -> f64 {
-    let areas = set.iter().flatten().flat_map(|seen| &seen[AREAS]).filter(|area| area.is_finite());
+    let areas = set.iter().flatten().map(|seen| seen[AREAS.start]).filter(|area| area.is_finite());
     let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), area| (sum + area, count + 1.0));
     sum / f64::max(count, 1.0)
 }

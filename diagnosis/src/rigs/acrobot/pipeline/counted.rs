@@ -33,7 +33,7 @@ pub(super) fn noisy_sensor(
 fn unlit(name: &str, larger: f64) -> Notice {
     let than = if larger < 0.0 { "smaller" } else { "larger" };
     let message = format!(
-        "circle 1 is {:.1} px {than} than the model has it: another light, threshold or target. {name} is told as if the light \
+        "circles are {:.1} px {than} than the model has them, all alike: another light, threshold or target. {name} is told as if the light \
          were the nominal one",
         larger.abs()
     );

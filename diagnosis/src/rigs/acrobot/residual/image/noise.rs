@@ -37,7 +37,7 @@ pub struct Noise {
     pub detectable: f64,
     /// It differs from the nominal one beyond doubt.
     pub clear: bool,
-    /// By how much circle 1 is larger than the camera with this noise has it, px: by another light or threshold.
+    /// By how much circles are larger than the camera with this noise has them, px: by another light or threshold.
     pub larger: f64,
 }
 
@@ -70,9 +70,8 @@ impl ImageCut {
             let (here, seen) = (clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
-        let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
-        let sizes = mean_area(&measured);
-        let Some(mut seen) = self.scatter(&[measured]) else { return Ok(None) };
+        let measured: [Vec<Option<Seen>>; 1] = [(0..shots.len()).map(residual).collect()];
+        let Some(mut seen) = self.scatter(&measured) else { return Ok(None) };
         let made = |sigma: f64| -> Result<Vec<Vec<Option<Seen>>>, Error> {
             let mut there = point.to_vec();
             there[index] = sigma;
@@ -138,7 +137,7 @@ impl ImageCut {
         let there = compare(&seen, &there);
         let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
         let error = value * there.error / slope.max(0.1);
-        let larger = sizes - made(value)?.first().map_or(0.0, |set| mean_area(set));
+        let larger = made(value)?.first().map_or(0.0, |made| larger(&measured[0], made));
         Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger }))
     }
 
@@ -216,10 +215,12 @@ impl ImageCut {
     }
 }
 
-/// Mean area of circle 1 over all frames, px.
-fn mean_area(set: &[Option<Seen>]) -> f64 {
-    let areas = set.iter().flatten().map(|seen| seen[AREAS.start]).filter(|area| area.is_finite());
-    let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), area| (sum + area, count + 1.0));
+/// By how much circles are larger in one set than in another, px: the mean over all areas that both have.
+fn larger(one: &[Option<Seen>], other: &[Option<Seen>]) -> f64 {
+    let both = one.iter().zip(other).filter_map(|(one, other)| one.zip(*other));
+    let by = both.flat_map(|(one, other)| AREAS.map(move |area| one[area] - other[area]));
+    let (sum, count) =
+        by.filter(|by| by.is_finite()).fold((0.0, 0.0), |(sum, count), by| (sum + by, count + 1.0));
     sum / f64::max(count, 1.0)
 }
 
@@ -258,6 +259,7 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::residual::picture::COLUMNS;
 
     #[test]
     fn value_another_light_is_one_from_half_a_pixel_on() {
@@ -265,6 +267,19 @@ mod tests {
             Noise { nominal: 4.0, value: 6.0, error: 0.1, detectable: 0.2, clear: true, larger }.is_lit()
         };
         assert_eq!([-0.55, -0.45, 0.45, 0.55].map(of), [false, true, true, false]);
+    }
+
+    #[test]
+    fn law_areas_are_compared_where_both_are_known() {
+        let seen = |areas: [f64; 3]| {
+            let mut all = [0.0; COLUMNS.len()];
+            all[AREAS].copy_from_slice(&areas);
+            Some(all)
+        };
+        // a log of the first area only, beside a frame that was lost
+        let one = [seen([-2.0, f64::NAN, f64::NAN]), None];
+        assert_eq!(larger(&one, &[seen([1.0, 50.0, 50.0]), seen([9.0; 3])]), -3.0);
+        assert_eq!(larger(&[None], &[seen([9.0; 3])]), 0.0);
     }
 
     #[test]

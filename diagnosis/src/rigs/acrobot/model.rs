@@ -5,7 +5,7 @@ use crate::opened::{model, open, text};
 use crate::rigs::acrobot::bench::Bench;
 use crate::rigs::acrobot::candidates::{Attribute, name, names};
 use crate::rigs::acrobot::correction::wiring::strip;
-use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::dataset::{DataSet, nominal};
 use crate::rigs::acrobot::parameters::{self, MOUNT};
 use orchestrator::scenario::Given;
 use orchestrator::{Kind, Place, Scenario, Simulation, UnitPath, Value};
@@ -36,7 +36,7 @@ impl Model {
     /// # Errors
     /// The scenario or a unit can't be loaded, or `[set]` names something that isn't there.
     pub fn load(data: &DataSet, units: &UnitPath) -> Result<Self, Error> {
-        let mut scenario = nominal(&data.path, &data.manifest.scenario)?;
+        let mut scenario = nominal::scenario(&data.path, &data.manifest.scenario)?;
         let file = scenario.origin.clone();
         let manifest = data.path.join("dataset.toml");
         let set_error =
@@ -174,16 +174,4 @@ fn read(kind: Kind, given: &Given) -> Option<Value> {
             _ => None,
         },
     }
-}
-
-fn nominal(data: &Path, name: &str) -> Result<Scenario, Error> {
-    let beside = data.join(name);
-    if beside.is_file() {
-        return Scenario::load(beside).map_err(model);
-    }
-    scenarios::load(name).map_err(|error| Error::Manifest {
-        path: data.join("dataset.toml"),
-        line: 1,
-        problem: error.to_string(),
-    })
 }

@@ -1,34 +1,10 @@
 //! What angles of a log show by themselves: whether they are degrees, and where they were wrapped.
 
-use super::{Manifest, Table};
-use crate::rigs::acrobot::dataset::manifest::number;
+use super::Table;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
-use mechanics::Theta;
+use crate::statistics::levels::{FAR, MORE};
 use std::f64::consts::{PI, TAU};
-
-/// The rate (rad/s) that gravity gives each link of the nominal model, √(θ₉/θ₁) and √(θ₁₀/θ₅). A free arm of 9 cm that
-/// tumbles moves up to 4 times as fast (seen on a real one); in degrees a swing of 10° is 10 times as fast.
-pub fn falling(manifest: &Manifest) -> [f64; 2] {
-    let of = |name: &str, usual: f64| {
-        let given = manifest.set.get(&format!("plant.{name}")).and_then(number);
-        given.filter(|value| *value > 0.0).unwrap_or(usual)
-    };
-    let usual = Theta::TABLE_2;
-    [
-        (of("theta_9", usual.theta_9) / of("theta_1", usual.theta_1)).sqrt(),
-        (of("theta_10", usual.theta_10) / of("theta_5", usual.theta_5)).sqrt(),
-    ]
-}
-
-/// The torque (N·m) by which gravity pulls at most on the nominal model's links.
-pub fn gravity(manifest: &Manifest) -> f64 {
-    let usual = Theta::TABLE_2;
-    let of = |name: &str, usual: f64| {
-        manifest.set.get(&format!("plant.{name}")).and_then(number).map_or(usual, f64::abs)
-    };
-    of("theta_9", usual.theta_9) + of("theta_10", usual.theta_10)
-}
 
 /// The usual distance of rows where it is so long that an arm loses its balance in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
@@ -42,18 +18,42 @@ pub fn typical_gap(log: &Table) -> Option<f64> {
     gaps.get(gaps.len() / 2).copied()
 }
 
-/// Makes cells of an angle that jump far from both their neighbours, which agree, not measured: the first such row, by how much
-/// it jumps (rad), and how many there are. No arm turns by a turn and a half and back between three rows.
-pub fn glitches(values: &mut [f64]) -> Option<(usize, (f64, usize))> {
+/// Makes cells of an angle that jump away from what is before and after them, and back, not measured: the first such row, by how much
+/// it jumps (rad), and how many there are. No link is thrown so far and back in so short a time: `falling` is the rate (rad/s) that
+/// gravity gives it.
+pub fn glitches(time: &[f64], values: &mut [f64], falling: f64) -> Option<(usize, (f64, usize))> {
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
-    let jumps: Vec<(usize, f64)> = (rows.windows(3))
-        .map(|near| (near[1], [values[near[0]], values[near[1]], values[near[2]]]))
-        .filter(|(_, [before, _, after])| (after - before).abs() < 1.0)
-        .map(|(row, [before, here, _])| (row, here - before))
-        .filter(|(_, jump)| jump.abs() > 1.5 * TAU)
-        .collect();
-    jumps.iter().for_each(|(row, _)| values[*row] = f64::NAN);
-    jumps.first().map(|(row, jump)| (*row, (*jump, jumps.len())))
+    let (mut found, mut place) = (Vec::new(), 2);
+    while place + 2 < rows.len() {
+        let jump = (1..=LOGS.few).find_map(|count| thrown(time, values, &rows[place - 2..], count, falling));
+        let Some((count, by)) = jump else {
+            place += 1;
+            continue;
+        };
+        found.extend(rows[place..place + count].iter().map(|row| (*row, by)));
+        place += count + 1;
+    }
+    found.iter().for_each(|(row, _)| values[*row] = f64::NAN);
+    found.first().map(|(row, by)| (*row, (*by, found.len())))
+}
+
+/// Whether `count` rows after the first two of `rows` are elsewhere, and by how much the first of them is, rad.
+fn thrown(time: &[f64], values: &[f64], rows: &[usize], count: usize, falling: f64) -> Option<(usize, f64)> {
+    let [ahead, before] = [rows[0], rows[1]];
+    let (after, beyond) = (*rows.get(count + 2)?, *rows.get(count + 3)?);
+    let lasts = time[after] - time[before];
+    // there and back at ten times the acceleration that gravity gives: a quarter of the time to speed up, a quarter to stop
+    let most = (FAR * (falling * 0.5 * 0.5 * lasts).powi(2)).clamp(LOGS.glitch, MORE * TAU);
+    let away = |row: &usize| values[*row] - 0.5 * (values[before] + values[after]);
+    // an angle that was wrapped jumps by a whole turn
+    let thrown = |by: f64| if by.abs() < MORE * TAU { by - TAU * (by / TAU).round() } else { by };
+    let inside = &rows[2..count + 2];
+    let least = inside.iter().map(|row| thrown(away(row)).abs()).fold(f64::INFINITY, f64::min);
+    let jumps = least > most;
+    // links that bounce off each other turn back from one row to the next, and move as fast before and after
+    let steady = |one: usize, other: usize| LOGS.clearly * (values[one] - values[other]).abs() < least;
+    (jumps && steady(ahead, before) && steady(before, after) && steady(after, beyond))
+        .then(|| (count, away(&inside[0])))
 }
 
 /// Makes an angle continuous where it jumps by whole turns; the first such row and how many there are. Only where all of it
@@ -181,5 +181,34 @@ mod tests {
         assert_eq!([37.6, 37.8].map(|largest| told(largest, 100.0)), [false, true]);
         // 7.57 times 7 rad/s
         assert_eq!([52.0, 54.0].map(|speed| told(100.0, speed)), [false, true]);
+    }
+
+    /// The cells of a log of 100 Hz that are taken out of a swing of 2 rad, once a second, after some were overwritten.
+    fn taken_out(changed: &[(usize, f64)]) -> Vec<usize> {
+        let time: Vec<f64> = (0..200).map(|row| f64::from(row) * 0.01).collect();
+        let mut values: Vec<f64> = time.iter().map(|time| 3.1 + 2.0 * libm::sin(TAU * time)).collect();
+        changed.iter().for_each(|(row, value)| values[*row] = *value);
+        glitches(&time, &mut values, 7.0);
+        (0..values.len()).filter(|row| values[*row].is_nan()).collect()
+    }
+
+    #[test]
+    fn value_an_angle_jumps_by_three_tenths_of_a_radian_and_back() {
+        assert_eq!(taken_out(&[]), [0; 0]);
+        assert_eq!([3.1 + 2.0 + 0.25, 3.1 + 2.0 + 0.35].map(|value| taken_out(&[(25, value)]).len()), [0, 1]);
+        // three rows of 0 where the log missed an angle, and four, which somebody meant
+        let zeros = |count: usize| (100..100 + count).map(|row| (row, 0.0)).collect::<Vec<_>>();
+        assert_eq!(taken_out(&zeros(3)), [100, 101, 102]);
+        assert_eq!(taken_out(&zeros(4)), [0; 0]);
+        // a step stays where it is, and a whole turn is a matter of wrapping
+        assert_eq!(taken_out(&(100..200).map(|row| (row, 9.0)).collect::<Vec<_>>()), [0; 0]);
+        assert_eq!(taken_out(&[(100, 3.1 - TAU)]), [0; 0]);
+    }
+
+    #[test]
+    fn rows_far_apart_may_be_anywhere() {
+        // a second apart an arm may have turned twice in between
+        let (time, mut values) = (vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], vec![0.0, 0.0, 4.0, 0.0, 0.0, 0.0]);
+        assert_eq!(glitches(&time, &mut values, 7.0), None);
     }
 }

@@ -2,22 +2,24 @@
 
 use super::angles::{far_apart, glitches, typical_gap, unwrapped};
 use super::images::{pictures, tells_poses};
+use super::impossible;
 use super::timestamps::{self, Moved};
-use super::{Run, Table};
+use super::{Nominal, Run, Table};
+use super::{rates, rounded};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::story::brief;
 
-/// Takes out what is no measurement, whatever the logs mean by it. `gravity` is the torque of the nominal model's, N·m.
-pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
+/// Takes out what is no measurement, whatever the logs mean by it.
+pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
     mask_invalid(run);
-    for angle in ["q1", "q2"] {
+    for (angle, falling) in ["q1", "q2"].into_iter().zip(nominal.falling) {
         let Some(plant) = &mut run.plant else { continue };
-        let Some((row, found)) = plant.column_mut(angle).and_then(|values| glitches(values)) else {
-            continue;
-        };
+        let time = plant.time.clone();
+        let found = plant.column_mut(angle).and_then(|values| glitches(&time, values, falling));
+        let Some((row, found)) = found else { continue };
         let message = format!(
             "{angle} jumps by {:.1e} rad and back ({} such rows, this is the first): taken as not measured",
             found.0, found.1
@@ -25,7 +27,8 @@ pub fn clean(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
         let file = format!("{}/plant.csv", run.name);
         notices.push(Notice { file, line: plant.line[row], message });
     }
-    absurd(run, gravity, notices);
+    impossible::exclude(run, nominal, notices);
+    rounded::unround(run, notices);
 }
 
 /// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
@@ -119,25 +122,9 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             }
         }
     }
+    rates::exclude(run, notices);
     pictures(run, notices);
     moved
-}
-
-/// Makes torques that no motor of such an arm gives not measured.
-fn absurd(run: &mut Run, gravity: f64, notices: &mut Vec<Notice>) {
-    let Some(log) = run.controller.as_mut().filter(|_| gravity > 0.0) else { return };
-    for name in ["tau", "tau_1"] {
-        let Some(torques) = log.column_mut(name) else { continue };
-        let absurd = |torque: &f64| torque.abs() > LOGS.absurd * gravity;
-        let Some(first) = torques.iter().position(absurd) else { continue };
-        let (value, count) = (torques[first], torques.iter().filter(|torque| absurd(torque)).count());
-        torques.iter_mut().filter(|torque| absurd(torque)).for_each(|torque| *torque = f64::NAN);
-        let message = format!(
-            "{name} = {value:e} N·m, where gravity pulls with {gravity:.3} N·m at most ({count} such rows, this is the \
-             first): taken as not measured"
-        );
-        notices.push(Notice { file: format!("{}/controller.csv", run.name), line: log.line[first], message });
-    }
 }
 
 /// Why a table can't be used whatever it holds, and in which line that shows.

@@ -2,10 +2,7 @@
 
 use super::stated::Stated;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::channels::CHANNELS;
-use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::rigs::acrobot::parameters;
 use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -78,31 +75,6 @@ impl Manifest {
             Some(_) => return Err(file.wrong(file.line_of("log"), "[log] must be a table".into())),
         };
         Ok(Self { scenario, set, noise: file.noise(&root)?, stated, runs: file.runs(&root)? })
-    }
-}
-
-impl Manifest {
-    fn number(&self, name: &str, usual: f64) -> f64 {
-        self.set.get(name).and_then(number).unwrap_or(usual)
-    }
-
-    /// Width and height of the image, px: those of `[set]`, or the camera's own.
-    pub fn picture(&self) -> (f64, f64) {
-        (self.number(parameters::WIDTH, 512.0), self.number(parameters::HEIGHT, 512.0))
-    }
-
-    /// Nominal time between frames, s.
-    pub fn interval(&self) -> f64 {
-        1.0 / self.number(parameters::FRAME_RATE, 30.0)
-    }
-
-    /// Height of circle 1, the drum's centre, over the middle of the image, px; `None` where the mount is turned.
-    pub fn ground(&self) -> Option<f64> {
-        let turned = [name(Attribute::CameraRoll), parameters::MOUNT]
-            .iter()
-            .any(|name| self.number(name, 0.0).abs() > LOGS.turned);
-        let world = self.number(parameters::GROUND, -8.0) + self.number(parameters::DRUM, 1.0);
-        (!turned).then(|| world * self.picture().0 / self.number(parameters::FIELD_OF_VIEW, 20.0))
     }
 }
 

@@ -7,9 +7,13 @@ mod angles;
 mod check;
 mod even;
 mod images;
+mod impossible;
 mod lost;
 mod manifest;
+pub mod nominal;
 pub(crate) mod policy;
+mod rates;
+mod rounded;
 pub mod stated;
 mod table;
 mod timestamps;
@@ -17,6 +21,7 @@ mod timestamps;
 pub use angles::{in_degrees, typical_gap};
 pub use images::angle_in_degrees;
 pub use manifest::Manifest;
+pub use nominal::Nominal;
 pub use table::Table;
 pub use timestamps::directions;
 
@@ -172,11 +177,11 @@ impl DataSet {
     /// The manifest can't be read, or no run is usable.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let manifest = Manifest::load(&path.join("dataset.toml"))?;
-        let (falling, gravity) = (angles::falling(&manifest), angles::gravity(&manifest));
+        let nominal = Nominal::of(path, &manifest)?;
         let mut notices = Vec::new();
         let mut runs = Vec::new();
         let (mut clocks_apart, mut pictures_apart, mut blind) = (false, false, BTreeMap::new());
-        let (size, stated) = (manifest.picture(), &manifest.stated);
+        let stated = &manifest.stated;
         let mut read = Vec::new();
         for name in &manifest.runs {
             let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
@@ -184,13 +189,12 @@ impl DataSet {
             run.controller =
                 table::load(path, name, "controller.csv", &columns(File::Controller), &mut notices)?;
             run.plant = table::load(path, name, "plant.csv", &columns(File::Plant), &mut notices)?;
-            stated.apply(&mut run, size);
-            check::clean(&mut run, gravity, &mut notices);
+            stated.apply(&mut run, nominal.image);
+            check::clean(&mut run, &nominal, &mut notices);
             read.push(run);
         }
-        let (interval, ground) = (manifest.interval(), manifest.ground());
         let gaps_stated = stated.gaps_known.is_some();
-        let facts = Facts { runs: &read, falling, interval, size, ground, gaps_stated };
+        let facts = Facts { runs: &read, nominal, gaps_stated };
         if let Some(finding) = plausibility::first(&facts) {
             return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
         }
@@ -200,7 +204,7 @@ impl DataSet {
             }
             let none = images::sees_nothing(&run);
             let commanded = run.controller.is_some();
-            let moved = check::run(&mut run, falling, &mut notices);
+            let moved = check::run(&mut run, nominal.falling, &mut notices);
             if stated.gaps_known != Some(true) {
                 lost::mark(&mut run, if commanded { "controller.csv" } else { "plant.csv" }, &mut notices);
             }

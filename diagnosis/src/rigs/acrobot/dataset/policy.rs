@@ -4,7 +4,7 @@ use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::plausibility::time::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
-use crate::statistics::levels::{FAR, FEW, HALF, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
+use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +28,22 @@ pub struct Logs {
     pub fewest_torques: usize,
     /// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
     pub latest: f64,
-    /// A torque so many times that of gravity is none.
+    /// A torque so many times that of gravity is none, and no rate so many times that of a fall.
     pub absurd: f64,
+    /// A circle so many images away from the origin is none, wherever that lies.
+    pub outside: f64,
+    /// An angle that jumps by less than this and back was moved, whatever the time, rad: encoders scatter by far less.
+    pub glitch: f64,
+    /// Rows further apart than so many usual distances are no neighbours.
+    pub neighbour: f64,
+    /// Share of its size by which a rate differs from a difference of angles where both were rounded for the log.
+    pub rounded: f64,
+    /// Share of a rate's square that the angle's differences explain where one is the other in another unit.
+    pub in_proportion: f64,
+    /// Logarithm of the least factor that is another unit: differences over a tenth of a swing are 7 % too small.
+    pub other_scale: f64,
+    /// A column that holds impossible values in more than this share of its rows is in other units.
+    pub few_impossible: f64,
     /// An arm that is below the horizontal in this share of the rows is not being balanced.
     pub below: f64,
     /// Fewest rows that show a clock.
@@ -80,6 +94,13 @@ pub const LOGS: Logs = Logs {
     fewest_torques: 1,
     latest: EPOCH.end,
     absurd: FAR * FAR * FAR,
+    outside: MORE,
+    few_impossible: SMALL,
+    glitch: PART,
+    neighbour: MORE,
+    rounded: FINE,
+    in_proportion: 1.0 - SMALL,
+    other_scale: PART,
     below: PART,
     even_rows: SAMPLE,
     known: WINDOWS.smallest,

@@ -155,6 +155,7 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
         }
         table.columns.push((name.to_owned(), Vec::new()));
     }
+    let mut last_record = csv::StringRecord::new();
     for record in reader.records() {
         let Ok(record) = record else {
             notes.many("not a line of CSV; row ignored", 0);
@@ -192,10 +193,15 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
             }
             if time == *last {
                 notes.many("same time as the row before; row ignored", line);
+                // a row that was written twice is none that is missing
+                if record != last_record {
+                    table.broken.push(table.len());
+                }
                 continue;
             }
         }
         table.time.push(time);
+        last_record.clone_from(&record);
         table.line.push(line);
         for (place, (name, values)) in table.columns.iter_mut().enumerate() {
             let cell = record.get(place + 1).unwrap_or("");

@@ -14,13 +14,14 @@ pub(super) fn degrees(facts: &Facts<'_>) -> Option<Finding> {
             sentence,
             add: format!("{key} = \"deg\""),
         };
-        let logged = run.plant.as_ref().and_then(|log| in_degrees(log, run.camera.as_ref(), facts.falling));
+        let logged =
+            run.plant.as_ref().and_then(|log| in_degrees(log, run.camera.as_ref(), facts.nominal.falling));
         if let Some(found) = logged {
             return Some(of("plant.csv", found, "angles"));
         }
         let camera = run.camera.as_ref()?;
-        let read =
-            (0..2).find_map(|link| angle_in_degrees(camera, run.plant.as_ref(), link, facts.falling[link]));
+        let read = (0..2)
+            .find_map(|link| angle_in_degrees(camera, run.plant.as_ref(), link, facts.nominal.falling[link]));
         read.map(|found| of("camera.csv", found, "vision_angles"))
     })
 }

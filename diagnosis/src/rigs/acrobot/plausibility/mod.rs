@@ -10,7 +10,7 @@ mod pixels;
 pub(crate) mod policy;
 pub mod time;
 
-use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::dataset::{Nominal, Run};
 
 /// Something that can't be.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,14 +30,8 @@ pub struct Finding {
 pub struct Facts<'a> {
     /// The logs, turned into ours as `[log]` says, without cells that are no measurement.
     pub runs: &'a [Run],
-    /// The rates (rad/s) that gravity gives each link of the nominal model.
-    pub falling: [f64; 2],
-    /// Nominal time between frames, s.
-    pub interval: f64,
-    /// Width and height of the image, px.
-    pub size: (f64, f64),
-    /// Height of circle 1 over the middle of the image, px; `None` where the mount is turned.
-    pub ground: Option<f64>,
+    /// Sizes that the nominal model has.
+    pub nominal: Nominal,
     /// `[log]` says what is known of gaps.
     pub gaps_stated: bool,
 }

@@ -5,7 +5,7 @@
 use super::{Finding, angles};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
+use crate::rigs::acrobot::dataset::{DataSet, Nominal, Run, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::residual::Tracked;
@@ -30,11 +30,12 @@ fn same(q1: f64, q2: f64) -> (f64, f64) {
     (q1, q2)
 }
 
+const MILLI: &str = "torque = \"mN·m\"";
 const DEGREES: &str = "angles = \"deg\"";
 
 /// Signs of both angles and of the torque can't be told from each other by a motion: the equations are the same in a mirror.
 const WAYS: &[Way] = &[
-    way("torque = \"mN·m\"", "the torque is in mN·m", same, 1e-3),
+    way(MILLI, "the torque is in mN·m", same, 1e-3),
     way("torque_sign = -1", "the torque has the other sign, or both angles have", same, -1.0),
     way("q1_sign = -1", "q1 has the other sign, or q2 and the torque have", |a, b| (-a, b), 1.0),
     way("q2_sign = -1", "q2 has the other sign, or q1 and the torque have", |a, b| (a, -b), 1.0),
@@ -74,8 +75,9 @@ pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Res
         other.runs.iter_mut().for_each(|run| count(run, way));
         Some(lacking(&other, model, list).ok()??.0)
     };
+    let strong = drives(&logs.runs, Nominal::of(&data.path, &data.manifest)?.gravity);
     let mut all: Vec<(f64, &Way)> = (WAYS.iter())
-        .filter(|way| wide || way.add != DEGREES)
+        .filter(|way| (wide || way.add != DEGREES) && (strong || way.add != MILLI))
         .filter_map(|way| Some((read(way)?, way)))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -105,6 +107,14 @@ fn stand_in(run: &mut Run) {
 /// Whether some angle goes beyond half a turn, counted as it stands there.
 fn turns(log: &Table) -> bool {
     ["q1", "q2"].iter().filter_map(|name| log.column(name)).flatten().any(|angle| angle.abs() > PI)
+}
+
+/// Whether some torque is so large against gravity's (N·m) that it may be one of a thousandth: a motor of an arm gives more than a
+/// thousandth of what gravity pulls with, and one whose torque hardly arrives looks as if it gave that.
+fn drives(runs: &[Run], gravity: f64) -> bool {
+    let torques = runs.iter().filter_map(|run| run.controller.as_ref());
+    let all = torques.flat_map(|log| ["tau", "tau_1"].into_iter().filter_map(|name| log.column(name)));
+    all.flatten().any(|torque| torque.abs() > PLAUSIBLE.drives * gravity)
 }
 
 /// Reads a run in another way.
@@ -153,5 +163,16 @@ mod tests {
     fn value_degrees_are_asked_of_angles_beyond_half_a_turn() {
         let log = |angle: f64| Table::new(vec![0.0, 0.1], vec![("q1".into(), vec![0.0, -angle])]);
         assert_eq!([3.1, 3.2].map(|angle| turns(&log(angle))), [false, true]);
+    }
+
+    #[test]
+    fn value_thousandths_are_asked_of_torques_beyond_half_of_gravity_s() {
+        let run = |torque: f64| Run {
+            name: "run-01".into(),
+            camera: None,
+            controller: Some(Table::new(vec![0.0, 0.1], vec![("tau".into(), vec![0.0, -torque])])),
+            plant: None,
+        };
+        assert_eq!([2.4, 2.6].map(|torque| drives(&[run(torque)], 5.0)), [false, true]);
     }
 }

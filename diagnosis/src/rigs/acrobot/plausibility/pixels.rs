@@ -7,8 +7,8 @@ use crate::rigs::acrobot::policy::POLICY;
 
 /// Pixels from a corner, or with v down.
 pub(super) fn origin(facts: &Facts<'_>) -> Option<Finding> {
-    let ground = facts.ground?;
-    let half = 0.5 * facts.size.1;
+    let ground = facts.nominal.ground?;
+    let half = 0.5 * facts.nominal.image.1;
     facts.runs.iter().find_map(|run| {
         let height = height(run)?;
         if (height - ground).abs() < PLAUSIBLE.near {

@@ -17,6 +17,8 @@ pub struct Plausible {
     pub clearly: f64,
     /// And by how much what is lacking must stand above what noise gives before anything is asked.
     pub noise: f64,
+    /// The share of gravity's torque beyond which a torque may be in thousandths.
+    pub drives: f64,
     /// Circle 1 rolls at one height. So near to where it should be it is there, px: lenses and mounts move it by less, and any other
     /// origin by more.
     pub near: f64,
@@ -41,6 +43,7 @@ pub const PLAUSIBLE: Plausible = Plausible {
     better: PART,
     clearly: 1.0 - PART,
     noise: DOUBTED,
+    drives: HALF,
     near: 60.0,
     other_unit: FAR * FAR,
     pause: 1.0,

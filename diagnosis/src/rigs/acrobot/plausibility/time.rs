@@ -22,7 +22,7 @@ pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
 
 fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= POLICY.rows).and_then(typical_gap);
-    let fastest = facts.falling[0].max(facts.falling[1]);
+    let fastest = facts.nominal.falling[0].max(facts.nominal.falling[1]);
     let found = |file: &str, sentence: String, unit: &str| Finding {
         file: format!("{}/{file}", run.name),
         line: 0,
@@ -31,12 +31,12 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     };
     if let Some(gap) = gap(&run.camera) {
         let (unit, _) =
-            units().into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.interval)?;
-        return (gap > PLAUSIBLE.other_unit * facts.interval).then(|| {
+            units().into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.nominal.interval)?;
+        return (gap > PLAUSIBLE.other_unit * facts.nominal.interval).then(|| {
             let sentence = format!(
                 "frames are {} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
                 brief(gap),
-                facts.interval
+                facts.nominal.interval
             );
             found("camera.csv", sentence, unit)
         });
@@ -61,7 +61,7 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
 
 /// One log of a run in another unit than the others: it lasts that much longer, and nothing can be followed from row to row.
 pub(super) fn units_apart(facts: &Facts<'_>) -> Option<Finding> {
-    let fastest = facts.falling[0].max(facts.falling[1]);
+    let fastest = facts.nominal.falling[0].max(facts.nominal.falling[1]);
     facts.runs.iter().find_map(|run| {
         let logs =
             [("camera.csv", &run.camera), ("controller.csv", &run.controller), ("plant.csv", &run.plant)];
@@ -164,6 +164,7 @@ pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::dataset::Nominal;
 
     #[test]
     fn every_log_in_another_unit_than_the_others_is_told() {
@@ -194,10 +195,13 @@ mod tests {
     fn facts(runs: &[Run]) -> Facts<'_> {
         Facts {
             runs,
-            falling: [7.0, 7.0],
-            interval: 0.04,
-            size: (640.0, 480.0),
-            ground: None,
+            nominal: Nominal {
+                falling: [7.0, 7.0],
+                gravity: 1.0,
+                image: (640.0, 480.0),
+                interval: 0.04,
+                ground: None,
+            },
             gaps_stated: false,
         }
     }

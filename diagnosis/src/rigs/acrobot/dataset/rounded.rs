@@ -1,0 +1,139 @@
+//! Logs of an even clock whose times were rounded for the file, to a millisecond say: rows are taken at the clock's ticks. A torque that
+//! changes at 1/30 s is a third of a millisecond off otherwise, which is more than low noise leaves unseen.
+
+use super::{Run, Table};
+use crate::error::Notice;
+use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::rigs::acrobot::story::brief;
+use crate::statistics::levels::{FINE, HALF, SEVERAL, SMALL, STEP};
+
+/// Puts the torque's log and the plant's at their ticks. Frames have their rate, which the camera knows.
+pub fn unround(run: &mut Run, notices: &mut Vec<Notice>) {
+    let Run { name, controller, plant, .. } = run;
+    for (file, log) in [("controller.csv", controller.as_mut()), ("plant.csv", plant.as_mut())] {
+        let Some((log, found)) = log.and_then(|log| ticks(&log.time).map(|found| (log, found))) else {
+            continue;
+        };
+        let message = format!(
+            "times are rounded to {} s, and the rows are those of an even clock of {} s: they are taken at its ticks",
+            brief(found.decimal),
+            brief(found.interval)
+        );
+        notices.push(Notice { file: format!("{name}/{file}"), line: 0, message });
+        found.put(log);
+    }
+}
+
+/// An even clock behind rounded times.
+struct Clock {
+    decimal: f64,
+    interval: f64,
+    ticks: Vec<f64>,
+}
+
+impl Clock {
+    /// Whether times were rounded to the nearest decimal or down, nobody knows: they are all off alike by as much.
+    fn put(self, log: &mut Table) {
+        log.tick_error = self.decimal / 12.0_f64.sqrt();
+        log.time = self.ticks;
+    }
+}
+
+/// The clock, if all times are whole decimals and none is further from its tick than rounding takes it. Rows may be missing.
+fn ticks(time: &[f64]) -> Option<Clock> {
+    if time.len() < LOGS.even_rows {
+        return None;
+    }
+    let whole = |decimal: f64| {
+        let off = |time: &f64| (time / decimal - (time / decimal).round()).abs();
+        time.iter().all(|time| off(time) < FINE + SEVERAL * f64::EPSILON * time.abs() / decimal)
+    };
+    let mut decimals = [SMALL, STEP, FINE, SMALL * FINE].into_iter();
+    let decimal = decimals.find(|decimal| whole(*decimal))?;
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let mut interval = gaps[gaps.len() / 2];
+    if decimal > HALF * interval {
+        return None;
+    }
+    // counted from the first: a sum of epochs is only known to 50 µs a row
+    let since: Vec<f64> = time.iter().map(|at| at - time[0]).collect();
+    let mut first = 0.0;
+    for _ in 0..LOGS.few {
+        (first, interval) = through(&since, interval);
+    }
+    let tick = |since: &f64| first + interval * ((since - first) / interval).round();
+    let off: Vec<f64> = since.iter().map(|since| since - tick(since)).collect();
+    let (low, high) = off
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), off| (low.min(*off), high.max(*off)));
+    let rounded = high - low > LOGS.rounded * decimal && high - low < (1.0 + LOGS.few_impossible) * decimal;
+    rounded.then(|| Clock {
+        decimal,
+        interval,
+        ticks: since.iter().map(|since| time[0] + tick(since)).collect(),
+    })
+}
+
+/// The line through times against the numbers of their ticks: the first tick, and how far apart they are, s.
+fn through(since: &[f64], interval: f64) -> (f64, f64) {
+    // each from the one before: over a whole log an interval that is a tenth off would lose count
+    let mut number = 0.0;
+    let mut numbers = vec![number];
+    for pair in since.windows(2) {
+        number += ((pair[1] - pair[0]) / interval).round();
+        numbers.push(number);
+    }
+    let n = since.len() as f64;
+    let (x, y) = (numbers.iter().sum::<f64>() / n, since.iter().sum::<f64>() / n);
+    let across: f64 = numbers.iter().zip(since).map(|(number, since)| (number - x) * (since - y)).sum();
+    let slope = across / numbers.iter().map(|number| (number - x) * (number - x)).sum::<f64>();
+    (y - slope * x, slope)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    fn rounded(time: f64, decimal: f64) -> f64 {
+        (time / decimal).round() * decimal
+    }
+
+    /// By how much ticks are off at most, s, that are found behind 900 times 1/30 s apart, rounded so.
+    fn off(decimal: f64, begin: f64, kept: &dyn Fn(usize) -> bool) -> Option<f64> {
+        let truth: Vec<f64> =
+            (0..900).filter(|row| kept(*row)).map(|row| begin + row as f64 / 30.0).collect();
+        let time: Vec<f64> = truth.iter().map(|time| rounded(*time, decimal)).collect();
+        let found = ticks(&time)?;
+        assert_eq!(found.decimal, decimal);
+        Some(found.ticks.iter().zip(&truth).map(|(tick, truth)| (tick - truth).abs()).fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn recovers_the_ticks_behind_milliseconds_and_hundredths() {
+        // a third of what times are rounded to, by which three rows in turn may be off in the mean
+        assert!(off(1e-3, 0.0123, &|_| true).is_some_and(|off| off < 0.4e-3));
+        assert!(off(1e-2, 0.0, &|_| true).is_some_and(|off| off < 4e-3));
+        // an epoch, and rows that are missing
+        assert!(off(1e-3, 1.7e9 + 0.004, &|row| row % 7 != 3).is_some_and(|off| off < 0.4e-3));
+    }
+
+    #[test]
+    fn every_other_log_stays_as_it_is() {
+        let mut random = Random::new(2);
+        let even: Vec<f64> = (0..200).map(|row| f64::from(row) * 0.005).collect();
+        assert!(ticks(&even).is_none());
+        // not rounded
+        assert!(ticks(&(0..200).map(|row| f64::from(row) / 30.0).collect::<Vec<_>>()).is_none());
+        // rounded, but rows come when they come
+        let ragged: Vec<f64> =
+            (0..200).map(|row| rounded(f64::from(row) / 30.0 + 2e-3 * random.normal(), 1e-3)).collect();
+        assert!(ticks(&ragged).is_none());
+        // one row in 200 that came 2 ms late
+        let mut late: Vec<f64> = (0..200).map(|row| rounded(f64::from(row) / 30.0, 1e-3)).collect();
+        assert!(ticks(&late).is_some());
+        late[120] += 2e-3;
+        assert!(ticks(&late).is_none());
+    }
+}

@@ -23,7 +23,8 @@ pub(super) fn turned(state: &State, off: [f64; 2]) -> State {
 pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> Result<(), Error> {
     let (sin, cos, interval) = (libm::sin(mount), libm::cos(mount), studio.interval());
     let link = |du: f64, dv: f64| libm::atan2(du * cos + dv * sin, dv * cos - du * sin);
-    let drum = if frames.iter().all(|frame| frame.seen[1].is_finite()) { None } else { rolling(studio)? };
+    let circle_1 = |frame: &Frame| frame.seen[..2].iter().all(|at| at.is_finite());
+    let drum = if frames.iter().all(circle_1) { None } else { rolling(studio)? };
     let read = |frame: &Frame| {
         let s = &frame.seen;
         if s[ANGLES].iter().all(|angle| angle.is_finite()) {
@@ -32,7 +33,7 @@ pub(super) fn free_poses(frames: &mut [Frame], mount: f64, studio: &Studio) -> R
         let upper = link(s[4] - s[2], s[5] - s[3]);
         let from = |at: [f64; 2]| link(s[2] - at[0], s[3] - at[1]);
         match drum {
-            _ if s[..2].iter().all(|at| at.is_finite()) => [from([s[0], s[1]]), upper],
+            _ if circle_1(frame) => [from([s[0], s[1]]), upper],
             Some([at, per]) => {
                 let again = |q1: f64, _| from([at[0] + q1 * per[0], at[1] + q1 * per[1]]);
                 [(0..IMAGES.rolls).fold(0.0, again), upper]

@@ -12,6 +12,7 @@ mod effects;
 mod even;
 mod interval;
 mod left_out;
+mod noise;
 mod plant;
 mod policy;
 mod saturations;
@@ -154,6 +155,10 @@ pub fn diagnose(
     notices.extend(model.notices(&data));
     let none = Laws::default();
     let mut compared = compare(&data, &model, &list, options, &none, watch)?;
+    if noise::forget_understated(&mut data, &model, &list, &compared.parts, &mut notices) {
+        watch.stage("compared again with the noise that rows show");
+        compared = compare(&data, &model, &list, options, &none, watch)?;
+    }
     let mut clocks = Clocks::new(&data);
     while let Some(late) =
         clocks.late(&list, &compared).filter(|_| !watch.is_over("the search for clocks that are off"))

@@ -61,6 +61,10 @@ pub struct Pipeline {
     pub parts: usize,
     /// Of each linearisation, so many of the screen's best are candidates again.
     pub screened: usize,
+    /// A noise that is stated is too small where rows scatter by so many times as much, and follow one another by a correlation of less
+    /// than this.
+    pub understated: f64,
+    pub alike_rows: f64,
     /// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
     pub misses: f64,
 }
@@ -93,5 +97,7 @@ pub const PIPELINE: Pipeline = Pipeline {
     ran_away: MORE,
     parts: 2,
     screened: FEW,
+    understated: MORE,
+    alike_rows: PART,
     misses: DOUBTED,
 };

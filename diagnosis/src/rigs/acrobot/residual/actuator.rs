@@ -18,7 +18,26 @@ pub fn references(bench: &Bench, attribute: Attribute) -> Vec<u32> {
     names(attribute).filter_map(|name| bench.reference(variable(name)).ok()).collect()
 }
 
-/// Torques that arrive at the joint, per run.
+/// What a parameter of the plant is under these settings: that of the nominal model where none says otherwise.
+pub fn value(bench: &Bench, settings: &[Setting], reference: u32) -> f64 {
+    let given = settings.iter().rev().find(|(own, _)| *own == reference);
+    given.and_then(|(_, value)| value.as_f64()).unwrap_or_else(|| bench.nominal(reference))
+}
+
+/// All parts of the actuator before gain and bias, as if there were none.
+pub fn passing(bench: &Bench) -> impl Iterator<Item = Setting> {
+    references(bench, Attribute::InActuator).into_iter().map(|reference| (reference, Value::Real(0.0)))
+}
+
+/// Gain and bias, which come after those parts, without effect.
+pub fn plain(bench: &Bench) -> impl Iterator<Item = Setting> {
+    let all = |attribute: Attribute, value: f64| {
+        references(bench, attribute).into_iter().map(move |reference| (reference, Value::Real(value)))
+    };
+    all(Attribute::Gain, 1.0).chain(all(Attribute::Bias, 0.0))
+}
+
+/// Torques behind the actuator's parts that take time, per run: before gain and bias.
 #[derive(Debug)]
 pub struct Applied {
     runs: Vec<(Vec<f64>, Vec<f64>)>,
@@ -79,12 +98,13 @@ impl Actuator {
         moved: Option<Perturbation>,
     ) -> Result<Option<Arc<Applied>>, Error> {
         let all = settings(bench, candidates, Side::Plant, point, moved)?;
-        let timed = references(bench, Attribute::OverTime);
-        if !all.iter().any(|(reference, _)| timed.contains(reference)) {
+        let now = |reference: u32| value(bench, &all, reference);
+        if references(bench, Attribute::OverTime).into_iter().all(|reference| now(reference) == 0.0) {
             return Ok(None);
         }
-        let chain = references(bench, Attribute::InActuator);
-        let own: Vec<Setting> = all.into_iter().filter(|(reference, _)| chain.contains(reference)).collect();
+        let chain = references(bench, Attribute::InActuator).into_iter();
+        let own: Vec<Setting> =
+            chain.map(|reference| (reference, Value::Real(now(reference)))).chain(plain(bench)).collect();
         let key = key(&own);
         if let Some(known) = self.known.lock().ok().and_then(|known| known.get(&key).cloned()) {
             return Ok(Some(known));

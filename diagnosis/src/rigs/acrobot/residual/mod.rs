@@ -20,6 +20,7 @@ pub mod picture;
 pub mod plant;
 pub(crate) mod policy;
 mod settings;
+mod settled;
 mod smooth;
 pub mod torque;
 mod tracked;

@@ -1,7 +1,8 @@
 //! Numbers by which torques and poses are read off logs, each with its reason.
 
 use crate::rigs::acrobot::policy::POLICY;
-use crate::statistics::levels::{DOUBTED, FINE, HALF, SAMPLE, SEVERAL, SMALL};
+use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::statistics::levels::{DOUBTED, FAR, FINE, HALF, SAMPLE, SEVERAL, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Residual {
     /// Tolerance of the plant's integrator, per second: after a second of a wild arm 1e-9 rad are wrong, far below any encoder. A
     /// tenth of it takes 1.2 times as long, and the unit's own, a hundredth, 1.8 times.
     pub integrator: f64,
+    /// So long before a window a slow actuator's commands count, s: a lag of a tenth of a second keeps 5e-5 of what was before.
+    pub remembered: f64,
     /// Share of a frame's interval that the tiny step takes in which the arm is put where the interval begins.
     pub jump: f64,
 }
@@ -57,5 +60,6 @@ pub const RESIDUAL: Residual = Residual {
     fewest: POLICY.curved,
     averaged: 4,
     integrator: 1e-7,
+    remembered: FAR * PREROLL,
     jump: FINE,
 };

@@ -2,14 +2,17 @@
 //!
 //! The plant is unstable (about 7 1/s), so a replay of a whole run leaves the data even with the exact model. A
 //! window of half a second doesn't, once its four start values are free: multiple shooting, Bock 1983. Each window
-//! begins a little before its scored rows, so that the actuator's delay line and lag have filled up by then.
+//! begins a little before its scored rows, so that the actuator's delay line has filled up by then, from what a slow actuator
+//! holds (`settled.rs`).
 
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::rigs::acrobot::residual::settled::Settling;
 use orchestrator::fmu::Instance;
+use std::sync::Arc;
 
 /// Time before the scored rows of a window, s: longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
@@ -52,8 +55,10 @@ pub struct Event {
 pub struct Drive {
     /// In order; the first one is the start, and the last one is wanted.
     pub events: Vec<Event>,
-    /// Commanded torque just before the start, at which the actuator is taken to have settled, N·m.
+    /// Commanded torque just before the start, N·m.
     pub before: f64,
+    /// Commands of the time before, s and N·m, each held to the next: a slow actuator remembers them.
+    pub history: Arc<[(f64, f64)]>,
 }
 
 impl Drive {
@@ -97,7 +102,8 @@ impl Drive {
             }
         }
         let before = run.controller.as_ref().map_or(0.0, |log| log.held("tau", start - 1e-9, 0.0));
-        Self { events, before }
+        let history = run.controller.as_ref().map_or_else(Vec::new, |log| history(log, start));
+        Self { events, before, history: history.into() }
     }
 
     /// The state is wanted where it begins, with nothing driven before.
@@ -114,6 +120,16 @@ impl Drive {
     pub fn end(&self) -> f64 {
         self.events[self.events.len() - 1].time
     }
+}
+
+/// The commands that an actuator may remember at a time, from the one that was held a while before.
+fn history(log: &Table, start: f64) -> Vec<(f64, f64)> {
+    let from = start - RESIDUAL.remembered;
+    let first = log.time.partition_point(|time| *time <= from).saturating_sub(1);
+    let last = log.time.partition_point(|time| *time < start);
+    let torques = log.column("tau").unwrap_or(&[]);
+    let rows = (first..last.max(first)).filter_map(|row| Some((log.time[row], *torques.get(row)?)));
+    rows.filter(|(_, torque)| torque.is_finite()).collect()
 }
 
 /// Mean of a held column over a stretch of time.
@@ -170,6 +186,7 @@ pub struct Ports {
     /// It takes inputs along lines.
     lines: bool,
     lost: f64,
+    settling: Settling,
 }
 
 impl Ports {
@@ -193,6 +210,7 @@ impl Ports {
             tolerance: reference("tolerance").ok(),
             lines: plant.interpolates(),
             lost,
+            settling: Settling::of(plant)?,
         })
     }
 }
@@ -230,7 +248,7 @@ pub fn simulate(
     all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
     all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
     all.push(real(ports.bias, bias + first.1));
-    all.push(real(ports.before, drive.before));
+    all.push(real(ports.before, ports.settling.before(plant, settings, drive)?));
     all.extend(ports.tolerance.map(|reference| real(reference, RESIDUAL.integrator)));
     // rows at which the links touch are not scored, and a trial state must not be held
     all.push(real(ports.contact, 1e9));

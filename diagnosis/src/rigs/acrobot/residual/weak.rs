@@ -10,7 +10,7 @@
 
 mod forced;
 
-use super::actuator::{Actuator, key, references};
+use super::actuator::{Actuator, key, passing, references};
 use super::plant::jitter::torque_jitter;
 use super::plant::zeros;
 use super::settings::settings;
@@ -118,13 +118,15 @@ impl Weak {
     /// Torque per acceleration at the middle of each stretch, by the nominal unit.
     fn weigh(&mut self) -> Result<(), Error> {
         let middles: Vec<Node> = self.stretches.iter().map(|s| self.nodes[s.middle()].clone()).collect();
+        let through: Vec<Setting> = passing(&self.bench).collect();
         let pushed = |tau_1: f64, tau: f64| {
             let nodes: Vec<Node> = middles
                 .iter()
                 .map(|node| Node { tau_1: node.tau_1 + tau_1, tau: node.tau + tau, ..*node })
                 .collect();
-            self.accelerations(&[], &nodes)
+            self.accelerations(&through, &nodes)
         };
+        // a torque that needs time to arrive, or is cut off, moves nothing at once
         let (still, one, two) = (pushed(0.0, 0.0)?, pushed(PUSH, 0.0)?, pushed(0.0, PUSH)?);
         for (place, stretch) in self.stretches.iter_mut().enumerate() {
             let by = |moved: &[f64; 2], axis: usize| (moved[axis] - still[place][axis]) / PUSH;
@@ -185,8 +187,9 @@ impl Weak {
         let applied = self.actuator.applied(&self.bench, &self.candidates, point, moved)?;
         let chain = references(&self.bench, Attribute::InActuator);
         let driven = applied.is_some();
-        let fixed: Vec<Setting> =
+        let mut fixed: Vec<Setting> =
             all.into_iter().filter(|(reference, _)| !(driven && chain.contains(reference))).collect();
+        fixed.extend(passing(&self.bench).filter(|_| driven));
         let found: Vec<Vec<[f64; 2]>> = self
             .nodes
             .par_chunks(TASK)

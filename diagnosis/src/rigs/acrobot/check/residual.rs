@@ -56,6 +56,12 @@ fn is_open(gap: &Gap) -> bool {
     gap.after > CHECK.open * gap.floor
 }
 
+/// Whether a torque (N·m) that is evident by its many rows alone is so small beside what the model lacked `before` they were named (N·m) that it is their
+/// form: dry friction that is smoothed at rest, a ceiling between two rows.
+fn is_form(discrepancy_sd: f64, before: f64) -> bool {
+    discrepancy_sd < CHECK.form * before
+}
+
 /// The residual in words, if it is more than noise.
 fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let Found { study, signals, list: candidates, torque, .. } = *found;
@@ -65,7 +71,8 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let nearest = nearest(study, candidates);
     if torque {
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
-        let evident = lacking(&study.last, &study.folds, study.explained, false);
+        let evident = lacking(&study.last, &study.folds, study.explained, false)
+            && (study.active.is_empty() || !is_form(study.last.discrepancy_sd, found.gap.before));
         if !evident && size < CHECK.torque_ratio * floor.hypot(stamps) {
             return None;
         }
@@ -114,5 +121,10 @@ mod tests {
             is_open(&sums.gap(Compared::Centroids))
         };
         assert_eq!([1.16, 1.45, 1.55].map(after), [false, false, true]);
+    }
+
+    #[test]
+    fn value_a_fiftieth_of_what_was_named_is_its_form() {
+        assert_eq!([0.0019, 0.0021].map(|left| is_form(left, 0.1)), [true, false]);
     }
 }

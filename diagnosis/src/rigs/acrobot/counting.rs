@@ -31,11 +31,29 @@ fn of(camera: &Table, interval: f64) -> (f64, f64) {
 }
 
 impl Losses {
-    /// Share of frames lost and its 95 % interval (Wilson, J. Am. Stat. Assoc. 22 (1927) 209).
-    pub fn share(&self) -> (f64, [f64; 2]) {
-        let (n, p, z) = (self.expected, self.lost / self.expected, 1.96_f64);
+    /// Share of frames lost.
+    pub fn share(&self) -> f64 {
+        self.lost / self.expected
+    }
+
+    /// Its interval of `z` standard errors (Wilson, J. Am. Stat. Assoc. 22 (1927) 209).
+    pub fn interval(&self, z: f64) -> [f64; 2] {
+        let (n, p) = (self.expected, self.share());
         let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
         let half = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
-        (p, [(middle - half).max(0.0), middle + half])
+        [(middle - half).max(0.0), middle + half]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_a_share_is_as_wilson_s_interval_has_it() {
+        // 10 of 100: 0.0552 to 0.1744 (scipy.stats.binomtest(10, 100).proportion_ci(method="wilson"))
+        let [low, high] = Losses { expected: 100.0, lost: 10.0 }.interval(1.959_964);
+        assert!((low - 0.055_229).abs() < 1e-5 && (high - 0.174_366).abs() < 1e-5, "{low} {high}");
+        assert_eq!(Losses { expected: 100.0, lost: 0.0 }.interval(3.0)[0], 0.0);
     }
 }

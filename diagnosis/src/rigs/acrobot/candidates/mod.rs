@@ -66,7 +66,7 @@ pub enum Motion {
         /// A quantity that the saturation cuts, whose quantiles are tried.
         cuts: Cuts,
     },
-    /// A whole number from off upwards.
+    /// A whole number, not below 0.
     Count {
         /// Largest that is tried at first; who wants that is tried further on, one by one.
         tried: i32,
@@ -227,9 +227,10 @@ pub fn candidates(
             }
             Motion::Count { tried, most } => {
                 let first = nominal as i32 + 1;
+                let more = first..=tried.max(first).min(most);
                 (
                     nominal,
-                    (first..=tried.max(first).min(most)).map(|n| f64::from(n) - nominal).collect(),
+                    (0..first - 1).rev().chain(more).map(|n| f64::from(n) - nominal).collect(),
                     (0.0, f64::from(most)),
                 )
             }

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::diagnosis::Effect;
-use crate::rigs::acrobot::counting::losses;
+use crate::rigs::acrobot::counting::{Losses, losses};
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::statistics::levels::WITHIN;
+use crate::statistics::levels::{DOUBTED, WITHIN};
 use std::collections::BTreeMap;
 
 /// The sensor's noise, where the image scatters as no nominal sensor does.
@@ -50,11 +50,36 @@ pub(super) fn counted(
 ) {
     let Some(candidate) = list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else { return };
     let Some(losses) = losses(data, 1.0 / model.frame_rate()) else { return };
-    let (share, ci95) = losses.share();
     // one frame that isn't there is proof against "none is ever lost"; two are asked for
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
-    let outside = candidate.off < ci95[0] || candidate.off > ci95[1];
-    if outside && losses.lost >= 2.0 {
-        effects.push(Effect::alone(candidate, share, ci95, 1.0 - SELECTION.alpha));
+    if differs(&losses, candidate.off) {
+        effects.push(Effect::alone(
+            candidate,
+            losses.share(),
+            losses.interval(WITHIN),
+            1.0 - SELECTION.alpha,
+        ));
+    }
+}
+
+/// Whether more or fewer frames are lost than the nominal share: by more than chance, of which "none is ever lost" leaves nothing.
+fn differs(losses: &Losses, nominal: f64) -> bool {
+    let [fewest, most] = losses.interval(DOUBTED);
+    if nominal > 0.0 { nominal < fewest || nominal > most } else { losses.lost >= 2.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_a_share_differs_by_three_standard_errors_or_two_frames_from_none() {
+        let differs = |lost: f64, nominal: f64| differs(&Losses { expected: 1800.0, lost }, nominal);
+        assert_eq!([1.0, 2.0].map(|lost| differs(lost, 0.0)), [false, true]);
+        // 180 are expected, give or take 12.7
+        assert_eq!(
+            [0.0, 140.0, 150.0, 215.0, 225.0].map(|lost| differs(lost, 0.1)),
+            [true, true, false, false, true]
+        );
     }
 }

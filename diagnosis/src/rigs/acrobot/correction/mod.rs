@@ -16,6 +16,7 @@ pub mod wiring;
 
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
+use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
@@ -198,10 +199,9 @@ pub fn offer(
     }
     let fitted = fit::fit(blocks, cut.signals(), &entries);
     let (before, after, floor) = fitted.gap;
-    let closed = 1.0 - (after * after - floor * floor) / (before * before - floor * floor);
-    if fitted.terms.is_empty() || before <= floor {
+    let Some(closed) = supported(fitted.gap).filter(|_| !fitted.terms.is_empty()) else {
         return Ok(Offer { correction: None, left: before });
-    }
+    };
     let mut parameters = covered;
     let mut terms = Vec::new();
     for (entry, value, error) in fitted.terms {
@@ -228,4 +228,25 @@ pub fn offer(
         left: fitted.left,
     });
     Ok(Offer { correction, left: after })
+}
+
+/// Share of a gap (before, after, floor) that a correction closes, where that is enough to offer it.
+fn supported((before, after, floor): (f64, f64, f64)) -> Option<f64> {
+    let over = before * before - floor * floor;
+    let closed = 1.0 - (after * after - floor * floor) / over;
+    (before > floor && closed >= CORRECTION.together).then_some(closed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_a_correction_closes_a_tenth_of_the_gap_or_more() {
+        let after = |closed: f64| (1.0 - closed * 0.99).sqrt();
+        let offered = |closed: f64| supported((1.0, after(closed), 0.1)).is_some();
+        assert_eq!([0.09, 0.11].map(offered), [false, true]);
+        // no gap, nothing to close
+        assert_eq!(supported((0.1, 0.05, 0.1)), None);
+    }
 }

@@ -287,7 +287,7 @@ fn logged(name: &str, noise: f64, stamp: &dyn Fn(usize, f64) -> f64) -> Diagnosi
 
 /// By how many ms the plant's logs are said to be stamped late.
 fn clock(found: &Diagnosis) -> Option<f64> {
-    let told = |text: &str| text.strip_prefix("stamped ")?.split(' ').next()?.parse().ok();
+    let told = |text: &str| text.strip_prefix("timestamps are ")?.split(' ').next()?.parse().ok();
     found.notices.iter().find_map(|notice| told(&notice.message))
 }
 

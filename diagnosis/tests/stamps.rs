@@ -48,7 +48,7 @@ fn wander(time: f64) -> [f64; 2] {
 fn every_log_stamped_by_another_clock_is_set_right_by_the_motion() {
     for late in [1.7e9 + 0.1234, -30.0, 2.5] {
         let set = filmed("epoch", &wander, &wander, late).expect("both logs are good");
-        let found = notice(&set.notices, "set right by the motion");
+        let found = notice(&set.notices, "corrected by the motion");
         assert_eq!(found.file, "run-01/plant.csv");
         let first = set.runs[0].plant.as_ref().map_or(f64::NAN, |log| log.time[0]);
         // straight lines between rows 17 ms apart, and doubles of 1.7e9 s
@@ -87,7 +87,7 @@ fn every_stranger_among_the_torques_is_put_aside() {
     }
     folder.put("run-01/controller.csv", &later);
     let set = DataSet::load(folder.path()).expect("the angles are there");
-    assert_eq!(notice(&set.notices, "stamped by another clock").file, "run-01/controller.csv");
+    assert_eq!(notice(&set.notices, "are they of another clock").file, "run-01/controller.csv");
     assert!(set.runs[0].controller.is_none());
 }
 

@@ -74,7 +74,7 @@ fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<S
     (share < CHECK.mended && only_mend).then(|| {
         let mends: Vec<&str> = others.iter().map(|i| names[*i]).collect();
         format!(
-            "{} comes nearest, but its form is wrong: {}, which resemble it, are there only to mend the last {:.1} %",
+            "{} comes nearest, but its form is wrong: {}, which resemble it, are there only to correct the last {:.1} %",
             names[first],
             mends.join(" and "),
             100.0 * share

@@ -41,7 +41,7 @@ impl DataSet {
                     file: format!("{name}/{file}"),
                     line: 0,
                     message: format!(
-                        "stamps scatter by {:.2} ms about an even clock, and the motion fits its ticks better: rows are taken \
+                        "timestamps jitter by {:.2} ms about an even clock, and the motion fits its ticks better: rows are taken \
                          at these",
                         1e3 * scatter
                     ),

@@ -104,7 +104,8 @@ fn other_scale(near: &[Near], rate: &str, angle: &str) -> Option<String> {
     let square = sum(&|row| row.rate * row.rate);
     let alike = cross * cross / (own * square);
     let factor = cross / own;
-    if !(alike > LOGS.in_proportion) || (factor > 0.0 && (factor.ln()).abs() < LOGS.other_scale) {
+    let proportional = alike > LOGS.in_proportion;
+    if !proportional || (factor > 0.0 && factor.ln().abs() < LOGS.other_scale) {
         return None;
     }
     let unit = units().into_iter().find(|(by, _)| (factor / by).abs().ln().abs() < LOGS.other_scale);
@@ -155,7 +156,8 @@ mod tests {
         assert!(said(&mut { backward }).is_some_and(|said| said.contains("backward difference of q1")));
         assert!(said(&mut { central }).is_some_and(|said| said.contains("central difference of q1")));
         // one row in 12 that was not
-        let mut mostly = |row: usize, angles: &[f64]| if row % 8 == 0 { 9.0 } else { central(row, angles) };
+        let mut mostly =
+            |row: usize, angles: &[f64]| if row.is_multiple_of(8) { 9.0 } else { central(row, angles) };
         assert_eq!(said(&mut mostly), None);
     }
 

@@ -28,7 +28,7 @@ pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
         let (first, last) = span(torque);
         if torque.len() >= POLICY.rows && (last < from || first > to) {
             let message = format!(
-                "time runs from {first} to {last} s, in {file} from {from} to {to} s: stamped by another clock? Nothing shows \
+                "time runs from {first} to {last} s, in {file} from {from} to {to} s: are they of another clock? Nothing shows \
                  by how much it is off; file excluded"
             );
             notices.push(Notice { file: format!("{}/controller.csv", run.name), line: 0, message });
@@ -54,7 +54,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     let Some(late) = shift(plant, camera, apart) else {
         if apart {
             tell(format!(
-                "pictures are stamped {} to {} s, angles {} to {} s, and their motions agree at no shift in between: two clocks, \
+                "timestamps of images run from {} to {} s, of angles from {} to {} s, and their motions agree at no shift in between: two clocks, \
                  or two runs? File excluded",
                 seen.0, seen.1, logged.0, logged.1
             ));
@@ -67,7 +67,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     }
     let (by, log) = if keeps_plant { (late, &mut run.camera) } else { (-late, &mut run.plant) };
     tell(format!(
-        "stamped {:.2} s {} against {}: set right by the motion that both show",
+        "timestamps are {:.2} s {} against {}: corrected by the motion that both show",
         by.abs(),
         if by > 0.0 { "late" } else { "early" },
         if keeps_plant { "plant.csv" } else { "camera.csv" }

@@ -99,7 +99,7 @@ pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) ->
         format!(", and {} is {:.2} ms, not {own:.2}", list[index].name, own + late)
     });
     let message = format!(
-        "a log that is stamped {late:.2} ms late looks the same as {0}: if its clock is off by that, there is no {0}{1}",
+        "a log whose timestamps are {late:.2} ms late looks the same as {0}: if its clock is off by that, there is no {0}{1}",
         actuator.name,
         camera.unwrap_or_default()
     );
@@ -208,7 +208,7 @@ impl Clocks {
     fn told(&self, common: f64) -> Vec<Notice> {
         let notice = |file: String, late: f64| {
             let message = format!(
-                "stamped {:.2} ms late against the other logs: taken as its clock, not as an effect",
+                "timestamps are {:.2} ms late against the other logs: taken as its clock, not as an effect",
                 1e3 * late
             );
             Notice { file, line: 0, message }

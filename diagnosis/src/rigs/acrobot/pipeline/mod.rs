@@ -148,7 +148,7 @@ pub fn diagnose(
         return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
     }
     if let Some(even) = even::evened(&data, &model, &list) {
-        watch.stage("plant: stamps put to the ticks of their clocks");
+        watch.stage("plant: timestamps set to the ticks of their clocks");
         data = even;
     }
     let mut notices = data.notices.clone();
@@ -258,7 +258,7 @@ fn zeros_cleared(
     while let Some(off) =
         zeros.seen(list, compared).filter(|_| !watch.is_over("the search for zeros that are off"))
     {
-        watch.stage("plant: the log's angles are turned to where pictures have them");
+        watch.stage("plant: the log's angles are turned to where images have them");
         zeros.turn(data, off);
         let again = compare(data, model, list, options, &Laws::default(), watch)?;
         if zeros::effects(&again, list) <= zeros::effects(compared, list) {

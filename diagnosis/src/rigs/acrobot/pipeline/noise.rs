@@ -55,11 +55,16 @@ fn by_rows(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Option<
 fn understated(signals: &[Signal], there: &Evaluation) -> Vec<Understated> {
     let clear = |(place, signal): (usize, &Signal)| {
         let (stated, seen) = (signal.known?, there.seen[place]);
-        let larger = seen > PIPELINE.understated * stated.hypot(signal.tolerance).max(signal.least);
+        let larger = is_larger(seen, stated.hypot(signal.tolerance).max(signal.least));
         let found = || Understated { name: signal.name.clone(), unit: signal.unit, stated, seen };
         (larger && independent(&there.blocks, place)).then(found)
     };
     signals.iter().enumerate().filter_map(clear).collect()
+}
+
+/// Whether rows scatter by far more than is stated.
+fn is_larger(seen: f64, stated: f64) -> bool {
+    seen > PIPELINE.understated * stated
 }
 
 /// Whether what is left of a signal, beside start states and any torque, is another from row to row: neither a law of pose nor of time.
@@ -114,6 +119,11 @@ mod tests {
             lattice: Vec::new(),
         };
         vec![Block { run: 0, from: 0.0, to: 400.0, cells: vec![cell], state: [0.0; 4] }]
+    }
+
+    #[test]
+    fn value_a_noise_of_more_than_three_times_what_is_stated_is_another() {
+        assert_eq!([2.9e-4, 3.1e-4].map(|seen| is_larger(seen, 1e-4)), [false, true]);
     }
 
     #[test]

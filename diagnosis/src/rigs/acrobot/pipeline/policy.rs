@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::trajectory::PREROLL;
-use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, MORE, PART, SLIGHT, SMALL, WITHIN};
+use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, MORE, PART, SEVERAL, SLIGHT, SMALL, WITHIN};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +62,7 @@ pub struct Pipeline {
     /// Of each linearisation, so many of the screen's best are candidates again.
     pub screened: usize,
     /// A noise that is stated is too small where rows scatter by so many times as much, and follow one another by a correlation of less
-    /// than this.
+    /// than this: 1.6 to 2.4 times, on 3 of 152 sets whose noise is stated right, where clocks drift or torques lack in high noise.
     pub understated: f64,
     pub alike_rows: f64,
     /// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
@@ -97,7 +97,7 @@ pub const PIPELINE: Pipeline = Pipeline {
     ran_away: MORE,
     parts: 2,
     screened: FEW,
-    understated: MORE,
+    understated: SEVERAL,
     alike_rows: PART,
     misses: DOUBTED,
 };

@@ -165,7 +165,7 @@ impl Zeros {
 /// An angle that is off, in words.
 fn told(angle: &str, off: f64) -> Notice {
     let message = format!(
-        "{angle} reads {off:.4} rad ({:.2}°) too large against gravity or the pictures: taken as its sensor's zero (or the camera's \
+        "{angle} reads {off:.4} rad ({:.2}°) too large against gravity or the images: taken as its sensor's zero (or the camera's \
          upright), not as an effect",
         off.to_degrees()
     );
@@ -176,7 +176,7 @@ impl Shared {
     fn told(&self, list: &[Candidate]) -> Notice {
         let (effect, zero, off) = (list[self.effect].name, list[self.zero].phrase, self.off);
         let message = format!(
-            "{effect} may as well be the {zero}, {off:.4} rad too large: only pictures tell them apart"
+            "{effect} may as well be the {zero}, {off:.4} rad too large: only images tell them apart"
         );
         Notice { file: "plant.csv".into(), line: 0, message }
     }

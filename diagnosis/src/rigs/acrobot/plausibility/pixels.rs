@@ -21,7 +21,7 @@ pub(super) fn origin(facts: &Facts<'_>) -> Option<Finding> {
             line: run.camera.as_ref().map_or(0, |log| log.line[0]),
             sentence: format!(
                 "circle 1 lies at v1 = {height:.0} px, where the nominal camera sees it at {ground:.0} px, counted from the \
-                 middle of the picture with v up: pixels look counted from: {way}"
+                 middle of the image with v up: pixels look counted from: {way}"
             ),
             add: format!("pixels = {way:?}"),
         })

@@ -94,7 +94,7 @@ pub fn of_coarse(found: &[usize], list: &[Candidate]) -> String {
 /// An effect that was stopped by the range that is searched.
 pub fn of_end(effect: &Effect) -> String {
     format!(
-        "{} = {} stands at the end of what can be tried: it may lie beyond, and then its value and what was named beside it mend \
+        "{} = {} stands at the end of what can be tried: it may lie beyond, and then its value and what was named beside it correct \
          the difference.",
         effect.name,
         brief(effect.value)

@@ -9,6 +9,7 @@
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `given.rs`: a fit of what was asked for, in place of a search
+//! - `parted.rs`: which rows are searched, and which are left out for the gap
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `told.rs`: effects, classes, what the data would show
@@ -24,6 +25,7 @@ mod events;
 mod given;
 mod long;
 mod mismatch;
+mod parted;
 mod policy;
 mod reading;
 mod residual;

@@ -11,9 +11,11 @@ use std::collections::BTreeMap;
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Nothing is missing that this data could show.
+    #[cfg_attr(test, default)]
     None,
     /// Every effect found has one name.
     Named,
@@ -102,6 +104,7 @@ pub struct Where {
 
 /// How far the gap closes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 pub struct Gap {
     /// Root mean square of the nominal model's residual.
     pub before: f64,
@@ -195,6 +198,7 @@ pub struct Separation {
 
 /// `diagnosis.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 pub struct Diagnosis {
     /// Where it comes from.
     pub provenance: Provenance,

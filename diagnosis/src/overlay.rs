@@ -1,6 +1,7 @@
 //! Measured, nominal and amended laid over each other for the report: each channel of one run, and its residual over time,
 //! over its own past, over the states and the inputs.
 
+use crate::rigs::acrobot::channels::{self, Measures};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::residual::{Block, Signal};
 
@@ -15,6 +16,8 @@ pub struct Channel {
     pub signal: String,
     /// Its unit.
     pub unit: String,
+    /// The page lays measured, nominal and amended over each other.
+    pub drawn: bool,
     /// Time in s and value, row by row of the log.
     pub measured: Vec<(f64, f64)>,
     /// What the nominal model gives, where it was compared.
@@ -60,6 +63,7 @@ pub fn channels(
             left_out,
             signal: signal.name.clone(),
             unit: signal.unit.to_owned(),
+            drawn: is_drawn(&signal.name),
             nominal: model(nominal),
             amended: model(amended),
             residual: residual(amended),
@@ -68,6 +72,14 @@ pub fn channels(
         })
     };
     signals.iter().enumerate().filter_map(of).filter(|channel| channel.amended.len() > 1).collect()
+}
+
+/// Areas say how large a circle is, not where the machine was.
+fn is_drawn(signal: &str) -> bool {
+    let is_area = |channel: &channels::Channel| {
+        channel.measures == Measures::Area && signal.split_once('.') == Some((channel.file.unit(), channel.column))
+    };
+    !channels::CHANNELS.iter().any(is_area)
 }
 
 fn holds(block: &Block, signal: usize) -> bool {

@@ -18,7 +18,7 @@
 mod amend;
 mod bench;
 pub mod candidates;
-mod channels;
+pub(crate) mod channels;
 mod check;
 pub mod correction;
 mod counting;

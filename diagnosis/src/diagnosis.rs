@@ -4,8 +4,7 @@ use crate::error::Notice;
 use crate::overlay::Channel;
 use crate::planned::Planned;
 use crate::provenance::Provenance;
-use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::correction::Correction;
+use crate::text::brief;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -66,24 +65,6 @@ impl Effect {
     pub fn digits(&self) -> usize {
         let width = self.ci95[1] - self.ci95[0];
         (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
-    }
-
-    /// An effect that is what it is: no other candidate does the same.
-    pub(crate) fn alone(candidate: &Candidate, value: f64, ci95: [f64; 2], probability: f64) -> Self {
-        let name = candidate.name.to_owned();
-        Self {
-            class: vec![name.clone()],
-            members: vec![Member { name: name.clone(), probability }],
-            name,
-            value,
-            ci95,
-            probability,
-            phrase: candidate.phrase.to_owned(),
-            unit: String::new(),
-            off: candidate.value(candidate.off),
-            at_end: false,
-            unbounded: false,
-        }
     }
 }
 
@@ -159,6 +140,68 @@ impl Unknown {
             "The course of what has no name is known where it was measured, and nothing predicts it on the rows left out: there the gap \
              closes by what the names explain, and stays open for the rest",
         )
+    }
+}
+
+/// A term with its coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Term {
+    /// Parameter of the residual unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Unit of the value.
+    #[serde(rename = "unit")]
+    pub measure: String,
+    /// In words.
+    pub phrase: String,
+}
+
+/// How far it closes the gap that the effects leave, on runs left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Closing {
+    /// Root mean square of the lacking torque without it, N·m.
+    pub before: f64,
+    /// With it.
+    pub after: f64,
+    /// What noise alone gives.
+    pub floor: f64,
+    /// 1 - (after² - floor²)/(before² - floor²).
+    pub closed: f64,
+    /// What was left out, each in turn.
+    pub held_out_runs: Vec<String>,
+}
+
+/// A labelled correction: no explanation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correction {
+    /// What it is, in words.
+    pub label: String,
+    /// Name of the unit in `amended.toml`.
+    pub unit: String,
+    /// Its terms, the most important first.
+    pub terms: Vec<Term>,
+    /// What it closes.
+    pub gap: Closing,
+    /// Effects that were named before and that it makes needless: the amended model goes without them.
+    pub supersedes: Vec<String>,
+    /// All parameters of the unit that differ from their start values.
+    #[serde(skip)]
+    pub parameters: Vec<(String, f64)>,
+    /// What is left of torques of a usual size on runs left out, as gaps of effects are measured, N·m.
+    #[serde(skip)]
+    pub usual: f64,
+    /// What is left on both links on runs left out: run, from, to (s), N·m.
+    #[serde(skip)]
+    pub left: Vec<(usize, f64, f64, [f64; 2])>,
+}
+
+impl Term {
+    /// Its value in a few digits.
+    pub fn short(&self) -> String {
+        brief(self.value)
     }
 }
 

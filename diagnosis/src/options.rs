@@ -1,6 +1,6 @@
 //! What a user may choose of a diagnosis, whoever makes it.
 
-use crate::rigs::acrobot::earlier::Earlier;
+use crate::earlier::Earlier;
 use crate::statistics::levels::SEVERAL;
 use orchestrator::Isolation;
 use std::time::{Duration, Instant};

@@ -1,11 +1,10 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Unknown, Verdict};
+use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, Member, NextExperiment, Unknown, Verdict};
 use crate::error::Error;
 use crate::planned;
 use crate::report_graphs;
-use crate::rigs::acrobot::correction::Correction;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 use report::{Cell, Figure, Page, Standing, Table};
 
 /// The page.

@@ -135,7 +135,8 @@ mod tests {
         problem.states.truncate(2);
         let chosen = chosen(&problem).expect("rows can be followed");
         assert!(!chosen.whole);
-        let told = chosen.notices.iter().any(|notice| notice.message.contains("whole runs from their starts can't"));
+        let told =
+            chosen.notices.iter().any(|notice| notice.message.contains("whole runs from their starts can't"));
         assert!(told, "{:?}", chosen.notices);
     }
 }

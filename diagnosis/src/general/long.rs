@@ -2,8 +2,8 @@
 //! goes on in all rows from what was found, for small effects need every row. Where something without a name is left, that is what limits
 //! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
 
-use super::policy::GENERAL;
 use super::parted::Rows;
+use super::policy::GENERAL;
 use super::residual;
 use super::study::{Studied, nominal, studied};
 use crate::dynamics::Machine;

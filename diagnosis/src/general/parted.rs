@@ -35,7 +35,8 @@ pub(super) fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
 
 /// Rows of a run in which an output was measured: those of the output that has most.
 fn rows(problem: &Problem, run: &Run) -> usize {
-    let outputs = problem.channels.iter().zip(&run.series).filter(|(channel, _)| channel.role == Role::Compared);
+    let outputs =
+        problem.channels.iter().zip(&run.series).filter(|(channel, _)| channel.role == Role::Compared);
     outputs.map(|(_, series)| series.time.len()).max().unwrap_or(0)
 }
 
@@ -54,15 +55,18 @@ mod tests {
     fn logged(rows: &[usize]) -> Problem {
         let mut problem = pendulum("parted", 60);
         let whole = problem.runs.remove(0);
-        problem.runs = rows.iter().map(|rows| {
-            let mut run = whole.clone();
-            run.name = rows.to_string();
-            for series in &mut run.series {
-                series.time.truncate(*rows);
-                series.values.truncate(*rows);
-            }
-            run
-        }).collect();
+        problem.runs = rows
+            .iter()
+            .map(|rows| {
+                let mut run = whole.clone();
+                run.name = rows.to_string();
+                for series in &mut run.series {
+                    series.time.truncate(*rows);
+                    series.values.truncate(*rows);
+                }
+                run
+            })
+            .collect();
         problem
     }
 
@@ -85,6 +89,10 @@ mod tests {
         assert_eq!(named(&[60, 2]), (vec![60, 2], vec![60], false));
         assert_eq!(named(&[8, 60]), (vec![8, 60], vec![60], false));
         assert_eq!(named(&[60]), (vec![60], vec![60], false));
-        assert_eq!(named(&[8, 8]), (vec![8, 8], vec![8], false), "no run is: a part of the first, and a gap of no window");
+        assert_eq!(
+            named(&[8, 8]),
+            (vec![8, 8], vec![8], false),
+            "no run is: a part of the first, and a gap of no window"
+        );
     }
 }

@@ -56,9 +56,9 @@ pub fn diagnosed(
     listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
     amended::within_reach(problem, units)?;
-    let (began, runs) = (Instant::now(), problem.runs.len());
-    let deadline = options.budget.deadline(began, runs);
-    let watch = &mut Watch::new(listener, options.budget.end(began, runs));
+    let runs = problem.runs.len();
+    let deadline = options.budget.deadline(Instant::now(), runs);
+    let watch = &mut Watch::by(options.now, listener, options.budget.end((options.now)(), runs));
     let problem = &Problem { deadline, ..problem.clone() };
     let found = found(problem, units, options, watch);
     // what was found after it stands on steps that were not made

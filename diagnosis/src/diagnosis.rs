@@ -219,6 +219,9 @@ pub struct NextExperiment {
     pub leaves_open: Vec<Vec<String>>,
     /// All experiments that were simulated, the best first.
     pub separation: Vec<Separation>,
+    /// Loss below which two members count as not told apart, for the report.
+    #[serde(skip)]
+    pub told: f64,
     /// The best one as a picture, for the report.
     #[serde(skip)]
     pub planned: Option<Planned>,

@@ -46,11 +46,12 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
             planned::show(planned, &mut page)?;
         }
         if !next.separation.is_empty() {
-            page.text(
-                "Each experiment of the catalogue, simulated with the members of the class as the truth. Loss: the deviance \
-                 that a diagnosis of its data would lose by taking one member for another; below 9 they count as not told \
+            page.text(&format!(
+                "Each experiment that was simulated with the members of the class as the truth, the best first. Loss: the deviance \
+                 that a diagnosis of its data would lose by taking one member for another; below {} they count as not told \
                  apart.",
-            );
+                brief(next.told)
+            ));
             page.table(&experiments(next));
         }
     }

@@ -295,6 +295,14 @@ pub struct Diagnosis {
     pub channels: Vec<Channel>,
 }
 
+impl Diagnosis {
+    /// Whether a diagnosis of other data would count this one (`--after`): it weighs the names that were found here.
+    pub fn counts_later(&self) -> bool {
+        let open = self.next_experiment.is_some() || self.verdict == Verdict::Unknown;
+        open && !self.effects.is_empty()
+    }
+}
+
 /// A residual over time, before and after.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {

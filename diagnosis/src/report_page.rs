@@ -149,7 +149,7 @@ fn now(diagnosis: &Diagnosis) -> Vec<String> {
             "`acroscope run {scenario} --out rehearsal` shows what the next experiment would do."
         ));
     }
-    if diagnosis.next_experiment.is_some() || diagnosis.verdict == Verdict::Unknown {
+    if diagnosis.counts_later() {
         lines.push(
             "After the next recording `acroscope diagnose NEW-DATA --after .` lets this diagnosis count beside it.".to_owned(),
         );

@@ -173,7 +173,9 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             [] => tell!("next experiment: {}", next.what),
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
-        tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+        if diagnosis.counts_later() {
+            tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+        }
     }
     for (what, value) in diagnosis.provenance.lines() {
         tell!("{what}: {value}");

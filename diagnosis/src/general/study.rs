@@ -280,6 +280,7 @@ pub fn studied(
         options: FitOptions::default(),
         candidates,
         yields: problem.ports.unknown_inputs,
+        earlier: options.earlier.as_ref(),
         visited: Visited::new(),
         story: Vec::new(),
         doubts: Vec::new(),

@@ -49,6 +49,7 @@ impl Search<'_> {
             } else {
                 self.alternatives_to(&effects, &here, place)?
             };
+            let class = self.weighed(class, effects[place]);
             if class[0].parameter != effects[place] {
                 effects[place] = class[0].parameter;
                 let fitted = self.visit(&effects, &here.at)?;
@@ -57,6 +58,26 @@ impl Search<'_> {
             all.push(class);
         }
         Ok((effects, here, all))
+    }
+
+    /// A class with what an earlier diagnosis told apart.
+    fn weighed(&mut self, mut class: Class, own: usize) -> Class {
+        let Some(earlier) = self.earlier else { return class };
+        let parameters = &self.engine.machine.parameters;
+        let named = |one: &Alternative| (parameters[one.parameter].name.as_str(), one.loss);
+        let others: Vec<(&str, f64)> = class.iter().map(named).collect();
+        // who was no member lost as much there as who is none here
+        let Some((losses, known)) = earlier.weighed(&others, self.policy.class, self.policy.class) else {
+            return class;
+        };
+        class.iter_mut().zip(losses).for_each(|(one, loss)| one.loss = loss);
+        class.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+        self.story.push(format!(
+            "the earlier diagnosis left {} open where {} was found here: both count",
+            known.join(" or "),
+            parameters[own].name
+        ));
+        class
     }
 
     fn alternatives_to(

@@ -105,7 +105,7 @@ pub struct Diagnose {
     /// Folder of an earlier diagnosis of the same machine, before an experiment: what it told apart counts, too.
     #[arg(long, value_name = "DIR")]
     pub after: Option<PathBuf>,
-    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET, with +without=NAME for each].
+    /// Folder for the results, made if it is missing [default: out/diagnose-DATASET, with +without=NAME and the like for each option].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

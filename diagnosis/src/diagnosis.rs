@@ -4,16 +4,17 @@ use crate::error::Notice;
 use crate::overlay::Channel;
 use crate::planned::Planned;
 use crate::provenance::Provenance;
-use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::correction::Correction;
+use crate::text::brief;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Nothing is missing that this data could show.
+    #[cfg_attr(test, default)]
     None,
     /// Every effect found has one name.
     Named,
@@ -65,24 +66,6 @@ impl Effect {
         let width = self.ci95[1] - self.ci95[0];
         (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
     }
-
-    /// An effect that is what it is: no other candidate does the same.
-    pub(crate) fn alone(candidate: &Candidate, value: f64, ci95: [f64; 2], probability: f64) -> Self {
-        let name = candidate.name.to_owned();
-        Self {
-            class: vec![name.clone()],
-            members: vec![Member { name: name.clone(), probability }],
-            name,
-            value,
-            ci95,
-            probability,
-            phrase: candidate.phrase.to_owned(),
-            unit: String::new(),
-            off: candidate.value(candidate.off),
-            at_end: false,
-            unbounded: false,
-        }
-    }
 }
 
 /// Where simulation and data disagree.
@@ -102,6 +85,7 @@ pub struct Where {
 
 /// How far the gap closes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 pub struct Gap {
     /// Root mean square of the nominal model's residual.
     pub before: f64,
@@ -159,6 +143,68 @@ impl Unknown {
     }
 }
 
+/// A term with its coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Term {
+    /// Parameter of the residual unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Unit of the value.
+    #[serde(rename = "unit")]
+    pub measure: String,
+    /// In words.
+    pub phrase: String,
+}
+
+/// How far it closes the gap that the effects leave, on runs left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Closing {
+    /// Root mean square of the lacking torque without it, N·m.
+    pub before: f64,
+    /// With it.
+    pub after: f64,
+    /// What noise alone gives.
+    pub floor: f64,
+    /// 1 - (after² - floor²)/(before² - floor²).
+    pub closed: f64,
+    /// What was left out, each in turn.
+    pub held_out_runs: Vec<String>,
+}
+
+/// A labelled correction: no explanation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correction {
+    /// What it is, in words.
+    pub label: String,
+    /// Name of the unit in `amended.toml`.
+    pub unit: String,
+    /// Its terms, the most important first.
+    pub terms: Vec<Term>,
+    /// What it closes.
+    pub gap: Closing,
+    /// Effects that were named before and that it makes needless: the amended model goes without them.
+    pub supersedes: Vec<String>,
+    /// All parameters of the unit that differ from their start values.
+    #[serde(skip)]
+    pub parameters: Vec<(String, f64)>,
+    /// What is left of torques of a usual size on runs left out, as gaps of effects are measured, N·m.
+    #[serde(skip)]
+    pub usual: f64,
+    /// What is left on both links on runs left out: run, from, to (s), N·m.
+    #[serde(skip)]
+    pub left: Vec<(usize, f64, f64, [f64; 2])>,
+}
+
+impl Term {
+    /// Its value in a few digits.
+    pub fn short(&self) -> String {
+        brief(self.value)
+    }
+}
+
 /// What a lab should do next.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextExperiment {
@@ -173,6 +219,9 @@ pub struct NextExperiment {
     pub leaves_open: Vec<Vec<String>>,
     /// All experiments that were simulated, the best first.
     pub separation: Vec<Separation>,
+    /// Loss below which two members count as not told apart, for the report.
+    #[serde(skip)]
+    pub told: f64,
     /// The best one as a picture, for the report.
     #[serde(skip)]
     pub planned: Option<Planned>,
@@ -195,6 +244,7 @@ pub struct Separation {
 
 /// `diagnosis.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 pub struct Diagnosis {
     /// Where it comes from.
     pub provenance: Provenance,
@@ -243,6 +293,14 @@ pub struct Diagnosis {
     /// Measured, nominal and amended for the report.
     #[serde(skip)]
     pub channels: Vec<Channel>,
+}
+
+impl Diagnosis {
+    /// Whether a diagnosis of other data would count this one (`--after`): it weighs the names that were found here.
+    pub fn counts_later(&self) -> bool {
+        let open = self.next_experiment.is_some() || self.verdict == Verdict::Unknown;
+        open && !self.effects.is_empty()
+    }
 }
 
 /// A residual over time, before and after.

@@ -30,7 +30,7 @@ pub enum Error {
         /// The data set.
         path: PathBuf,
         /// What was found, and the line that is missing.
-        finding: Box<crate::rigs::acrobot::plausibility::Finding>,
+        finding: Box<Finding>,
     },
     /// An option that can't be.
     #[error("{option} {given}: {problem}")]
@@ -86,6 +86,27 @@ impl Error {
     /// The user's input is wrong, as opposed to a failure of ours (exit status 2 against 1).
     pub fn is_input(&self) -> bool {
         !matches!(self, Error::Model(_))
+    }
+}
+
+/// Something in logs that can't be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// File, relative to the data set.
+    pub file: String,
+    /// Line, counted from 1; 0 when the file as a whole is meant.
+    pub line: usize,
+    /// One sentence: what was found.
+    pub sentence: String,
+    /// What `[log]` of `dataset.toml` needs; empty where no line of it would help.
+    pub add: String,
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let place = if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) };
+        write!(f, "{place}: {}", self.sentence)?;
+        if self.add.is_empty() { Ok(()) } else { write!(f, ". Add to dataset.toml:\n[log]\n{}", self.add) }
     }
 }
 

@@ -24,10 +24,10 @@
 //!    than the model does.
 //! 3. `infer` links its states from row to row, with the `nuisance`s of the log; `statistics` is what it counts with.
 //! 4. `search` finds what the model lacks, `design` the experiment that would tell what stays open.
-//! 5. `general` goes this way from end to end; it is also where a data set's format decides who diagnoses it.
+//! 5. `general` goes this way from end to end.
 //! 6. `report_page`, `report_graphs` and `write` tell it.
 //!
-//! `rigs` holds what only one machine has. So far that is our own: [`rigs::acrobot`].
+//! `rigs` holds what only one machine has. So far that is our own: [`rigs::acrobot`]. A data set's format decides who diagnoses it.
 
 #![forbid(unsafe_code)]
 
@@ -35,6 +35,7 @@ mod check;
 mod design;
 mod diagnosis;
 mod dynamics;
+mod earlier;
 mod error;
 mod general;
 mod import;
@@ -47,6 +48,7 @@ mod ports;
 mod provenance;
 mod report_graphs;
 mod report_page;
+mod text;
 mod watch;
 mod write;
 
@@ -63,15 +65,37 @@ pub mod search;
 pub mod statistics;
 
 pub use diagnosis::{
-    Diagnosis, Effect, Gap, NextExperiment, RunTrace, Separation, Trace, Unknown, Verdict, Where,
+    Closing, Correction, Diagnosis, Effect, Gap, Member, NextExperiment, RunTrace, Separation, Term, Trace,
+    Unknown, Verdict, Where,
 };
-pub use error::{Error, Notice};
-pub use general::diagnose;
+pub use earlier::Earlier;
+pub use error::{Error, Finding, Notice};
 pub use import::{Clock, Imported, import};
 pub use options::{Budget, Options};
 pub use overlay::Channel;
 pub use provenance::{Provenance, Used};
-pub use rigs::acrobot::earlier::Earlier;
 pub use rigs::acrobot::record::{Recorded, Recording, record, recorded};
 pub use watch::{Doing, Known, Listener, Watch};
 pub use write::FILES;
+
+use orchestrator::UnitPath;
+use std::path::Path;
+
+/// Diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's. `tell` hears of each stage.
+///
+/// # Errors
+/// The data set or the nominal model can't be used, or a unit failed.
+pub fn diagnose(
+    path: &Path,
+    units: &UnitPath,
+    options: &Options,
+    tell: Listener<'_>,
+) -> Result<Diagnosis, Error> {
+    match observe::format(path) {
+        Some(2) => {
+            let problem = observe::load(path, units, options.isolation.as_ref())?;
+            general::diagnosed(&problem, units, options, tell)
+        }
+        _ => rigs::acrobot::pipeline::diagnose(path, units, options, tell),
+    }
+}

@@ -1,6 +1,6 @@
 //! What a user may choose of a diagnosis, whoever makes it.
 
-use crate::rigs::acrobot::earlier::Earlier;
+use crate::earlier::Earlier;
 use crate::statistics::levels::SEVERAL;
 use orchestrator::Isolation;
 use std::time::{Duration, Instant};
@@ -16,6 +16,8 @@ pub struct Options {
     pub earlier: Option<Earlier>,
     /// How long searches may take.
     pub budget: Budget,
+    /// The clock by which searches end: [`Instant::now`], unless a test drives another. Units are given up by real time.
+    pub now: fn() -> Instant,
     /// Units in processes of their own, within limits; any unit's data sets only. A scenario says so for its units by itself, too.
     pub isolation: Option<Isolation>,
     /// Parameters to be fitted in place of a search; any unit's data sets only.
@@ -66,6 +68,7 @@ impl Default for Options {
             frames: 2400,
             earlier: None,
             budget: Budget::Unlimited,
+            now: Instant::now,
             isolation: None,
             fit: Vec::new(),
         }

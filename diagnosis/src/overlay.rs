@@ -1,9 +1,6 @@
 //! Measured, nominal and amended laid over each other for the report: each channel of one run, and its residual over time,
 //! over its own past, over the states and the inputs.
 
-use crate::rigs::acrobot::dataset::{DataSet, Run};
-use crate::rigs::acrobot::residual::{Block, Signal};
-
 /// A measured channel of a run, with what both models give in its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
@@ -15,6 +12,8 @@ pub struct Channel {
     pub signal: String,
     /// Its unit.
     pub unit: String,
+    /// The page lays measured, nominal and amended over each other.
+    pub drawn: bool,
     /// Time in s and value, row by row of the log.
     pub measured: Vec<(f64, f64)>,
     /// What the nominal model gives, where it was compared.
@@ -38,55 +37,6 @@ pub struct Dependence {
     pub pairs: Vec<(f64, f64)>,
 }
 
-/// Every channel that a cut compares and that a run logged, of the last run that has rows of it: residuals of the nominal and of
-/// the amended model.
-pub fn channels(
-    (nominal, amended): (&[Block], &[Block]),
-    signals: &[Signal],
-    data: &DataSet,
-    left_out: bool,
-) -> Vec<Channel> {
-    let of = |(index, signal): (usize, &Signal)| {
-        let last = amended.iter().rev().find(|block| holds(block, index))?.run;
-        let run = data.runs.get(last)?;
-        let measured = logged(run, &signal.name)?;
-        let residual = |blocks: &[Block]| residuals(blocks, last, index);
-        let model = |blocks: &[Block]| -> Vec<(f64, f64)> {
-            let less = |(time, residual): (f64, f64)| Some((time, at(&measured, time)? - residual));
-            residual(blocks).into_iter().filter_map(less).collect()
-        };
-        Some(Channel {
-            run: run.name.clone(),
-            left_out,
-            signal: signal.name.clone(),
-            unit: signal.unit.to_owned(),
-            nominal: model(nominal),
-            amended: model(amended),
-            residual: residual(amended),
-            over: over_states(amended, index),
-            measured,
-        })
-    };
-    signals.iter().enumerate().filter_map(of).filter(|channel| channel.amended.len() > 1).collect()
-}
-
-fn holds(block: &Block, signal: usize) -> bool {
-    block.cells.iter().any(|cell| cell.signal.contains(&signal))
-}
-
-/// The rows of a log that hold a number.
-fn logged(run: &Run, signal: &str) -> Option<Vec<(f64, f64)>> {
-    let (instance, variable) = signal.split_once('.')?;
-    let table = match instance {
-        "camera" => run.camera.as_ref()?,
-        "plant" => run.plant.as_ref()?,
-        _ => return None,
-    };
-    let rows = table.time.iter().copied().zip(table.column(variable)?.iter().copied());
-    let rows: Vec<(f64, f64)> = rows.filter(|(_, value)| value.is_finite()).collect();
-    (rows.len() > 1).then_some(rows)
-}
-
 /// A log at a time: between two rows on the straight line, since rows that lie close are compared as their mean.
 pub(crate) fn at(rows: &[(f64, f64)], time: f64) -> Option<f64> {
     let next = rows.partition_point(|(of, _)| *of < time);
@@ -96,38 +46,6 @@ pub(crate) fn at(rows: &[(f64, f64)], time: f64) -> Option<f64> {
     }
     let (t0, v0) = rows[next - 1];
     Some(v0 + (time - t0) / (t1 - t0) * (v1 - v0))
-}
-
-/// The residual of a signal in a run, in order of time; of windows that overlap the first one's.
-fn residuals(blocks: &[Block], run: usize, signal: usize) -> Vec<(f64, f64)> {
-    let cells = blocks.iter().filter(|block| block.run == run).flat_map(|block| &block.cells);
-    let mut points: Vec<(f64, f64)> = cells
-        .flat_map(|cell| (0..cell.residual.len()).map(move |row| (cell, row)))
-        .filter(|(cell, row)| cell.signal[*row] == signal)
-        .filter_map(|(cell, row)| Some((*cell.time.get(row)?, cell.residual[row])))
-        .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    points.dedup_by(|a, b| a.0 == b.0);
-    points
-}
-
-/// The states of our own rig, as [`Block::state`] has them.
-const STATES: [(&str, &str); 4] = [("q1", "rad"), ("q2", "rad"), ("dq1", "rad/s"), ("dq2", "rad/s")];
-
-/// Means of the residual over windows of all runs, beside the mean state there.
-fn over_states(blocks: &[Block], signal: usize) -> Vec<Dependence> {
-    let mean = |block: &Block| {
-        let cells = block.cells.iter().flat_map(|cell| cell.signal.iter().zip(&cell.residual));
-        let own: Vec<f64> = cells.filter(|(of, _)| **of == signal).map(|(_, residual)| *residual).collect();
-        (!own.is_empty()).then(|| (block.state, own.iter().sum::<f64>() / own.len() as f64))
-    };
-    let means: Vec<([f64; 4], f64)> = blocks.iter().filter_map(mean).collect();
-    let of = |(place, (name, unit)): (usize, (&str, &str))| Dependence {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        pairs: means.iter().map(|(state, residual)| (state[place], *residual)).collect(),
-    };
-    STATES.into_iter().enumerate().map(of).collect()
 }
 
 /// The correlation of a series with itself so many rows before, from 1 row on; none of a series too short or still.

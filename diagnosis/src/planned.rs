@@ -1,12 +1,13 @@
 //! The next experiment as a picture: what drives it, and what would be measured if each member of the class were the truth.
 
-use crate::design::EXPERIMENTS;
 use crate::error::Error;
 use report::thin::thin;
 use report::{Axis, Graph, Line, Page, Style};
 
 /// Columns of a picture.
 const COLUMNS: usize = 600;
+/// Signals that are shown, at most: those that tell most.
+const SHOWN: usize = 4;
 
 /// What is planned.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -71,7 +72,7 @@ pub fn show(planned: &Planned, page: &mut Page) -> Result<(), Error> {
     let mut told: Vec<&Predicted> =
         planned.outputs.iter().filter(|output| output.members.len() > 1).collect();
     told.sort_by(|a, b| b.tells().total_cmp(&a.tells()));
-    told.truncate(EXPERIMENTS.members);
+    told.truncate(SHOWN);
     let mut graphs: Vec<(Graph, String)> = planned.inputs.iter().map(driven).collect();
     for output in told {
         graphs.push(predicted(output));

@@ -1,6 +1,5 @@
 //! Where a diagnosis comes from: what was compared with what, and how to make it again. No wall clock: equal input gives equal bytes.
 
-use crate::rigs::acrobot::dataset::DataSet;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -31,25 +30,6 @@ pub struct Used {
 }
 
 impl Provenance {
-    /// Of a data set as it was read.
-    pub fn of(data: &DataSet) -> Self {
-        let runs = data.runs.iter().map(|run| {
-            let logs =
-                [("camera.csv", &run.camera), ("controller.csv", &run.controller), ("plant.csv", &run.plant)];
-            let rows =
-                logs.into_iter().filter_map(|(file, log)| Some((file.to_owned(), log.as_ref()?.len())));
-            Used { run: run.name.clone(), rows: rows.collect() }
-        });
-        Self {
-            data: data.path.display().to_string(),
-            nominal: data.manifest.scenario.clone(),
-            set: data.manifest.set.iter().map(|(name, value)| format!("{name} = {value}")).collect(),
-            runs: runs.collect(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: format!("acroscope diagnose {}", data.path.display()),
-        }
-    }
-
     /// Its lines for people: what, and its value.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let set = if self.set.is_empty() { String::new() } else { format!(" with {}", self.set.join(", ")) };

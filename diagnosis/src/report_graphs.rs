@@ -50,12 +50,8 @@ pub fn unlisted(unknown: &Unknown, page: &mut Page) -> Result<(), Error> {
 
 /// The first picture any engineer asks for.
 pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
-    let shown: Vec<&Channel> = diagnosis
-        .channels
-        .iter()
-        .filter(|channel| !channel.signal.contains(".area"))
-        .take(CHANNELS)
-        .collect();
+    let shown: Vec<&Channel> =
+        diagnosis.channels.iter().filter(|channel| channel.drawn).take(CHANNELS).collect();
     let Some(first) = shown.first() else { return Ok(()) };
     page.heading("Measured, nominal and amended");
     page.text(&format!(
@@ -202,7 +198,31 @@ fn over_variables(channel: &Channel) -> Vec<(Graph, String)> {
 
 #[cfg(test)]
 mod tests {
-    use super::chance;
+    use super::{chance, overlays};
+    use crate::diagnosis::Diagnosis;
+    use crate::overlay::Channel;
+
+    #[test]
+    fn every_channel_that_its_rig_lets_draw_is_drawn_whatever_its_name() {
+        let course = vec![(0.0, 1.0), (1.0, 2.0)];
+        let channel = |signal: &str, drawn: bool| Channel {
+            run: "run-01".into(),
+            left_out: false,
+            signal: signal.into(),
+            unit: String::new(),
+            drawn,
+            measured: course.clone(),
+            nominal: course.clone(),
+            amended: course.clone(),
+            residual: Vec::new(),
+            over: Vec::new(),
+        };
+        let channels = vec![channel("valve.area", true), channel("camera.extent", false)];
+        let mut page = report::Page::new("x");
+        overlays(&Diagnosis { channels, ..Diagnosis::default() }, &mut page).expect("drawn");
+        let html = page.to_html();
+        assert!(html.contains("valve.area of run-01") && !html.contains("camera.extent"));
+    }
 
     #[test]
     fn value_means_of_noise_stay_within_what_is_drawn() {

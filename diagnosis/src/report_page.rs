@@ -1,11 +1,10 @@
 //! `report.html`: the story with its numbers and pictures.
 
-use crate::diagnosis::{Diagnosis, Effect, Gap, Member, NextExperiment, Unknown, Verdict};
+use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, Member, NextExperiment, Unknown, Verdict};
 use crate::error::Error;
 use crate::planned;
 use crate::report_graphs;
-use crate::rigs::acrobot::correction::Correction;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 use report::{Cell, Figure, Page, Standing, Table};
 
 /// The page.
@@ -47,11 +46,12 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
             planned::show(planned, &mut page)?;
         }
         if !next.separation.is_empty() {
-            page.text(
-                "Each experiment of the catalogue, simulated with the members of the class as the truth. Loss: the deviance \
-                 that a diagnosis of its data would lose by taking one member for another; below 9 they count as not told \
+            page.text(&format!(
+                "Each experiment that was simulated with the members of the class as the truth, the best first. Loss: the deviance \
+                 that a diagnosis of its data would lose by taking one member for another; below {} they count as not told \
                  apart.",
-            );
+                brief(next.told)
+            ));
             page.table(&experiments(next));
         }
     }
@@ -149,7 +149,7 @@ fn now(diagnosis: &Diagnosis) -> Vec<String> {
             "`acroscope run {scenario} --out rehearsal` shows what the next experiment would do."
         ));
     }
-    if diagnosis.next_experiment.is_some() || diagnosis.verdict == Verdict::Unknown {
+    if diagnosis.counts_later() {
         lines.push(
             "After the next recording `acroscope diagnose NEW-DATA --after .` lets this diagnosis count beside it.".to_owned(),
         );

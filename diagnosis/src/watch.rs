@@ -32,6 +32,7 @@ pub struct Watch<'a> {
     listener: Listener<'a>,
     stage: String,
     until: Option<Instant>,
+    now: fn() -> Instant,
     known: Option<Known>,
     /// The stages that ended early since time was up, each once.
     ended: Vec<String>,
@@ -40,7 +41,12 @@ pub struct Watch<'a> {
 impl<'a> Watch<'a> {
     /// A watch that ends searches at `until`, if given.
     pub fn new(listener: Listener<'a>, until: Option<Instant>) -> Self {
-        Self { listener, stage: String::new(), until, known: None, ended: Vec::new() }
+        Self::by(Instant::now, listener, until)
+    }
+
+    /// The same by another clock.
+    pub fn by(now: fn() -> Instant, listener: Listener<'a>, until: Option<Instant>) -> Self {
+        Self { listener, stage: String::new(), until, now, known: None, ended: Vec::new() }
     }
 
     /// A new stage begins.
@@ -56,7 +62,7 @@ impl<'a> Watch<'a> {
 
     /// Whether time is up. Who asks and hears yes ends with what it has; `what` it was is told in the end.
     pub fn is_over(&mut self, what: &str) -> bool {
-        let over = self.until.is_some_and(|until| Instant::now() >= until);
+        let over = self.until.is_some_and(|until| (self.now)() >= until);
         if over && !self.ended.iter().any(|known| known == what) {
             self.ended.push(what.to_owned());
         }
@@ -70,7 +76,7 @@ impl<'a> Watch<'a> {
 
     /// Gives what follows a share of the time that is left. When all of it ends is returned, for [`Watch::end_at`].
     pub fn share(&mut self, of: f64) -> Option<Instant> {
-        let (whole, now) = (self.until, Instant::now());
+        let (whole, now) = (self.until, (self.now)());
         self.until = whole.map(|until| now + until.saturating_duration_since(now).mul_f64(of));
         whole
     }
@@ -111,6 +117,21 @@ mod tests {
         watch.trying("plant.k_tau", 2, 6);
         assert!(!watch.is_over("the search") && watch.ended().is_empty());
         assert_eq!(heard, ["plant||(0, 0)", "plant|plant.k_tau|(2, 6)"]);
+    }
+
+    #[test]
+    fn law_a_share_of_time_is_counted_by_the_watchs_own_clock() {
+        fn stands() -> Instant {
+            static AT: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+            *AT.get_or_init(Instant::now)
+        }
+        let (mut nobody, second) = (|_: &Doing<'_>| {}, std::time::Duration::from_secs(1));
+        let mut watch = Watch::by(stands, &mut nobody, Some(stands() + 2 * second));
+        assert_eq!(watch.share(0.5), Some(stands() + 2 * second));
+        assert_eq!(watch.until(), Some(stands() + second));
+        assert!(!watch.is_over("the search"));
+        watch.end_at(stands());
+        assert!(watch.is_over("the search"));
     }
 
     #[test]

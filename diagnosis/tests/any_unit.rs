@@ -163,6 +163,7 @@ fn recovers_a_push_that_nobody_lists_as_unknown_with_its_course() {
     let push = |time: f64| if (2.0..2.4).contains(&time) { 0.8 } else { 0.0 };
     let found = diagnosed("push", SHOWN, &[], push, &common::options());
     assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.effects);
+    assert!(!found.counts_later(), "a later diagnosis would weigh names");
     let trace = found.unknown.expect("the verdict says so").trace;
     let size = |from: f64, to: f64| {
         let within = trace.iter().filter(|[time, _]| (from..to).contains(time));
@@ -221,4 +222,44 @@ fn recovers_a_sensor_that_bends_as_unknown() {
     assert!(found.effects.iter().all(|effect| effect.probability <= 0.5), "{:?}", found.effects);
     let unknown = found.unknown.expect("the verdict says so");
     assert!(unknown.signal.contains("q1"), "{unknown:?}");
+}
+
+#[test]
+fn law_an_earlier_diagnosis_says_which_of_two_names_it_is() {
+    // a gain of the motor is a gain at its input
+    let (gain, own) = ("acrobot_plant.tau:gain", "acrobot_plant.k_tau");
+    let folder = Folder::new("after");
+    let both =
+        format!("{HEAD}[[candidate]]\nvariable = \"{own}\"\nneutral = 1.0\nrange = [0.1, 10.0]\n{SHOWN}");
+    folder.put("dataset.toml", &both);
+    folder.put("a.csv", &log(&[("k_tau", 1.2)], 5, quiet));
+    folder.put("b.csv", &log(&[("k_tau", 1.2)], 6, quiet));
+    let of = |options: &Options| diagnosis::diagnose(folder.path(), &common::units(), options, &mut |_| {});
+    let class = |options: &Options| {
+        let found = of(options).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
+        (found.effects[0].class.clone(), found)
+    };
+    let (open, found) = class(&common::options());
+    assert!(open.len() == 2 && found.verdict == Verdict::Ambiguous && found.counts_later(), "{open:?}");
+    let after = |name: &str| {
+        let said =
+            format!("{{\"effects\": [{{\"members\": [{{\"name\": \"{name}\", \"probability\": 0.99}}]}}]}}");
+        folder.put("diagnosis.json", &said);
+        let earlier = diagnosis::Earlier::load(folder.path()).expect("it was written");
+        Options { earlier: Some(earlier), ..common::options() }
+    };
+    for name in [gain, own] {
+        let (told, found) = class(&after(name));
+        assert_eq!((told, found.verdict), (vec![name.to_owned()], Verdict::Named));
+        // what is named is what was fitted
+        let effect = &found.effects[0];
+        assert!(effect.name == name && (effect.value - 1.2).abs() < 0.05, "{effect:?}");
+        assert!(found.story.iter().any(|line| line.contains("both count")), "{:?}", found.story);
+    }
+    // of what the earlier diagnosis didn't find it says nothing
+    assert_eq!(class(&after("acrobot_plant.b_joint")).0, open);
+    let fit = Options { fit: vec![own.into()], ..after(gain) };
+    let error = of(&fit).expect_err("given names are not weighed");
+    assert!(error.is_input() && error.to_string().contains("--after"), "{error}");
 }

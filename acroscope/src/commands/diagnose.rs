@@ -1,6 +1,6 @@
 //! `acroscope diagnose`: what a model lacks against measured data.
 
-use crate::cli::Diagnose;
+use crate::cli::{Called, Diagnose};
 use crate::error::Error;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -46,26 +46,40 @@ pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     Ok(())
 }
 
+/// All that was asked beside the data set: an option and its value, empty where it has none. It names the default folder, and makes the
+/// command that makes the diagnosis again.
+fn asked(arguments: &Diagnose) -> Vec<(&'static str, String)> {
+    let Diagnose { dataset: _, without, budget, fit, called: Called { isolate, step_limit }, after, out: _ } =
+        arguments;
+    let mut without = without.clone();
+    without.sort();
+    without.dedup();
+    let mut all: Vec<(&str, String)> = without.into_iter().map(|name| ("without", name)).collect();
+    all.extend(budget.iter().map(|seconds| ("budget", seconds.to_string())));
+    all.extend((!fit.is_empty()).then(|| ("fit", fit.join(","))));
+    all.extend(isolate.then(|| ("isolate", String::new())));
+    all.extend(step_limit.iter().map(|seconds| ("step-limit", seconds.to_string())));
+    all.extend(after.iter().map(|folder| ("after", folder.display().to_string())));
+    all
+}
+
 /// A folder for each thing that can be asked.
 fn default_folder(arguments: &Diagnose) -> PathBuf {
     // `.` has a name, too.
     let dataset = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
     let name = dataset.file_name().map_or_else(|| "dataset".into(), |name| name.to_string_lossy());
-    let mut without = arguments.without.clone();
-    without.sort();
-    without.dedup();
-    let after = arguments.after.iter().map(|folder| format!("after={}", folder.display()));
-    let changes = without.iter().map(|name| format!("without={name}")).chain(after);
-    Path::new("out").join(folder_name(&format!("diagnose-{name}"), changes))
+    let change = |(option, value): (&str, String)| match value.as_str() {
+        "" => option.to_owned(),
+        value => format!("{option}={value}"),
+    };
+    Path::new("out").join(folder_name(&format!("diagnose-{name}"), asked(arguments).into_iter().map(change)))
 }
 
 /// The command that makes this diagnosis again.
 fn command(arguments: &Diagnose) -> String {
     let mut words = vec!["acroscope diagnose".to_owned(), arguments.dataset.display().to_string()];
-    words.extend(arguments.without.iter().map(|name| format!("--without {name}")));
-    words.extend(arguments.budget.iter().map(|seconds| format!("--budget {seconds}")));
-    words.extend((!arguments.fit.is_empty()).then(|| format!("--fit {}", arguments.fit.join(","))));
-    words.extend(arguments.after.iter().map(|folder| format!("--after {}", folder.display())));
+    let option = |(option, value): (&str, String)| format!("--{option} {value}").trim_end().to_owned();
+    words.extend(asked(arguments).into_iter().map(option));
     words.join(" ")
 }
 
@@ -173,10 +187,65 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             [] => tell!("next experiment: {}", next.what),
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
-        tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+        if diagnosis.counts_later() {
+            tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+        }
     }
     for (what, value) in diagnosis.provenance.lines() {
         tell!("{what}: {value}");
     }
     tell!("the report is {}", out.join("report.html").display());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{command, default_folder};
+    use crate::cli::Diagnose;
+    use clap::{Args as _, Command, FromArgMatches as _};
+
+    /// What is typed after `acroscope`, as it is understood.
+    fn parsed(words: &str) -> Diagnose {
+        let matches = Diagnose::augment_args(Command::new("diagnose")).try_get_matches_from(words.split(' '));
+        Diagnose::from_arg_matches(&matches.expect("it can be asked")).expect("all is given")
+    }
+
+    /// Every option with a value that it takes.
+    const OPTIONS: [&str; 6] = [
+        "--without plant.b_joint",
+        "--budget 5",
+        "--fit a.b,a.c",
+        "--isolate",
+        "--step-limit 2.5",
+        "--after out/first",
+    ];
+
+    #[test]
+    fn every_option_is_in_the_command_that_makes_it_again_and_has_a_folder_of_its_own() {
+        let known = Diagnose::augment_args(Command::new("diagnose"));
+        let mut options: Vec<String> =
+            known.get_arguments().filter_map(|one| Some(format!("--{}", one.get_long()?))).collect();
+        options.retain(|option| option != "--out");
+        let tried: Vec<&str> = OPTIONS.iter().filter_map(|option| option.split(' ').next()).collect();
+        assert_eq!(
+            options,
+            tried.iter().map(|one| (*one).to_owned()).collect::<Vec<_>>(),
+            "an option that isn't tried here"
+        );
+        let mut folders = vec![default_folder(&parsed("diagnose data"))];
+        for option in OPTIONS {
+            let asked = parsed(&format!("diagnose data {option}"));
+            let told = command(&asked);
+            assert_eq!(told, format!("acroscope diagnose data {option}"));
+            // and it says the same again
+            assert_eq!(command(&parsed(told.strip_prefix("acroscope ").expect("our program"))), told);
+            let folder = default_folder(&asked);
+            assert!(!folders.contains(&folder), "{} is another's, too", folder.display());
+            folders.push(folder);
+        }
+        let twice = parsed("diagnose data --without b.c --without a.b --without b.c");
+        assert_eq!(
+            default_folder(&twice),
+            default_folder(&parsed("diagnose data --without a.b --without b.c"))
+        );
+    }
 }

@@ -96,20 +96,18 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         .par_iter()
         .filter_map(|place| Some((*place, losses(&question, &waves[*place]).ok()?)))
         .collect();
-    let (best, losses) =
-        tried.iter().max_by(|a, b| worst(&a.1).2.total_cmp(&worst(&b.1).2).then(b.0.cmp(&a.0)))?;
+    let tried = ranked(tried);
+    let (best, losses) = tried.first()?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
     let open = open(losses).into_iter();
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
-    let separation = order.iter().map(|place| {
-        let simulated = tried.iter().find(|(known, _)| known == place).map(|(_, losses)| worst(losses));
-        let pair =
-            simulated.map_or_else(Vec::new, |(a, b, _)| vec![separates[a].clone(), separates[b].clone()]);
+    let separation = tried.iter().map(|(place, losses)| {
+        let (a, b, loss) = worst(losses);
         Separation {
             experiment: waves[*place].what.clone(),
-            loss: simulated.map(|(.., loss)| loss).or(screened[*place]),
-            pair,
+            loss: Some(loss),
+            pair: vec![separates[a].clone(), separates[b].clone()],
             certainty: None,
             problem: None,
         }
@@ -137,6 +135,7 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         scenario: scenario.as_ref().map(|_| FILE.to_owned()),
         leaves_open,
         separation: separation.collect(),
+        told: EXPERIMENTS.told,
         planned: planned(&question, &waves[*best]).ok(),
     };
     Some((next, scenario))
@@ -218,6 +217,12 @@ fn worst(losses: &Losses) -> (usize, usize, f64) {
         .map(|(a, b)| (a, b, losses[a][b].min(losses[b][a])))
         .min_by(|a, b| a.2.total_cmp(&b.2))
         .unwrap_or((0, 0, 0.0))
+}
+
+/// The best first: what it loses for the pair that is hardest. Of equal ones the simplest.
+fn ranked(mut tried: Vec<(usize, Losses)>) -> Vec<(usize, Losses)> {
+    tried.sort_by(|a, b| worst(&b.1).2.total_cmp(&worst(&a.1).2).then(a.0.cmp(&b.0)));
+    tried
 }
 
 /// The engine with one run of this experiment, as it would be logged without noise.

@@ -157,7 +157,9 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
                        simulated whole from the model's own start, and no window begins anew";
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
     }
-    if !engine.machine.whole {
+    if engine.machine.whole {
+        engine.whole_states()?;
+    } else {
         engine.unmeasured_scales(&sizes)?;
     }
     engine.unlogged_scales(&sizes)?;

@@ -251,13 +251,11 @@ impl Around<'_> {
         for (place, chord) in self.chords.iter().enumerate() {
             let drive = if share > 0.0 { share * out.drive[(row * p + place) * wide + own] } else { 0.0 };
             let at_port = match self.engine.machine.parameters[chord.parameter].role {
-                Role::Output(channel, kind) if channel == sample.channel => match kind {
-                    OutputEffect::Gain => level,
-                    OutputEffect::Offset => 1.0,
-                    OutputEffect::Drift => since,
-                    OutputEffect::Delay => -effect.gain * slope,
-                    OutputEffect::Lag => 0.0,
-                },
+                Role::Output(channel, kind) if channel == sample.channel => {
+                    // a lag changes the state that stands for it
+                    let late = if kind == OutputEffect::Lag { 0.0 } else { -slope };
+                    effect.sensitivity(kind, level, since, late)
+                }
                 _ => 0.0,
             };
             out.direct[value * p + place] = effect.gain * drive + at_port;

@@ -304,14 +304,10 @@ impl Engine {
                 for (place, chord) in chords.iter().enumerate() {
                     let through = effect.gain * column(row, place, entry);
                     let own = match machine.parameters[chord.parameter].role {
-                        Role::Output(channel, kind) if channel == sample.channel => match kind {
-                            OutputEffect::Gain => value,
-                            OutputEffect::Offset => 1.0,
-                            OutputEffect::Drift => since,
-                            OutputEffect::Delay | OutputEffect::Lag => {
-                                effect.gain * sensed[place].as_ref().map_or(-slope, |by| by[row])
-                            }
-                        },
+                        Role::Output(channel, kind) if channel == sample.channel => {
+                            let late = sensed[place].as_ref().map_or(-slope, |by| by[row]);
+                            effect.sensitivity(kind, value, since, late)
+                        }
                         _ => 0.0,
                     };
                     out.direct.push(through + own);

@@ -50,6 +50,16 @@ fn pendulum_with(name: &str, rows: u32, set: &str) -> Problem {
     problem
 }
 
+/// The same with its last output logged in so many columns more.
+pub fn logged_again(mut problem: Problem, more: usize) -> Problem {
+    let last = problem.channels.len() - 1;
+    for _ in 0..more {
+        problem.channels.push(problem.channels[last].clone());
+        problem.runs.iter_mut().for_each(|run| run.series.push(run.series[last].clone()));
+    }
+    problem
+}
+
 /// Its engine.
 pub fn built(problem: &Problem) -> Built {
     build(problem, &problem.whole_runs()).expect("it can be followed")
@@ -137,4 +147,17 @@ fn law_a_unit_with_steps_of_its_own_is_stepped_as_far_as_they_go() {
     let steps = |factor: f64, most: f64| built.engine.steps_as_far(factor, most);
     // rows of an hour cost a unit with steps of milliseconds as many times more as it makes steps; rows of a tenth of a second don't
     assert!(steps(5.0, 300.0) && !steps(3600.0 / ROW, 300.0));
+}
+
+#[test]
+fn every_whole_run_of_more_states_than_can_be_followed_is_refused() {
+    // two outputs and four start values; the sweep has room for 23 and an unlisted input
+    let whole = |more: usize| Problem { whole: true, ..logged_again(pendulum("wide", 20), more) };
+    let refused = |more: usize| {
+        let problem = whole(more);
+        build(&problem, &problem.whole_runs()).err().map(|error| error.to_string())
+    };
+    assert_eq!(refused(17), None);
+    let text = refused(18).expect("24 states");
+    assert!(text.contains("20 compared outputs") && text.contains("at most 23"), "{text}");
 }

@@ -98,6 +98,23 @@ impl Engine {
         self.outliers = excluded(&self.machine, &self.grids);
     }
 
+    /// How many states a whole run has at least: one a channel, and one for each start value. Pieces of unknown inputs take the room that
+    /// this leaves.
+    ///
+    /// # Errors
+    /// They are more than the sweep follows, with one left for an unlisted input.
+    pub(super) fn whole_states(&self) -> Result<usize, Error> {
+        let (channels, begins) = (self.machine.order(), self.machine.begins.len());
+        let (count, most) = (channels + begins, MOST_STATES - 1);
+        if count > most {
+            return Err(Error::Model(format!(
+                "runs that are simulated whole have a state for each of {channels} compared outputs and of {begins} start values: {count} \
+                 in all; this way follows at most {most}. Compare fewer outputs"
+            )));
+        }
+        Ok(count)
+    }
+
     /// Whether the outputs after some rows depend on what was before them: a fresh start there gives others.
     pub(super) fn remembers(&self, sizes: &[f64]) -> Result<bool, Error> {
         // what moves slowly shows over the whole log only
@@ -177,7 +194,7 @@ impl Engine {
             grid.lost.iter().filter(|lost| lost.to > begin && lost.from < end).collect();
         lost.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
         let each = lost.iter().flat_map(|lost| pieces(lost).into_iter().map(|piece| (lost.input, piece)));
-        let room = MOST_STATES.saturating_sub(1 + self.machine.order() + self.machine.begins.len());
+        let room = MOST_STATES - 1 - self.whole_states()?;
         let all: Vec<(usize, (f64, f64))> = each.take(room).collect();
         let shows = |(input, piece): &(usize, (f64, f64))| -> Result<Vec<f64>, Error> {
             let mut other = grid.clone();

@@ -27,24 +27,11 @@ type AtPort = BTreeMap<&'static str, f64>;
 /// Those of all ports, by place.
 type AtPorts = BTreeMap<usize, AtPort>;
 
-fn at_input(effect: InputEffect) -> &'static str {
-    match effect {
-        InputEffect::Gain => "gain",
-        InputEffect::Bias => "bias",
-        InputEffect::Delay => "delay",
-        InputEffect::Lag => "lag",
-        InputEffect::Saturation => "saturation",
-        InputEffect::RateLimit => "rate_limit",
-    }
-}
-
+/// An effect at an output as the signal unit's parameter; those at inputs have its names.
 fn at_output(effect: OutputEffect) -> &'static str {
     match effect {
-        OutputEffect::Gain => "gain",
-        OutputEffect::Offset => "bias",
-        OutputEffect::Delay => "delay",
-        OutputEffect::Lag => "lag",
-        OutputEffect::Drift => "drift",
+        OutputEffect::Offset => InputEffect::Bias.name(),
+        other => other.name(),
     }
 }
 
@@ -156,7 +143,7 @@ fn switched_on(
                 scenario.set(&parameter.name, &text).map_err(failed)?;
             }
             Role::Input(place, effect) => {
-                inputs.entry(place).or_default().insert(at_input(effect), *value);
+                inputs.entry(place).or_default().insert(effect.name(), *value);
             }
             Role::Output(place, effect) => {
                 outputs.entry(place).or_default().insert(at_output(effect), *value);

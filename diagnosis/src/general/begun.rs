@@ -29,7 +29,13 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
     }
     let through = Problem { whole: true, ..problem.clone() };
     let deviance = |mut built| Ok::<_, Error>(nominal(&mut built, &Trails::default())?.deviance);
-    let (rows, runs) = (deviance(anew)?, deviance(build(&through, runs)?)?);
+    let rows = deviance(anew)?;
+    let (runs, refused) = match build(&through, runs).and_then(deviance) {
+        Ok(deviance) => (deviance, None),
+        // more states than can be followed, or a unit that fails on the way: rows begun anew remain
+        Err(Error::Model(why)) => (f64::INFINITY, Some(why)),
+        Err(error) => return Err(error),
+    };
     let whole = runs.is_finite() && (runs < rows || !rows.is_finite());
     let mut likelier = if whole { through } else { problem.clone() };
     let message = if whole {
@@ -44,6 +50,8 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
         format!("each run is simulated whole from its start instead, which {by}")
     } else if runs.is_finite() {
         format!("whole runs from their starts are less likely by {:.0} of deviance", runs - rows)
+    } else if let Some(why) = refused {
+        format!("whole runs from their starts can't be followed: {why}")
     } else {
         "whole runs from their starts can't be followed either".to_owned()
     };
@@ -113,4 +121,22 @@ fn explained(
     through.notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
     through.deadline = problem.deadline;
     Ok(Some((through, again)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chosen;
+    use crate::dynamics::tests::{logged_again, swung};
+
+    #[test]
+    fn law_rows_begun_anew_remain_where_whole_runs_have_too_many_states() {
+        // without its rates each row of the pendulum begins at rest, which is told
+        let mut problem = logged_again(swung("narrow", 40), 20);
+        problem.states.truncate(2);
+        let chosen = chosen(&problem).expect("rows can be followed");
+        assert!(!chosen.whole);
+        let told =
+            chosen.notices.iter().any(|notice| notice.message.contains("whole runs from their starts can't"));
+        assert!(told, "{:?}", chosen.notices);
+    }
 }

@@ -22,6 +22,7 @@ pub fn courses(engine: &Engine, order: &[usize], before: &[Window], after: &[Win
             left_out: true,
             signal: output.name.clone(),
             unit: output.unit.clone(),
+            drawn: true,
             nominal: model(before),
             amended: model(after),
             residual: residuals(after, run, *channel),

@@ -61,6 +61,10 @@ pub(super) fn checked(machine: &Machine, options: &Options) -> Result<(), Error>
             return Err(Error::Option { option, given: given.clone(), problem });
         }
     }
+    if let Some(given) = options.fit.first().filter(|_| options.earlier.is_some()) {
+        let problem = "an earlier diagnosis (--after) weighs the names that a search finds, and this fits given ones; take one of both".into();
+        return Err(Error::Option { option: "--fit", given: given.clone(), problem });
+    }
     let is_set = |name: &&String| {
         let parameter = machine.parameters.iter().find(|parameter| parameter.name == **name);
         parameter.is_some_and(|parameter| matches!(parameter.scale, Scale::Switch | Scale::Count))

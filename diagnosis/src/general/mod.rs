@@ -1,4 +1,4 @@
-//! Who diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's.
+//! The diagnosis of any unit (`format = 2`), from end to end.
 //!
 //! - `study.rs`: problem → engine → search → what has no name → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
@@ -9,6 +9,7 @@
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
 //! - `given.rs`: a fit of what was asked for, in place of a search
+//! - `parted.rs`: which rows are searched, and which are left out for the gap
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `told.rs`: effects, classes, what the data would show
@@ -24,6 +25,7 @@ mod events;
 mod given;
 mod long;
 mod mismatch;
+mod parted;
 mod policy;
 mod reading;
 mod residual;
@@ -33,32 +35,5 @@ mod study;
 mod table;
 mod told;
 
+pub use study::diagnosed;
 pub use table::{INPUT_LINES, INPUTS};
-
-use crate::diagnosis::Diagnosis;
-use crate::error::Error;
-use crate::observe;
-use crate::options::Options;
-use crate::rigs::acrobot::pipeline;
-use crate::watch::Listener;
-use orchestrator::UnitPath;
-use std::path::Path;
-
-/// Diagnoses a data set. `tell` hears of each stage.
-///
-/// # Errors
-/// The data set or the nominal model can't be used, or a unit failed.
-pub fn diagnose(
-    path: &Path,
-    units: &UnitPath,
-    options: &Options,
-    tell: Listener<'_>,
-) -> Result<Diagnosis, Error> {
-    match observe::format(path) {
-        Some(2) => {
-            let problem = observe::load(path, units, options.isolation.as_ref())?;
-            study::diagnosed(&problem, units, options, tell)
-        }
-        _ => pipeline::diagnose(path, units, options, tell),
-    }
-}

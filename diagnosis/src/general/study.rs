@@ -2,7 +2,7 @@
 
 use super::given::{checked, given};
 use super::mismatch::HeldOut;
-use super::policy::GENERAL;
+use super::parted::parted;
 use super::residual::{self, Residual};
 use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
 use crate::design::Question;
@@ -56,9 +56,9 @@ pub fn diagnosed(
     listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
     amended::within_reach(problem, units)?;
-    let (began, runs) = (Instant::now(), problem.runs.len());
-    let deadline = options.budget.deadline(began, runs);
-    let watch = &mut Watch::new(listener, options.budget.end(began, runs));
+    let runs = problem.runs.len();
+    let deadline = options.budget.deadline(Instant::now(), runs);
+    let watch = &mut Watch::by(options.now, listener, options.budget.end((options.now)(), runs));
     let problem = &Problem { deadline, ..problem.clone() };
     let found = found(problem, units, options, watch);
     // what was found after it stands on steps that were not made
@@ -215,9 +215,6 @@ pub(super) fn continued(
     Ok(Searched { trained, held, all })
 }
 
-/// Runs, each between two times.
-pub(super) type Rows<'a> = Vec<(&'a Run, Span)>;
-
 /// The first class that is open.
 fn open(studied: &Studied) -> Option<Question<'_>> {
     let policy = studied.policy;
@@ -234,26 +231,6 @@ fn open(studied: &Studied) -> Option<Question<'_>> {
         effects: &studied.effects,
         class,
     })
-}
-
-/// Rows that are searched and rows that are left out: the last run, or the last part of a single one.
-fn parted(problem: &Problem) -> (Rows<'_>, Rows<'_>) {
-    match problem.runs.as_slice() {
-        [one] => {
-            let (from, to) = one.span();
-            let cut = cut(from, to);
-            (vec![(one, (from, cut))], vec![(one, (cut, to))])
-        }
-        [first @ .., last] => {
-            (first.iter().map(|run| (run, run.span())).collect(), vec![(last, last.span())])
-        }
-        [] => (Vec::new(), Vec::new()),
-    }
-}
-
-/// Where the part of a single run begins that is left out.
-pub(super) fn cut(from: f64, to: f64) -> f64 {
-    to - GENERAL.left_out * (to - from)
 }
 
 /// Names that may not be given.
@@ -303,6 +280,7 @@ pub fn studied(
         options: FitOptions::default(),
         candidates,
         yields: problem.ports.unknown_inputs,
+        earlier: options.earlier.as_ref(),
         visited: Visited::new(),
         story: Vec::new(),
         doubts: Vec::new(),

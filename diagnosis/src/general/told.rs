@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::infer::fit::Linearise;
 use crate::infer::likelihood::reduced;
 use crate::observe::{Problem, Scale};
+use crate::ports::measures;
 use crate::provenance::{Provenance, Used};
 use crate::statistics::levels::WITHIN;
 use crate::statistics::linear::{inverse, submatrix};
@@ -66,18 +67,13 @@ pub fn units(problem: &Problem) -> BTreeMap<String, String> {
     let mut units = BTreeMap::new();
     for (place, entry) in model.scenario.units.iter().enumerate() {
         for variable in &model.description(place).variables {
-            let Some(unit) = variable.unit.clone() else { continue };
             let name = format!("{}.{}", entry.name, variable.name);
-            for kind in ["bias", "offset", "saturation"] {
-                units.insert(format!("{name}:{kind}"), unit.clone());
+            for (kind, measure) in measures() {
+                units.extend(
+                    measure.unit(variable.unit.as_deref()).map(|unit| (format!("{name}:{kind}"), unit)),
+                );
             }
-            for kind in ["drift", "rate_limit"] {
-                units.insert(format!("{name}:{kind}"), format!("{unit}/s"));
-            }
-            for kind in ["delay", "lag"] {
-                units.insert(format!("{name}:{kind}"), "s".into());
-            }
-            units.insert(name, unit);
+            units.extend(variable.unit.clone().map(|unit| (name, unit)));
         }
     }
     units

@@ -1,16 +1,19 @@
 //! What the master adds at ports by itself, without a parameter of any unit: the effects of `signal_effects.fmu`, in its
 //! order (delay, saturation, rate limit, lag, gain, bias), between the log and an input, or between an output and its log.
 //!
+//! - `kinds.rs`: what there is to know of each kind of effect
 //! - `input.rs`: the course of an input after its effects, in closed form
 //! - `output.rs`: gain, offset, drift and delay of a measured value; a lag is one more state
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 pub mod input;
+mod kinds;
 pub mod output;
 mod policy;
 
 use crate::dynamics::machine::{Machine, Parameter, Role};
-use crate::observe::{InputEffect, OutputEffect, Problem, Scale};
+use crate::observe::{InputEffect, Problem};
+pub use kinds::{Kind, measures};
 pub(crate) use policy::PORTS;
 
 /// The parameters of all ports.
@@ -26,39 +29,26 @@ pub fn parameters(machine: &Machine, problem: &Problem) -> Vec<Parameter> {
         let open =
             |effect: &InputEffect| input.channel.is_some() || input.open && *effect == InputEffect::Bias;
         for effect in problem.ports.inputs.iter().copied().filter(open) {
-            let (neutral, range, scale, words) = match effect {
-                InputEffect::Gain => (1.0, PORTS.gain, Scale::Relative, "gain"),
-                InputEffect::Bias => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "bias"),
-                InputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
-                InputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),
-                InputEffect::Saturation => (0.0, (0.0, f64::INFINITY), Scale::Saturation, "saturation"),
-                InputEffect::RateLimit => (0.0, (0.0, f64::INFINITY), Scale::Saturation, "rate limit"),
-            };
+            let kind = Kind::of_input(effect);
             list.push(Parameter {
                 name: format!("{}:{}", input.name, effect.name()),
-                phrase: format!("{words} of the input {}", input.name),
-                neutral,
-                range,
-                scale,
+                phrase: format!("{} of the input {}", kind.words, input.name),
+                neutral: kind.neutral,
+                range: kind.range(latest),
+                scale: kind.scale,
                 role: Role::Input(place, effect),
             });
         }
     }
     for (place, output) in machine.channels.iter().enumerate() {
         for effect in problem.ports.outputs.iter().copied() {
-            let (neutral, range, scale, words) = match effect {
-                OutputEffect::Gain => (1.0, PORTS.gain, Scale::Relative, "gain"),
-                OutputEffect::Offset => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "offset"),
-                OutputEffect::Delay => (0.0, (0.0, latest), Scale::Absolute, "delay"),
-                OutputEffect::Lag => (0.0, (0.0, latest), Scale::Absolute, "first-order lag"),
-                OutputEffect::Drift => (0.0, (f64::NEG_INFINITY, f64::INFINITY), Scale::Absolute, "drift"),
-            };
+            let kind = Kind::of_output(effect);
             list.push(Parameter {
                 name: format!("{}:{}", output.name, effect.name()),
-                phrase: format!("{words} of the measured {}", output.name),
-                neutral,
-                range,
-                scale,
+                phrase: format!("{} of the measured {}", kind.words, output.name),
+                neutral: kind.neutral,
+                range: kind.range(latest),
+                scale: kind.scale,
                 role: Role::Output(place, effect),
             });
         }

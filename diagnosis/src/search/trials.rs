@@ -3,7 +3,8 @@
 use super::policy::SEARCHING;
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::dynamics::machine::Role;
-use crate::observe::{InputEffect, OutputEffect, Scale};
+use crate::observe::{InputEffect, Scale};
+use crate::ports::Kind;
 
 /// Chords of one parameter at its present value.
 pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
@@ -20,11 +21,11 @@ pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
         }
         _ => {
             let local = engine.local(theta, parameter);
-            let late = matches!(
-                described.role,
-                Role::Input(_, InputEffect::Delay | InputEffect::Lag)
-                    | Role::Output(_, OutputEffect::Delay | OutputEffect::Lag)
-            );
+            let late = match described.role {
+                Role::Input(_, effect) => Kind::of_input(effect).is_late(),
+                Role::Output(_, effect) => Kind::of_output(effect).is_late(),
+                _ => false,
+            };
             let rows = if late && here == 0.0 { &SEARCHING.late[..] } else { &[] };
             let chords = rows.iter().map(|rows| rows * interval(engine)).filter(fits).map(whole);
             std::iter::once(local).chain(chords).collect()

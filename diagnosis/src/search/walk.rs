@@ -3,6 +3,7 @@
 use super::Policy;
 use super::screen::{Last, Screen, Screened, linearised, ranked};
 use crate::dynamics::linearise::Engine;
+use crate::earlier::Earlier;
 use crate::error::Error;
 use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Linearise, Options, fit_from};
@@ -32,6 +33,8 @@ pub struct Search<'a> {
     pub candidates: Vec<usize>,
     /// Whether what no effect gives may be an unlisted input.
     pub yields: bool,
+    /// What is known of the machine from other data.
+    pub earlier: Option<&'a Earlier>,
     /// Memory.
     pub visited: Visited,
     /// What was done, in words.

@@ -1,80 +1,20 @@
-//! An earlier diagnosis of the same machine: what its data told apart counts for the new data, too.
-//!
-//! Runs after an experiment are other data, so probabilities of the members of a class multiply: a principal point that is off
-//! looks like a pan with one mount, and like a tilt with the mount turned, and only one name fits both.
+//! What an earlier diagnosis said of our own rig's candidates.
 
-use crate::error::Error;
+use crate::earlier::Earlier;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Alternative, CLASS};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-
-/// File of a diagnosis.
-const FILE: &str = "diagnosis.json";
-
-/// For each effect that was found, the members of its class with their probabilities.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Earlier {
-    effects: Vec<BTreeMap<String, f64>>,
-}
-
-#[derive(serde::Deserialize)]
-struct Said {
-    effects: Vec<SaidEffect>,
-}
-
-#[derive(serde::Deserialize)]
-struct SaidEffect {
-    members: Vec<SaidMember>,
-}
-
-#[derive(serde::Deserialize)]
-struct SaidMember {
-    name: String,
-    probability: f64,
-}
 
 impl Earlier {
-    /// Reads the folder that `acroscope diagnose` wrote, or its `diagnosis.json`.
-    ///
-    /// # Errors
-    /// There is none, or it isn't one that we wrote.
-    pub fn load(path: &Path) -> Result<Self, Error> {
-        let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        let text =
-            std::fs::read_to_string(&path).map_err(|source| Error::Io { path: path.clone(), source })?;
-        let said: Said = serde_json::from_str(&text)
-            .map_err(|error| Error::Earlier { path: path.clone(), problem: error.to_string() })?;
-        let class =
-            |effect: SaidEffect| effect.members.into_iter().map(|m| (m.name, m.probability)).collect();
-        Ok(Self { effects: said.effects.into_iter().map(class).collect() })
-    }
-
     /// Weighs the alternatives of an effect (best first, by their losses) with what was known of it. Answers the class that was
     /// known, where it is one.
     pub fn weigh(&self, list: &[Candidate], alternatives: &mut [Alternative]) -> Option<Vec<String>> {
-        let name = |other: &Alternative| list[other.candidate].name;
-        // the effect that most of the evidence is about
-        let shared = |known: &&BTreeMap<String, f64>| {
-            let open = alternatives.iter().filter(|other| other.loss < CLASS);
-            open.filter_map(|other| Some(known.get(name(other))? * libm::exp(-0.5 * other.loss))).sum::<f64>()
-        };
-        let known = self.effects.iter().max_by(|a, b| shared(a).total_cmp(&shared(b)))?;
-        if shared(&known) <= 0.0 {
-            return None;
-        }
-        let best = known.values().copied().fold(0.0, f64::max);
-        for other in alternatives.iter_mut() {
-            other.loss += match known.get(list[other.candidate].name) {
-                Some(probability) => (-2.0 * libm::log(probability / best)).min(CLASS),
-                None => POLICY.excluded,
-            };
-        }
+        let named = |other: &Alternative| (list[other.candidate].name, other.loss);
+        let others: Vec<(&str, f64)> = alternatives.iter().map(named).collect();
+        let (losses, known) = self.weighed(&others, CLASS, POLICY.excluded)?;
+        alternatives.iter_mut().zip(losses).for_each(|(other, loss)| other.loss = loss);
         alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-        let least = alternatives.first().map_or(0.0, |first| first.loss);
-        alternatives.iter_mut().for_each(|other| other.loss -= least);
-        Some(known.keys().cloned().collect())
+        Some(known)
     }
 }
 
@@ -91,20 +31,6 @@ mod tests {
 
     fn open(list: &[Candidate], all: &[Alternative]) -> Vec<&'static str> {
         all.iter().filter(|other| other.loss < CLASS).map(|other| list[other.candidate].name).collect()
-    }
-
-    #[test]
-    fn every_file_that_is_no_diagnosis_is_named() {
-        let folder = std::env::temp_dir().join(format!("diagnosis-earlier-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
-        assert!(matches!(Earlier::load(&folder), Err(Error::Io { .. })));
-        std::fs::write(folder.join(FILE), "{\"effects\": 3}").expect("a file");
-        let said = Earlier::load(&folder).expect_err("no list").to_string();
-        assert!(said.contains(FILE) && said.contains("acroscope diagnose"), "{said}");
-        let text = r#"{"effects": [{"members": [{"name": "camera.k1", "probability": 0.99}]}]}"#;
-        std::fs::write(folder.join(FILE), text).expect("a file");
-        assert_eq!(Earlier::load(&folder).expect("what is wanted").effects[0]["camera.k1"], 0.99);
-        let _ = std::fs::remove_dir_all(&folder);
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod fit;
 mod policy;
 pub mod wiring;
 
+pub use crate::diagnosis::{Closing, Correction, Term};
 use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
@@ -24,69 +25,6 @@ use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::WITHIN;
 use nalgebra::DVector;
 use orchestrator::UnitPath;
-use serde::Serialize;
-
-/// A term with its coefficient.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Term {
-    /// Parameter of the residual unit.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
-    /// Unit of the value.
-    #[serde(rename = "unit")]
-    pub measure: String,
-    /// In words.
-    pub phrase: String,
-}
-
-/// How far it closes the gap that the effects leave, on runs left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Closing {
-    /// Root mean square of the lacking torque without it, N·m.
-    pub before: f64,
-    /// With it.
-    pub after: f64,
-    /// What noise alone gives.
-    pub floor: f64,
-    /// 1 - (after² - floor²)/(before² - floor²).
-    pub closed: f64,
-    /// What was left out, each in turn.
-    pub held_out_runs: Vec<String>,
-}
-
-/// A labelled correction: no explanation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Correction {
-    /// What it is, in words.
-    pub label: String,
-    /// Name of the unit in `amended.toml`.
-    pub unit: String,
-    /// Its terms, the most important first.
-    pub terms: Vec<Term>,
-    /// What it closes.
-    pub gap: Closing,
-    /// Effects that were named before and that it makes needless: the amended model goes without them.
-    pub supersedes: Vec<String>,
-    /// All parameters of the unit that differ from their start values.
-    #[serde(skip)]
-    pub parameters: Vec<(String, f64)>,
-    /// What is left of torques of a usual size on runs left out, as gaps of effects are measured, N·m.
-    #[serde(skip)]
-    pub usual: f64,
-    /// What is left on both links on runs left out: run, from, to (s), N·m.
-    #[serde(skip)]
-    pub left: Vec<(usize, f64, f64, [f64; 2])>,
-}
-
-impl Term {
-    /// Its value in a few digits.
-    pub fn short(&self) -> String {
-        crate::rigs::acrobot::story::brief(self.value)
-    }
-}
 
 impl Correction {
     /// The gap of the amended model: effects and correction together.

@@ -195,6 +195,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
         scenario: text.as_ref().map(|_| FILE.to_owned()),
         leaves_open: groups.iter().filter(|group| group.len() > 1).map(|group| names(group)).collect(),
         separation,
+        told: DESIGN.told,
         planned: planned(question, best.entry).ok(),
     };
     (Some(next), text)

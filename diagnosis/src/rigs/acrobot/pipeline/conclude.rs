@@ -7,10 +7,11 @@ use super::effects::{Swap, part_effects};
 use super::policy::PIPELINE;
 use super::*;
 use crate::diagnosis::{Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
-use crate::overlay::{self, Channel};
+use crate::overlay::Channel;
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, of_angles, torque_shape};
 use crate::rigs::acrobot::correction::Correction;
+use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::{amend, experiment, gap, places, story};
 use std::collections::BTreeMap;
 

@@ -50,7 +50,6 @@ use saturations::saturations;
 use seats::seat;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 use zeros::Zeros;
 
 /// Whether all that was chosen can be.
@@ -107,7 +106,7 @@ pub fn diagnose(
     listener: Listener<'_>,
 ) -> Result<Diagnosis, Error> {
     check(options)?;
-    let (watch, began) = (&mut Watch::new(listener, None), Instant::now());
+    let (watch, began) = (&mut Watch::by(options.now, listener, None), (options.now)());
     watch.stage("the logs are read");
     let mut data = DataSet::load(path)?;
     if let Some(until) = options.budget.end(began, data.runs.len()) {

@@ -10,20 +10,8 @@ mod pixels;
 pub(crate) mod policy;
 pub mod time;
 
+pub use crate::error::Finding;
 use crate::rigs::acrobot::dataset::{Nominal, Run};
-
-/// Something that can't be.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
-    /// File, relative to the data set.
-    pub file: String,
-    /// Line, counted from 1; 0 when the file as a whole is meant.
-    pub line: usize,
-    /// One sentence: what was found.
-    pub sentence: String,
-    /// What `[log]` of `dataset.toml` needs; empty where no line of it would help.
-    pub add: String,
-}
 
 /// What the functions are told.
 #[derive(Debug, Clone, Copy)]
@@ -54,12 +42,4 @@ pub const CHECKS: &[Check] = &[
 /// The first thing that can't be.
 pub fn first(facts: &Facts<'_>) -> Option<Finding> {
     CHECKS.iter().find_map(|check| check(facts))
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let place = if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) };
-        write!(f, "{place}: {}", self.sentence)?;
-        if self.add.is_empty() { Ok(()) } else { write!(f, ". Add to dataset.toml:\n[log]\n{}", self.add) }
-    }
 }

@@ -4,6 +4,7 @@ use crate::diagnosis::{Effect, Gap, Unknown};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction::Correction;
 use crate::rigs::acrobot::selection::Study;
+pub use crate::text::brief;
 
 /// One study in sentences.
 pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
@@ -151,17 +152,4 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         brief(correction.gap.floor),
         100.0 * correction.gap.closed
     )
-}
-
-/// Three digits, without an exponent where a person would write none.
-pub fn brief(value: f64) -> String {
-    let whole = value == value.round() && value.abs() < 1e6;
-    match value.abs() {
-        _ if whole => format!("{value:.0}"),
-        100.0..1e6 => format!("{value:.0}"),
-        10.0..100.0 => format!("{value:.1}"),
-        1.0..10.0 => format!("{value:.2}"),
-        0.01..1.0 => format!("{value:.3}"),
-        _ => format!("{value:.2e}"),
-    }
 }

@@ -77,18 +77,12 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// An actuator that has settled at a command, cut at the saturation `limit` (0 = none).
-    pub fn settled(command: f64, limit: f64) -> Self {
-        let cut = if limit > 0.0 { command.clamp(-limit, limit) } else { command };
-        Self { commands: VecDeque::new(), before: command, limited: cut, lagged: cut }
-    }
-
     /// Lines a command up for the delay.
-    pub fn line_up(&mut self, from: f64, value: f64, rate: f64) {
+    pub fn line_up(&mut self, command: Command) {
         match self.commands.back_mut() {
-            Some(last) if last.value == value && last.rate == 0.0 && rate == 0.0 => {}
-            Some(last) if last.from == from => *last = Command { from, value, rate },
-            _ => self.commands.push_back(Command { from, value, rate }),
+            Some(last) if last.value == command.value && last.rate == 0.0 && command.rate == 0.0 => {}
+            Some(last) if last.from == command.from => *last = command,
+            _ => self.commands.push_back(command),
         }
     }
 }
@@ -97,6 +91,20 @@ impl Memory {
 pub trait Stage {
     /// Refuses parameters that can't be used.
     fn check(&self) -> Result<(), ModelError>;
+
+    /// What comes out where `input` (N·m) has gone in for ever, and is remembered of that.
+    fn settle(&self, memory: &mut Memory, input: f64) -> f64 {
+        let _ = memory;
+        input
+    }
+
+    /// A command goes in from a time on (s), at this value (N·m) and rate (N·m/s).
+    fn accept(&self, memory: &mut Memory, command: Command) {
+        let _ = (memory, command);
+    }
+
+    /// How much of a change of `input` (N·m) comes out at once: ∂output/∂input.
+    fn feedthrough(&self, input: f64) -> f64;
 
     /// What comes out for what goes in from `now` on. Shortens `span` to where the output has a corner.
     fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal;

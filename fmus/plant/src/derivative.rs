@@ -47,7 +47,7 @@ pub fn derivative(plant: &Plant, variables: &Variables, unknown: &str, known: &s
     match unknown {
         "ddq1" => Some(by_acceleration(plant, variables, known, state)[0]),
         "ddq2" => Some(by_acceleration(plant, variables, known, state)[1]),
-        "tau_applied" => Some(if known == "tau" { feedthrough(variables) } else { 0.0 }),
+        "tau_applied" => Some(if known == "tau" { feedthrough(plant, variables) } else { 0.0 }),
         "z" if known == "q2" => Some(plant.places.current().map_or(0.0, |place| place.slope(plant.state[1]))),
         "z" => Some(0.0),
         _ => None,
@@ -77,7 +77,10 @@ fn by_acceleration(plant: &Plant, variables: &Variables, known: &str, state: Opt
             let own = if place == 2 { by_force(roll + joint, -joint) } else { by_force(-joint, joint) };
             [rest[0] + own[0], rest[1] + own[1]]
         }
-        (None, "tau") => by_force(-feedthrough(variables), feedthrough(variables)),
+        (None, "tau") => {
+            let by = feedthrough(plant, variables);
+            by_force(-by, by)
+        }
         (None, "tau_1") => by_force(1.0, 0.0),
         (None, _) => by_force(0.0, 1.0),
     }
@@ -97,11 +100,7 @@ fn by_differences(variables: &Variables, state: [f64; 4], place: usize) -> [f64;
     [0, 1].map(|i| (8.0 * (after[i] - before[i]) - (far_after[i] - far_before[i])) / (12.0 * step))
 }
 
-/// ∂tau_applied/∂tau: 0 where the actuator needs time, or is saturated.
-fn feedthrough(variables: &Variables) -> f64 {
-    let effects = &variables.effects;
-    let needs_time = effects.delay.time != 0.0 || effects.rate_limit.limit != 0.0 || effects.lag.time != 0.0;
-    let limit = effects.saturation.limit;
-    let is_saturated = limit != 0.0 && variables.inputs.torque.abs() >= limit;
-    if needs_time || is_saturated { 0.0 } else { effects.gain.factor }
+/// ∂tau_applied/∂tau: 0 where the actuator needs time, or is saturated. What is on its way in a delay doesn't matter to that.
+fn feedthrough(plant: &Plant, variables: &Variables) -> f64 {
+    variables.effects.feedthrough(&plant.actuator, 0.0, variables.inputs.torque)
 }

@@ -27,7 +27,7 @@ mod variables;
 pub use integrator::TOLERANCE;
 pub use variables::{Inputs, Locals, Outputs, Parameters, Solver, Variables};
 
-use actuator::{Memory, SHORTEST, Signal};
+use actuator::{Command, Memory, SHORTEST, Signal};
 use dynamics::Dynamics;
 use effects::{Motion, finite, positive};
 use fmi2_export::{Dependencies, Description, Experiment, Log, Model, ModelError, Step, serde};
@@ -76,9 +76,7 @@ impl Plant {
         let dynamics = Dynamics::new(variables, rates);
         let (command, rate) = (variables.inputs.torque, step.input_rate("tau").unwrap_or(0.0));
         let effects = &variables.effects;
-        if effects.delay.time != 0.0 {
-            self.actuator.line_up(step.from, command, rate);
-        }
+        effects.accept(&mut self.actuator, Command { from: step.from, value: command, rate });
         let size = step.size();
         let mut offset = 0.0;
         loop {
@@ -208,7 +206,7 @@ impl Model for Plant {
         finite("tau_0", parameters.start_torque)?;
         variables.solver.check()?;
         check(variables)?;
-        let actuator = Memory::settled(parameters.start_torque, variables.effects.saturation.limit);
+        let actuator = variables.effects.settled(parameters.start_torque);
         let places = std::mem::take(&mut self.places); // a table for the same theta can be used again
         *self = Plant {
             state: start.map(|(_, value)| value),

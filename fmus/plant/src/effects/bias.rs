@@ -17,6 +17,10 @@ impl Stage for Bias {
         finite("tau_bias", self.torque)
     }
 
+    fn feedthrough(&self, _: f64) -> f64 {
+        1.0
+    }
+
     fn shape(&self, _: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
         if self.torque == 0.0 { input } else { Signal { value: input.value + self.torque, ..input } }
     }

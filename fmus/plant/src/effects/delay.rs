@@ -4,7 +4,7 @@
 //! anything. Before the first command there is `tau_0`.
 
 use super::non_negative;
-use crate::actuator::{Memory, SHORTEST, Signal, Stage};
+use crate::actuator::{Command, Memory, SHORTEST, Signal, Stage};
 use fmi2_export::{ModelError, unit, variables};
 
 variables! {
@@ -18,6 +18,21 @@ variables! {
 impl Stage for Delay {
     fn check(&self) -> Result<(), ModelError> {
         non_negative("tau_delay", self.time)
+    }
+
+    fn settle(&self, memory: &mut Memory, input: f64) -> f64 {
+        memory.before = input;
+        input
+    }
+
+    fn accept(&self, memory: &mut Memory, command: Command) {
+        if self.time != 0.0 {
+            memory.line_up(command);
+        }
+    }
+
+    fn feedthrough(&self, _: f64) -> f64 {
+        if self.time == 0.0 { 1.0 } else { 0.0 }
     }
 
     fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal {

@@ -17,6 +17,10 @@ impl Stage for Gain {
         finite("k_tau", self.factor)
     }
 
+    fn feedthrough(&self, _: f64) -> f64 {
+        self.factor
+    }
+
     fn shape(&self, _: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
         if self.factor == 1.0 {
             return input;

@@ -23,6 +23,15 @@ impl Stage for Lag {
         Ok(())
     }
 
+    fn settle(&self, memory: &mut Memory, input: f64) -> f64 {
+        memory.lagged = input;
+        input
+    }
+
+    fn feedthrough(&self, _: f64) -> f64 {
+        if self.time == 0.0 { 1.0 } else { 0.0 }
+    }
+
     fn shape(&self, memory: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
         if self.time == 0.0 {
             return input;

@@ -15,7 +15,7 @@ mod saturation;
 mod slope;
 mod viscous;
 
-use crate::actuator::{Memory, Signal, Stage};
+use crate::actuator::{Command, Memory, Signal, Stage};
 use fmi2_export::ModelError;
 use mechanics::{Equation, Incline};
 
@@ -93,6 +93,31 @@ macro_rules! effects {
                 let mut ground = None;
                 $( ground = ground.or(self.$force.incline()); )*
                 ground
+            }
+
+            /// What the actuator remembers where a command (N·m) has gone in for ever.
+            pub fn settled(&self, command: f64) -> Memory {
+                let (mut memory, mut torque) = (Memory::default(), command);
+                $( torque = self.$stage.settle(&mut memory, torque); )*
+                let _ = torque;
+                memory
+            }
+
+            /// Lets the stages know of a command from now on.
+            pub fn accept(&self, memory: &mut Memory, command: Command) {
+                $( self.$stage.accept(memory, command); )*
+            }
+
+            /// ∂torque/∂command at once, where a command (N·m) goes in at `now` s.
+            pub fn feedthrough(&self, memory: &Memory, now: f64, command: f64) -> f64 {
+                let (mut signal, mut by, mut span) = (Signal::constant(command), 1.0, f64::INFINITY);
+                $(
+                    by *= self.$stage.feedthrough(signal.at(0.0));
+                    signal = self.$stage.shape(memory, now, signal, &mut span);
+                )*
+                let _ = signal;
+                // no zero with a sign
+                by + 0.0
             }
 
             /// Sends a torque through the actuator, in the order of the list, from `now` on for at most `span` s.

@@ -20,6 +20,15 @@ impl Stage for RateLimit {
         non_negative("dtau_max", self.limit)
     }
 
+    fn settle(&self, memory: &mut Memory, input: f64) -> f64 {
+        memory.limited = input;
+        input
+    }
+
+    fn feedthrough(&self, _: f64) -> f64 {
+        if self.limit == 0.0 { 1.0 } else { 0.0 }
+    }
+
     fn shape(&self, memory: &Memory, _: f64, input: Signal, span: &mut f64) -> Signal {
         let limit = self.limit;
         if limit == 0.0 {

@@ -17,6 +17,14 @@ impl Stage for Saturation {
         non_negative("tau_max", self.limit)
     }
 
+    fn settle(&self, _: &mut Memory, input: f64) -> f64 {
+        if self.limit > 0.0 { input.clamp(-self.limit, self.limit) } else { input }
+    }
+
+    fn feedthrough(&self, input: f64) -> f64 {
+        if self.limit != 0.0 && input.abs() >= self.limit { 0.0 } else { 1.0 }
+    }
+
     fn shape(&self, _: &Memory, _: f64, input: Signal, span: &mut f64) -> Signal {
         let limit = self.limit;
         if limit == 0.0 {

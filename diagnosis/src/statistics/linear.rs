@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Below this share of its own length, what is left of a column after projection is rounding.
 pub const RANK_TOLERANCE: f64 = 1e-9;
-/// Prior size that leaves a discrepancy as good as free, for a cell of `heft` 1.
+/// Prior size that leaves a discrepancy as good as free, for a cell of `inertia_scale` 1.
 const FREE: f64 = 1.0 / FINE;
 
 /// One set of rows that share nuisances.

@@ -13,16 +13,29 @@ use std::path::Path;
 /// File of the residual unit.
 pub const UNIT: &str = "acrobot_residual.fmu";
 
-/// Terms of an axis: stem of the coefficient, its unit, and a phrase.
-const TERMS: [(&str, &str, &str); 8] = [
-    ("bias", "N·m", "a constant"),
-    ("spring", "N·m/rad", "in proportion to the angle"),
-    ("even", "N·m/rad²", "with the square of the angle"),
-    ("stiff", "N·m/rad³", "with the cube of the angle"),
-    ("damp", "N·m·s/rad", "in proportion to the rate"),
-    ("drag", "N·m·s²/rad²", "with the square of the rate and its sign"),
-    ("stick", "N·m", "with the sign of the rate"),
-    ("stribeck", "N·m", "with the sign of the rate, at small rates only"),
+/// What a term follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follows {
+    /// Nothing: it is there all the time.
+    Nothing,
+    /// The angle of its axis.
+    Angle,
+    /// The rate of its axis.
+    Rate,
+    /// The rate of its axis where that is small: it stands there once for each rate over which it may fall.
+    SmallRate,
+}
+
+/// Terms of an axis: stem of the coefficient, its unit, what it follows, and a phrase.
+const TERMS: [(&str, &str, Follows, &str); 8] = [
+    ("bias", "N·m", Follows::Nothing, "a constant"),
+    ("spring", "N·m/rad", Follows::Angle, "in proportion to the angle"),
+    ("even", "N·m/rad²", Follows::Angle, "with the square of the angle"),
+    ("stiff", "N·m/rad³", Follows::Angle, "with the cube of the angle"),
+    ("damp", "N·m·s/rad", Follows::Rate, "in proportion to the rate"),
+    ("drag", "N·m·s²/rad²", Follows::Rate, "with the square of the rate and its sign"),
+    ("stick", "N·m", Follows::Rate, "with the sign of the rate"),
+    ("stribeck", "N·m", Follows::SmallRate, "with the sign of the rate, at small rates only"),
 ];
 const AXES: [(&str, &str, &str); 2] =
     [("roll", "on link 1", "angle q1, rate dq1"), ("joint", "at the joint", "angle q2 - q1, rate dq2 - dq1")];
@@ -34,25 +47,31 @@ pub struct Entry {
     pub coefficient: String,
     /// Rate over which it falls, with its parameter, where it has one.
     pub slow: Option<(String, f64)>,
+    /// It acts at the joint, and follows what the links do against each other; else on link 1.
+    pub joint: bool,
+    /// What it follows.
+    pub follows: Follows,
     /// Unit of the coefficient.
     pub measure: String,
     /// In words.
     pub phrase: String,
 }
 
-/// All terms. A Stribeck term stands there once for each rate over which it may fall.
+/// All terms.
 pub fn entries() -> Vec<Entry> {
     let mut all = Vec::new();
     for (axis, place, of) in AXES {
-        for (stem, measure, phrase) in TERMS {
+        for (stem, measure, follows, phrase) in TERMS {
             let entry = |slow: Option<f64>| Entry {
                 coefficient: format!("{stem}_{axis}"),
                 slow: slow.map(|slow| (format!("slow_{axis}"), slow)),
+                joint: axis == AXES[1].0,
+                follows,
                 measure: measure.to_owned(),
                 phrase: format!("torque {place} {phrase} ({of})"),
             };
-            match stem {
-                "stribeck" => all.extend(CORRECTION.slow.map(|slow| entry(Some(slow)))),
+            match follows {
+                Follows::SmallRate => all.extend(CORRECTION.slow.map(|slow| entry(Some(slow)))),
                 _ => all.push(entry(None)),
             }
         }

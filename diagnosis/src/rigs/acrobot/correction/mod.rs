@@ -23,6 +23,7 @@ use crate::rigs::acrobot::residual::forced::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::WITHIN;
+use dictionary::Follows;
 use nalgebra::DVector;
 use orchestrator::UnitPath;
 
@@ -38,16 +39,16 @@ impl Correction {
     /// The residual in words: where effects were withdrawn, what they had left says little of it.
     pub fn told(&self, unknown: Unknown) -> Unknown {
         let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
-        let joint = first.name.ends_with("_joint");
-        let follows = |stems: &[&str]| {
-            self.terms.iter().any(|term| stems.iter().any(|stem| term.name.contains(&format!(".{stem}_"))))
-        };
+        let entries = dictionary::entries();
+        let entry =
+            |term: &Term| entries.iter().find(|own| term.name.ends_with(&format!(".{}", own.coefficient)));
+        let joint = entry(first).is_some_and(|own| own.joint);
         let mut depends_on = Vec::new();
-        for (stems, names) in [
-            (&["spring", "even", "stiff"][..], ["q1", "q2"]),
-            (&["damp", "drag", "stick", "stribeck"][..], ["dq1", "dq2"]),
+        for (follows, names) in [
+            (&[Follows::Angle][..], ["q1", "q2"]),
+            (&[Follows::Rate, Follows::SmallRate][..], ["dq1", "dq2"]),
         ] {
-            if follows(stems) {
+            if self.terms.iter().filter_map(entry).any(|own| follows.contains(&own.follows)) {
                 depends_on.extend(names[..if joint { 2 } else { 1 }].iter().map(|name| (*name).to_owned()));
             }
         }

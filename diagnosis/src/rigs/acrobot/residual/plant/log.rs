@@ -12,13 +12,6 @@ impl PlantCut {
         self.turn(zeros(&self.candidates, point, None));
     }
 
-    /// Takes the log's clock as the others'.
-    pub fn trust_clock(&mut self) {
-        self.shift(0.0);
-        self.clock = None;
-        self.through = None;
-    }
-
     /// Moves the log to when the exposures ended.
     pub(super) fn shift(&mut self, delay: f64) {
         let Some(through) = &mut self.through else { return };

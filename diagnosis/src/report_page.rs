@@ -91,7 +91,9 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     if diagnosis.minimum_detectable.is_empty() {
         page.text("Beside a residual without a name nobody knows what would have been found.");
     }
-    page.text("A candidate that is not named above is not excluded up to this distance from its off value.");
+    page.text(
+        "A candidate that is not named above is not excluded up to this distance from its neutral value.",
+    );
     page.table(&Table {
         head: vec!["candidate".into(), "smallest that would be found".into(), "unit".into()],
         rows: (diagnosis.minimum_detectable.iter())
@@ -200,7 +202,7 @@ fn sentence(words: &str) -> String {
 
 fn effects(diagnosis: &Diagnosis) -> Table {
     let alike = diagnosis.effects.iter().any(|effect| effect.members.len() > 1);
-    let names = ["effect", "name", "value", "95 %", "off", "unit", "probability", "can't be told from"];
+    let names = ["effect", "name", "value", "95 %", "neutral", "unit", "probability", "can't be told from"];
     // A column without a word says nothing.
     let head = if alike { &names[..] } else { &names[..7] };
     let rows = diagnosis.effects.iter().map(|effect| {

@@ -1,4 +1,4 @@
-//! A camera so far out of focus that its circles are lost.
+//! A camera out of focus: so far that its circles are lost, or with a noisy sensor.
 
 #[allow(dead_code)] // each test file uses a part of it
 mod common;
@@ -22,4 +22,15 @@ fn law_passes_beyond_which_the_model_sees_nothing_have_no_upper_end() {
     let passes = found.effects.iter().find(|effect| effect.name == "camera.N").expect("it is there");
     assert!(passes.ci95[0] < 10.0 && 10.0 < passes.ci95[1], "{passes:?}");
     assert!(passes.at_end || passes.value == 10.0, "{passes:?}");
+}
+
+#[test]
+fn recovers_noise_beside_a_blur_and_no_lens() {
+    // a sharp image must be far noisier to scatter by as much, and rendered so its circles lie up to 0.014 px elsewhere, as by a lens
+    let found = found(&recorded("noisy", &[("camera.sigma", "9"), ("camera.N", "1")]));
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["camera.N", "camera.sigma"], "{:?}", found.effects);
+    let noise = found.effects.iter().find(|effect| effect.name == "camera.sigma").expect("it is there");
+    assert!(noise.ci95[0] < 9.0 && 9.0 < noise.ci95[1], "{noise:?}");
 }

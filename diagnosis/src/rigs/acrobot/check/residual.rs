@@ -56,8 +56,8 @@ fn is_open(gap: &Gap) -> bool {
     gap.after > CHECK.open * gap.floor
 }
 
-/// Whether a torque (N·m) that is evident by its many rows alone is so small beside what the model lacked `before` they were named (N·m) that it is their
-/// form: dry friction that is smoothed at rest, a ceiling between two rows.
+/// Whether a torque (N·m) that only its many rows make evident is the form of the named effects: it is small beside what the model
+/// lacked `before` they were named (N·m). Dry friction is smoothed at rest, and a saturation may begin between two rows.
 fn is_form(discrepancy_sd: f64, before: f64) -> bool {
     discrepancy_sd < CHECK.form * before
 }

@@ -36,6 +36,11 @@ pub struct Logs {
     pub glitch: f64,
     /// Rows further apart than so many usual distances are no neighbours.
     pub neighbour: f64,
+    /// A rate is a difference of angles if it is one in more than this share of its rows.
+    pub nearly_all: f64,
+    /// Root mean square, as a share of a decimal, by which times are off their ticks at least where they were rounded to it: 0.29 of any
+    /// interval, 0.25 of one that is a half off.
+    pub spread: f64,
     /// Share of its size by which a rate differs from a difference of angles where both were rounded for the log.
     pub rounded: f64,
     /// Share of a rate's square that the angle's differences explain where one is the other in another unit.
@@ -98,6 +103,8 @@ pub const LOGS: Logs = Logs {
     few_impossible: SMALL,
     glitch: PART,
     neighbour: MORE,
+    nearly_all: 1.0 - SMALL,
+    spread: SMALL,
     rounded: FINE,
     in_proportion: 1.0 - SMALL,
     other_scale: PART,

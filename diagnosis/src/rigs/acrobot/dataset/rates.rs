@@ -89,7 +89,7 @@ fn differences(near: &[Near], rate: &str, angle: &str) -> Option<String> {
         same as f64 / near.len() as f64
     };
     let ways = ["central", "backward", "forward"];
-    let way = (0..ways.len()).find(|way| share(*way) > 1.0 - LOGS.few_impossible)?;
+    let way = (0..ways.len()).find(|way| share(*way) > LOGS.nearly_all)?;
     Some(format!(
         "{rate} is the {} difference of {angle} in nearly all rows and says nothing beyond it",
         ways[way]

@@ -38,11 +38,14 @@ pub fn exclude(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
         let Some((most, why, also_all)) = limit(channel.measures, nominal) else { continue };
         let Some(log) = log else { continue };
         let Some(values) = log.column_mut(channel.column) else { continue };
-        let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].abs() > most).collect();
-        let Some(first) = rows.first().copied() else { continue };
+        let beyond =
+            |most: f64| -> Vec<usize> { (0..values.len()).filter(|row| values[*row].abs() > most).collect() };
+        let mut rows = beyond(most);
         if !also_all && rows.len() as f64 > LOGS.few_impossible * values.len() as f64 {
-            continue;
+            // no unit is so small
+            rows = beyond(LOGS.absurd * LOGS.absurd * most);
         }
+        let Some(first) = rows.first().copied() else { continue };
         let message = format!(
             "{} = {:e} {}, where {why} ({} such rows, this is the first): taken as not measured",
             channel.column,
@@ -106,5 +109,8 @@ mod tests {
             let (values, notices) = after(File::Camera, "v2", values);
             assert_eq!((values[0] == 1e7, notices.is_empty()), (stays, stays));
         }
+        // but what no unit makes of a place in an image goes from every row
+        let (values, notices) = after(File::Camera, "v2", vec![1e300; 40]);
+        assert!(values.iter().all(|value| value.is_nan()) && notices.len() == 1);
     }
 }

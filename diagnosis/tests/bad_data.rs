@@ -321,3 +321,17 @@ fn every_angle_that_jumps_and_comes_back_is_not_measured() {
     let q2 = set.runs[0].plant.as_ref().and_then(|log| log.column("q2")).expect("it was logged");
     assert_eq!(q2.iter().filter(|angle| angle.is_nan()).count(), 2);
 }
+
+#[test]
+fn every_stated_noise_that_no_encoder_has_is_the_least_that_one_has() {
+    let noise = |stated: &str| {
+        let folder = Folder::new(&format!("noise-{stated}"));
+        let head = manifest(1).replace("\"plant.q1\" = 2e-4", &format!("\"plant.q1\" = {stated}"));
+        folder.put("dataset.toml", &head);
+        folder.put("run-01/plant.csv", &plant(60, 1.0));
+        folder.put("run-01/controller.csv", &torque(60));
+        DataSet::load(folder.path()).expect("it is good").known_noise("plant.q1")
+    };
+    // with 1e-300 deviances left the finite numbers
+    assert_eq!(["1e-300", "1e-6", "2e-4"].map(noise), [Some(1e-5), Some(1e-5), Some(2e-4)]);
+}

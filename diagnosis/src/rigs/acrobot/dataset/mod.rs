@@ -26,7 +26,7 @@ pub use table::Table;
 pub use timestamps::directions;
 
 use crate::error::{Error, Notice};
-use crate::rigs::acrobot::channels::{File, columns};
+use crate::rigs::acrobot::channels::{CHANNELS, File, columns};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
@@ -282,8 +282,12 @@ impl DataSet {
         }
     }
 
-    /// A known standard deviation from `[noise]`.
+    /// A known standard deviation from `[noise]`, not less than the least that is believed of such a column.
     pub fn known_noise(&self, variable: &str) -> Option<f64> {
-        self.manifest.noise.get(variable).copied()
+        let stated = *self.manifest.noise.get(variable)?;
+        let (unit, column) = variable.split_once('.')?;
+        let own = CHANNELS.iter().find(|channel| channel.file.unit() == unit && channel.column == column);
+        let least = own.and_then(|channel| channel.noise).map_or(0.0, |noise| noise.least);
+        Some(if stated > 0.0 { stated.max(least) } else { stated })
     }
 }

@@ -32,10 +32,10 @@ pub(super) fn forget_understated(
         found.extend(by_rows(data, model, list).unwrap_or_default());
     }
     for Understated { name, unit, stated, seen } in &found {
-        data.manifest.noise.remove(name);
+        let stated = data.manifest.noise.remove(name).unwrap_or(*stated);
         let message = format!(
             "[noise] {name} = {} {unit}, but its rows scatter by {} {unit}, each on its own: what they show is taken instead",
-            brief(*stated),
+            brief(stated),
             brief(*seen)
         );
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message });

@@ -209,6 +209,13 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
         }
         assert!(!text.contains("--set"), "the file says it, not the command line: {text:?}");
     }
+    // a value that only the unit itself refuses, when it begins
+    folder.put("dataset.toml", &common::manifest(2).replace("[set]\n", "[set]\n\"plant.theta_1\" = 0.0\n"));
+    let said = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
+    let error = said.expect_err("no link is without inertia");
+    let text = error.to_string();
+    assert!(error.is_input() && text.contains("dataset.toml: [set] plant: "), "{text}");
+    assert!(text.contains("theta_1 = 0: must be finite and > 0"), "{text}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::cli::{Called, Diagnose};
 use crate::error::Error;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use report::head::shell_word;
 use runner::folder::Folder;
 use runner::request::folder_name;
 use std::io::IsTerminal as _;
@@ -77,8 +78,12 @@ fn default_folder(arguments: &Diagnose) -> PathBuf {
 
 /// The command that makes this diagnosis again.
 fn command(arguments: &Diagnose) -> String {
-    let mut words = vec!["acroscope diagnose".to_owned(), arguments.dataset.display().to_string()];
-    let option = |(option, value): (&str, String)| format!("--{option} {value}").trim_end().to_owned();
+    let folder = shell_word(&arguments.dataset.to_string_lossy());
+    let mut words = vec!["acroscope diagnose".to_owned(), folder];
+    let option = |(option, value): (&str, String)| match value.as_str() {
+        "" => format!("--{option}"),
+        value => format!("--{option} {}", shell_word(value)),
+    };
     words.extend(asked(arguments).into_iter().map(option));
     words.join(" ")
 }
@@ -242,6 +247,9 @@ mod tests {
             assert!(!folders.contains(&folder), "{} is another's, too", folder.display());
             folders.push(folder);
         }
+        let mut spaced = parsed("diagnose data --after first");
+        (spaced.dataset, spaced.after) = ("my logs".into(), Some("the first".into()));
+        assert_eq!(command(&spaced), "acroscope diagnose 'my logs' --after 'the first'");
         let twice = parsed("diagnose data --without b.c --without a.b --without b.c");
         assert_eq!(
             default_folder(&twice),

@@ -103,6 +103,15 @@ impl Bench {
         result
     }
 
+    /// Whether the unit begins with the nominal values.
+    ///
+    /// # Errors
+    /// What it says of one that it refuses, or of several together.
+    pub fn begins(&self) -> Result<(), String> {
+        let begun = self.initialising(&[], |instance| instance.exit_initialization().map_err(failed));
+        begun.map_err(|error| if let Error::Model(why) = error { why } else { error.to_string() })
+    }
+
     fn instance(&self, settings: &[Setting]) -> Result<Instance, Error> {
         let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
         let mut instance = match kept {

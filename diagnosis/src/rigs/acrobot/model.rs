@@ -89,7 +89,9 @@ impl Model {
                 }
                 values.insert(name.clone(), value);
             }
-            benches.insert(unit.name.clone(), Arc::new(Bench::new(fmu, &values)?));
+            let bench = Bench::new(fmu, &values)?;
+            bench.begins().map_err(|why| set_error(&unit.name, why))?;
+            benches.insert(unit.name.clone(), Arc::new(bench));
         }
         let plant = benches
             .remove("plant")

@@ -5,7 +5,7 @@ use super::images::{pictures, tells_poses};
 use super::impossible;
 use super::timestamps::{self, Moved};
 use super::{Nominal, Run, Table};
-use super::{rates, rounded};
+use super::{quantised, rates, rounded, uncovered};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
@@ -29,6 +29,7 @@ pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
     }
     impossible::exclude(run, nominal, notices);
     rounded::unround(run, notices);
+    quantised::tell(run, notices);
 }
 
 /// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
@@ -124,6 +125,7 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
     }
     rates::exclude(run, notices);
     pictures(run, notices);
+    uncovered::tell(run, notices);
     moved
 }
 

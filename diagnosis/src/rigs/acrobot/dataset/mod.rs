@@ -12,11 +12,13 @@ mod lost;
 mod manifest;
 pub mod nominal;
 pub(crate) mod policy;
+mod quantised;
 mod rates;
 mod rounded;
 pub mod stated;
 mod table;
 mod timestamps;
+mod uncovered;
 
 pub use angles::{in_degrees, typical_gap};
 pub use images::angle_in_degrees;

@@ -186,21 +186,23 @@ pub fn tick_drift(runs: &[Run]) -> f64 {
     driven.iter().map(variance).sum::<f64>().sqrt() / driven.len().max(1) as f64
 }
 
-/// What scattering timestamps of the torque do: each step of it comes a little early or late, an impulse too much or too
-/// little, and together they are a torque over a part of a window. Root mean square over runs, N·m.
+/// What scattering timestamps of the torque and its rounding do: each step of it comes a little early or late, an impulse too much or too
+/// little, and together they are a torque over a part of a window (s). Root mean square over runs, N·m.
 ///
 /// The timestamps' scatter is their distance from even spacing. If a log was really sampled so unevenly and stamped
 /// rightly, this allows for too much.
 pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for log in runs.iter().filter(|run| run.plant.is_some()).filter_map(|run| run.controller.as_ref()) {
-        let Some(tau) = log.column("tau") else { continue };
+    for run in runs.iter().filter(|run| run.plant.is_some()) {
+        let Some((log, tau)) = run.controller.as_ref().and_then(|log| Some((log, log.column("tau")?))) else {
+            continue;
+        };
         let scatter = unevenness(&log.time);
         let steps: f64 =
             tau.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).filter(|s| s.is_finite()).sum();
         let duration = log.time.last().unwrap_or(&0.0) - log.time.first().unwrap_or(&0.0);
         if duration > 0.0 {
-            sum += steps / duration * scatter * scatter / part;
+            sum += steps / duration * scatter * scatter / part + run.rounded_torque(part).powi(2);
             count += 1.0;
         }
     }

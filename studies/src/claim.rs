@@ -32,7 +32,7 @@ pub struct Claim {
     pub paper: String,
     /// What we get.
     pub ours: String,
-    /// What a second honest implementation may differ by, and why.
+    /// What a second correct implementation may differ by, and why.
     pub tolerance: String,
     /// Whether it holds.
     pub holds: bool,

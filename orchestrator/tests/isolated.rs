@@ -127,21 +127,96 @@ fn every_warning_of_one_exchange_counts_elsewhere() {
 
 #[test]
 fn every_refused_value_of_one_exchange_is_named_elsewhere() {
-    let units = Units::new();
     let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
-    let refuses = common::library_with(&[(set, &format!("{{ if (((Unit *)c)->x > 0.3) return 3; {set} }}"))]);
-    units.pack("stateful.fmu", &common::description(common::STATEFUL), &refuses);
+    // An error, and a value that is discarded, which no smaller step would help.
+    for status in [3, 2] {
+        let units = Units::new();
+        let refuses = format!("{{ if (((Unit *)c)->x > 0.3) return {status}; {set} }}");
+        let refuses = common::library_with(&[(set, &refuses)]);
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &refuses);
+        let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
+        let told = |scenario: &Scenario| {
+            let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
+            let mut results = MemoryRecorder::new();
+            let error = simulation.run(&mut results, &mut Quiet).expect_err("refused");
+            (error.to_string(), results.times().len())
+        };
+        let here = told(&scenario);
+        assert!(here.0.starts_with("unit a: fmi2SetReal at t = "), "{}", here.0);
+        isolate(&mut scenario, Isolation::default());
+        assert_eq!(told(&scenario), here);
+    }
+}
+
+#[test]
+fn every_end_in_a_call_that_was_sent_along_has_its_name() {
+    let set = "((Unit *)c)->FIELD[refs[i]] = values[i];";
+    let get = "values[i] = ((Unit *)c)->FIELD[refs[i]];";
+    for (line, function) in [(set, "fmi2SetReal"), (get, "fmi2GetReal")] {
+        let units = Units::new();
+        let ends =
+            common::library_with(&[(line, &format!("{{ if (((Unit *)c)->x > 0.3) abort(); {line} }}"))]);
+        units.pack("stateful.fmu", &common::description(common::STATEFUL), &ends);
+        let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
+        isolate(&mut scenario, Isolation::default());
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        let error = simulation.run(&mut MemoryRecorder::new(), &mut Quiet).expect_err("ends");
+        let text = error.to_string();
+        let head = format!("unit a: in {function} at t = 0.");
+        assert!(text.starts_with(&head) && text.contains("signal 6 (SIGABRT"), "{text}");
+        let Error::Died { post_mortem, .. } = error else { panic!("{text}") };
+        let last = post_mortem.calls.last().map(String::as_str).unwrap_or_default();
+        assert!(last.starts_with(function), "{:?}", post_mortem.calls);
+    }
+}
+
+/// A unit splits its process, and both come back from the call: one answers, the other goes.
+#[cfg(target_os = "linux")]
+#[test]
+fn every_copy_of_a_process_goes() {
+    unit_host();
+    let line = "u->i[I_OUT] = u->i[I_IN] + 1;";
+    let splits =
+        format!("{line} static int copy; if (size > 0) u->i[I_OUT] = copy ? copy : (copy = fork());");
+    let units = Units::new();
+    let library = common::library_with(&[(line, &splits)]);
+    let path = units.pack("splits.fmu", &common::description(common::STATEFUL), &library);
+    let fmu = orchestrator::Fmu::open(path).expect("opens").isolated(Isolation::default());
+    let mut instance = fmu.instantiate("a").expect("instantiates");
+    instance.setup_experiment(0.0, None).expect("set up");
+    instance.enter_initialization().expect("enters");
+    instance.exit_initialization().expect("exits");
+    assert_eq!(instance.do_step(0.0, 0.5, true), orchestrator::fmu::Status::Ok);
+    let Ok(Value::Integer(copy)) = instance.get(Kind::Integer, 1) else { panic!("a number of a process") };
+    assert_eq!(instance.do_step(0.5, 0.5, true), orchestrator::fmu::Status::Ok);
+    drop(instance);
+    let there = || std::path::Path::new(&format!("/proc/{copy}")).exists();
+    // Both are processes of their own, and the system takes as long as it likes.
+    let begun = std::time::Instant::now();
+    while there() && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(copy > 0 && !there(), "{copy}");
+}
+
+#[test]
+fn bad_input_too_little_memory_to_begin_is_told_at_once() {
+    let units = Units::new();
     let mut scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
-    let told = |scenario: &Scenario| {
-        let mut simulation = Simulation::new(scenario, &units.unit_path()).expect("builds");
-        let mut results = MemoryRecorder::new();
-        let error = simulation.run(&mut results, &mut Quiet).expect_err("refused");
-        (error.to_string(), results.times().len())
-    };
-    let here = told(&scenario);
-    assert!(here.0.starts_with("unit a: fmi2SetReal at t = "), "{}", here.0);
-    isolate(&mut scenario, Isolation::default());
-    assert_eq!(told(&scenario), here);
+    isolate(&mut scenario, Isolation { memory_limit: Some(1 << 20), ..Isolation::default() });
+    let begun = std::time::Instant::now();
+    let built = Simulation::new(&scenario, &units.unit_path()).map(|_| ());
+    let ended = built.and_then(|()| {
+        Simulation::new(&scenario, &units.unit_path())?
+            .run(&mut MemoryRecorder::new(), &mut Quiet)
+            .map(|_| ())
+    });
+    // Some systems do with so little; where it is not enough, the limit is what is told, and not the time.
+    if let Err(error) = ended {
+        let text = error.to_string();
+        assert!(text.contains("memory") && !text.contains("step_limit"), "{text}");
+    }
+    assert!(begun.elapsed() < Duration::from_secs(20), "less than the limit of a step");
 }
 
 /// Values are sent along with a step's answer as they were asked for after the last one; whoever asks otherwise gets what he asks.

@@ -229,15 +229,17 @@ impl Instance {
     #[cold]
     pub(crate) fn failure(&mut self, function: &'static str, status: Status, time: Option<f64>) -> Error {
         #[cfg(isolation)]
-        let function = match self.remote() {
+        let (function, status) = match self.remote() {
             Some(remote) => {
-                let function = remote.take_failed().map_or(function, Function::name);
+                let ahead =
+                    remote.take_failed().map(|(function, status)| (function.name(), Status::from(status)));
+                let (function, status) = ahead.unwrap_or((function, status));
                 if let Some(death) = remote.death().cloned() {
                     return death.error(&self.name, function, time, self.sink.lines());
                 }
-                function
+                (function, status)
             }
-            None => function,
+            None => (function, status),
         };
         Error::Call { unit: self.name.clone(), function, status, time, log: self.sink.lines() }
     }

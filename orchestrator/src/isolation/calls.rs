@@ -3,7 +3,7 @@
 //! While stepping, inputs are sent with the step that follows them, and a step brings the outputs that were read after the
 //! one before. The unit sees the same calls in the same order.
 
-use super::client::{Ask, FATAL, Remote, answer_of};
+use super::client::{Ask, DISCARD, ERROR, FATAL, Remote, answer_of};
 use super::memory::Part;
 use super::message::{Plain, Reader, Writer};
 use crate::fmu::Function;
@@ -224,8 +224,8 @@ impl Remote {
         let function = self.sent[place];
         self.sent.clear();
         if place < ahead {
-            self.failed = Some(function);
-            return Err(status);
+            self.failed = Some((function, status));
+            return Err(if status == DISCARD { ERROR } else { status });
         }
         if warned > 0 && status == 0 {
             self.warned = warned - 1;

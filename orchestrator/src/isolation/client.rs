@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 
 /// What a call on a unit that has gone answers.
 pub(super) const FATAL: c_int = 4;
+/// What a step answers whose inputs were discarded: a smaller one would not help.
+pub(super) const ERROR: c_int = 3;
+pub(super) const DISCARD: c_int = 2;
 /// A sleeping master looks this often whether the process is still there.
 const LOOK: Duration = Duration::from_millis(20);
 /// A process that is told to end has this long for it.
@@ -53,8 +56,8 @@ pub(crate) struct Remote {
     pub(super) texts: Vec<CString>,
     pub(super) calls: VecDeque<Recorded>,
     pub(super) death: Option<Death>,
-    /// A call that was sent ahead and failed.
-    pub(super) failed: Option<Function>,
+    /// A call that was sent ahead and failed, and what it answered.
+    pub(super) failed: Option<(Function, c_int)>,
     /// Calls that were sent ahead and answered with a warning.
     pub(super) warned: u64,
     /// Where the process runs, and where it may: `None` where that is not known.
@@ -141,7 +144,10 @@ impl Remote {
                 path: fmu.path().into(),
                 log: remote.sink.lines(),
             }),
-            _ => Err(failed(String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?).into_owned())),
+            _ => {
+                let why = String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?);
+                Err(failed(format!("{why}{}", super::death::want_of_memory(isolation))))
+            }
         }
     }
 
@@ -150,8 +156,8 @@ impl Remote {
         self.death.as_ref()
     }
 
-    /// A call that was sent ahead and failed, in place of the one that brought it to light.
-    pub(crate) fn take_failed(&mut self) -> Option<Function> {
+    /// A call that was sent ahead and failed, and what it answered, in place of the one that brought it to light.
+    pub(crate) fn take_failed(&mut self) -> Option<(Function, c_int)> {
         self.failed.take()
     }
 
@@ -267,7 +273,10 @@ impl Remote {
         let length = if self.at == usize::MAX { 0 } else { self.at };
         let request = &self.shared.part(Part::Request)[..length];
         let inputs = super::death::inputs(request, self.fmu.description());
-        self.death = Some(Death { how, inputs, calls: self.calls.iter().copied().collect() });
+        let under_way =
+            self.shared.under_way().get().and_then(|number| Function::of(u8::try_from(number).ok()?));
+        let calls = super::death::ending_with(under_way, self.calls.iter().copied().collect());
+        self.death = Some(Death { how, inputs, calls, under_way });
     }
 
     pub(super) fn remember(&mut self, function: Function, count: usize, from: f64, size: f64) {

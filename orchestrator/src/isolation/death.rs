@@ -29,10 +29,13 @@ pub(crate) struct Death {
     pub(super) inputs: Vec<(String, String)>,
     /// The last calls, the one under way last.
     pub(super) calls: Vec<Recorded>,
+    /// The function that the process was in, if in any: calls are sent together, and this one may be another than the one that brought
+    /// its end to light.
+    pub(super) under_way: Option<Function>,
 }
 
 impl Death {
-    /// The error; `function` is the call that brought it to light.
+    /// The error; `function` is the call that brought it to light, and is named where the process was in none.
     pub(crate) fn error(
         &self,
         unit: &str,
@@ -49,18 +52,31 @@ impl Death {
             }
         });
         let inputs = self.inputs.iter().map(|(name, value)| format!("{name} = {value}"));
+        let function = self.under_way.map_or(function, Function::name);
         let (how, inputs, calls) = (self.how.clone(), inputs.collect(), calls.collect());
         let post_mortem = Box::new(PostMortem { how, inputs, calls, log });
         Error::Died { unit: unit.into(), function, time, post_mortem }
     }
 }
 
+/// Calls up to the one under way. A value that was set waited for the step that is behind it in the list; a read that was made with a step
+/// is not in it yet.
+pub(super) fn ending_with(under_way: Option<Function>, mut calls: Vec<Recorded>) -> Vec<Recorded> {
+    let Some(function) = under_way else { return calls };
+    let is_set = matches!(
+        function,
+        Function::SetReal | Function::SetInteger | Function::SetBoolean | Function::SetString
+    );
+    match calls.iter().rposition(|call| call.function == function) {
+        Some(place) if is_set || place + 1 == calls.len() => calls.truncate(place + 1),
+        _ => calls.push(Recorded { function, count: 0, from: 0.0, size: 0.0 }),
+    }
+    calls
+}
+
 /// How a process ended, in words that complete "its process".
 pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
-    let limit = isolation.memory_limit.map_or_else(String::new, |limit| {
-        let mebibytes = limit as f64 / f64::from(1 << 20);
-        format!(", perhaps for want of memory: it may have {mebibytes} MiB (memory_limit)")
-    });
+    let limit = want_of_memory(isolation);
     match (status.code(), status.signal()) {
         (Some(0), _) => "ended by exit with status 0".into(),
         (Some(code), _) => format!("ended by exit with status {code}{limit}"),
@@ -71,6 +87,14 @@ pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
         (_, Some(signal)) => format!("was ended by signal {signal}{}", name(signal)),
         _ => format!("ended ({status}){limit}"),
     }
+}
+
+/// That a limit may be the reason, if there is one.
+pub(super) fn want_of_memory(isolation: &Isolation) -> String {
+    isolation.memory_limit.map_or_else(String::new, |limit| {
+        let mebibytes = limit as f64 / f64::from(1 << 20);
+        format!(", perhaps for want of memory: it may have {mebibytes} MiB (memory_limit)")
+    })
 }
 
 fn name(signal: i32) -> &'static str {

@@ -25,7 +25,21 @@ struct Header {
     asleep: [AtomicU32; 2],
     /// Nobody looks: the other side needs this processor.
     at_once: AtomicU32,
+    under_way: UnderWay,
     lengths: [AtomicU64; 3],
+}
+
+/// The call that the server makes, by the number of its function and one more; 0 while it makes none.
+pub(super) struct UnderWay(AtomicU32);
+
+impl UnderWay {
+    pub(super) fn get(&self) -> Option<u32> {
+        self.0.load(Ordering::Relaxed).checked_sub(1)
+    }
+
+    pub(super) fn set(&self, function: Option<u32>) {
+        self.0.store(function.map_or(0, |number| number + 1), Ordering::Relaxed);
+    }
 }
 
 /// The parts of the memory. Only what is touched takes any.
@@ -155,6 +169,11 @@ impl Shared {
 
     pub(super) fn set_length(&self, part: Part, length: usize) {
         self.header().lengths[part as usize].store(length as u64, Ordering::Release);
+    }
+
+    /// Which call is under way: the server's word for it.
+    pub(super) fn under_way(&self) -> &UnderWay {
+        &self.header().under_way
     }
 
     /// Gives the turn to a side, and wakes it where it sleeps.

@@ -1,6 +1,6 @@
 //! The process of a unit: loads its library, makes the calls that come through shared memory, and answers.
 
-use super::memory::{Part, Shared, Side};
+use super::memory::{Part, Shared, Side, UnderWay};
 use super::message::{Reader, Writer};
 use crate::fmu::library::{Callbacks, Component, Functions, Library, State};
 use crate::fmu::logger::{self, LogLine, Sink, calloc, free, orchestrator_logger};
@@ -27,6 +27,10 @@ static MEMORY_OF_LOG: OnceLock<Mutex<Shared>> = OnceLock::new();
 
 /// Serves the master until it has gone or frees the instance. Never returns.
 pub(super) fn serve(descriptor: i32) -> ! {
+    // Before its memory is limited: a thread needs some.
+    if std::thread::Builder::new().spawn(end_with_the_master).is_err() {
+        std::process::exit(1);
+    }
     if let Some(limit) = std::env::var(LIMIT).ok().and_then(|text| text.parse().ok()) {
         let limit = libc::rlimit { rlim_cur: limit, rlim_max: limit };
         // SAFETY: plain data. Shared memory does not count as data.
@@ -40,7 +44,9 @@ pub(super) fn serve(descriptor: i32) -> ! {
     };
     MEMORY_OF_LOG.get_or_init(|| Mutex::new(log));
     logger::forward_to(tell);
-    std::thread::spawn(end_with_the_master);
+    let process = std::process::id();
+    // SAFETY: the memory stays mapped as long as this process lives, and the word is atomic.
+    let under_way = unsafe { &*ptr::from_ref(shared.under_way()) };
     let mut unit = None;
     loop {
         while !shared.wait_for(Side::Server, Duration::from_secs(3600)) {}
@@ -51,10 +57,16 @@ pub(super) fn serve(descriptor: i32) -> ! {
         // SAFETY: the parts don't overlap, and the client writes only in its own turn.
         let mut reader = Reader::at(unsafe { &*request }, 0);
         while !reader.is_empty() {
-            if answered(&mut unit, &mut reader, &mut answer).is_none_or(|status| status > 1) {
+            if answered(&mut unit, &mut reader, &mut answer, under_way).is_none_or(|status| status > 1) {
                 break;
             }
         }
+        if std::process::id() != process {
+            // A copy that the unit split off, and that came back from the call as well: the master waits for one answer.
+            // SAFETY: ends the copy without what a unit has registered for its end.
+            unsafe { libc::_exit(0) };
+        }
+        under_way.set(None);
         let end = answer.end().unwrap_or(0);
         shared.set_length(Part::Answer, end);
         shared.hand_to(Side::Client);
@@ -95,8 +107,14 @@ struct Unit {
 }
 
 /// Makes one call; what it answered. `None` where the request makes no sense.
-fn answered(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut Writer<'_>) -> Option<c_int> {
+fn answered(
+    unit: &mut Option<Unit>,
+    request: &mut Reader<'_>,
+    answer: &mut Writer<'_>,
+    under_way: &UnderWay,
+) -> Option<c_int> {
     let function = Function::of(u8::try_from(request.number()?).ok()?)?;
+    under_way.set(Some(function as u32));
     if function == Function::Instantiate {
         return instantiate(unit, request, answer);
     }

@@ -274,3 +274,40 @@ fn law_a_scenario_without_a_report_gets_graphs_of_its_outputs() {
     assert!(page.contains("Outputs of plant, rad/s") && page.contains("Outputs of controller, N.m"));
     assert!(page.matches("<svg").count() >= 4, "angles, rates, torques have a graph each");
 }
+
+#[test]
+fn bad_input_a_mistake_in_the_report_is_told_with_its_line() {
+    const HEAD: &str = "format = 1\nexperiment = { stop = 1.0 }\n[[units]]\nname = \"plant\"\nfmu = \"acrobot_plant.fmu\"\ninterval = 0.1\n\
+        [report]\ntitle = \"a\"\n";
+    let known = HEAD.replace("title = \"a\"\n", "");
+    let folder = folder();
+    for (head, table, expected) in [
+        (HEAD, "", "mine.toml:8: [report]: unknown field `title`"),
+        (
+            &known,
+            "[[report.graphs]]\ntitle = \"t\"\ny = \"y\"\nlines = [\n{ signal = \"plant.q9\" }]\n",
+            "mine.toml:12: [report]: `plant.q9` is shown",
+        ),
+        (
+            &known,
+            "[report.verdict]\nfails_when = \"plant.q1\"\n",
+            "mine.toml:9: [report]: `plant.q1` is of type Real: fails_when wants a Boolean",
+        ),
+        (
+            &known,
+            "[report.picture]\ncaption = \"c\"\nunit = \"plant\"\ndirectory = \"d\"\nindex = \"q1\"\nmarks = [[\"q1\", \"q2\", \"z\"]]\n",
+            "mine.toml:13: [report]: a mark of 3 names: two outputs are wanted, u and v",
+        ),
+        (
+            &known,
+            "[[sources]]\nto = \"plant.tau\"\nkind = \"linear\"\npoints = [[0, 0, 1]]\n",
+            "a point of 3 numbers: expected [time, value]",
+        ),
+    ] {
+        std::fs::write(folder.path().join("mine.toml"), format!("{head}{table}")).expect("a file");
+        let refused = acroscope(folder.path(), &["run", "mine.toml"]);
+        let told = String::from_utf8_lossy(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && told.contains(expected), "{table}: {told}");
+        assert!(told.contains("mine.toml:"), "{told}");
+    }
+}

@@ -65,7 +65,7 @@ struct Source {
     to: String,
     kind: Spanned<String>,
     value: Option<Spanned<toml::Value>>,
-    points: Option<Spanned<Vec<(Number, Number)>>>,
+    points: Option<Spanned<Vec<Point>>>,
     file: Option<Spanned<String>>,
     column: Option<Spanned<String>>,
     interpolation: Option<Spanned<String>>,
@@ -84,6 +84,23 @@ enum Number {
     Real(f64),
     Integer(i64),
     Boolean(bool),
+}
+
+/// A time and a value. Not a tuple: of those a third number would be dropped without a word.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(try_from = "Vec<Number>")]
+struct Point([Number; 2]);
+
+impl TryFrom<Vec<Number>> for Point {
+    type Error = String;
+
+    fn try_from(numbers: Vec<Number>) -> Result<Self, String> {
+        let count = numbers.len();
+        numbers
+            .try_into()
+            .map(Self)
+            .map_err(|_| format!("a point of {count} numbers: expected [time, value]"))
+    }
 }
 
 impl From<Number> for f64 {
@@ -337,8 +354,11 @@ fn source(at: &Text, entry: Spanned<Source>) -> Result<SourceEntry, Error> {
         },
         _ => {
             let points = source.points.ok_or_else(|| missing("points"))?;
-            let table: Vec<(f64, f64)> =
-                points.get_ref().iter().map(|(time, value)| ((*time).into(), (*value).into())).collect();
+            let table: Vec<(f64, f64)> = points
+                .get_ref()
+                .iter()
+                .map(|Point([time, value])| ((*time).into(), (*value).into()))
+                .collect();
             if table.is_empty() || !table.iter().all(|(time, value)| time.is_finite() && value.is_finite()) {
                 return Err(at.wrong(points.span(), "points", "one or more [time, value], all finite"));
             }

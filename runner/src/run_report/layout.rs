@@ -3,9 +3,9 @@
 use super::defaults;
 use super::verdict::VerdictEntry;
 use crate::error::Error;
-use orchestrator::{Scenario, Simulation};
+use orchestrator::{Kind, Scenario, Simulation};
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// What the page shows.
 #[derive(Debug, Default, Deserialize)]
@@ -76,27 +76,93 @@ pub struct PictureEntry {
     /// Its output that gives the number of the newest picture.
     pub index: String,
     /// Pairs of outputs: places in pixels, u right and v up from the centre of the picture.
-    pub marks: Vec<(String, String)>,
+    pub marks: Vec<Mark>,
+}
+
+/// The outputs that give a place: u and v. Not a tuple: of those a third name would be dropped without a word.
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "Vec<String>")]
+pub struct Mark(pub String, pub String);
+
+impl TryFrom<Vec<String>> for Mark {
+    type Error = String;
+
+    fn try_from(names: Vec<String>) -> Result<Self, String> {
+        let count = names.len();
+        let [u, v] = names
+            .try_into()
+            .map_err(|_| format!("a mark of {count} names: two outputs are wanted, u and v"))?;
+        Ok(Self(u, v))
+    }
+}
+
+/// The error, with the line of the file, if there is one to be read and the mistake is found in it.
+fn wrong(scenario: &Scenario, line: impl Fn(&str) -> Option<usize>, why: String) -> Error {
+    let file = scenario.origin.display();
+    let text = std::fs::read_to_string(&scenario.origin).ok();
+    let scenario = match text.and_then(|text| line(&text)) {
+        Some(line) => format!("{file}:{line}"),
+        None => file.to_string(),
+    };
+    Error::Layout { scenario, why }
+}
+
+/// Where a table that can't be read is wrong.
+fn line_of_mistake(text: &str) -> Option<usize> {
+    #[derive(Deserialize)]
+    struct Whole {
+        #[serde(rename = "report")]
+        _report: Layout,
+    }
+    let place = toml::from_str::<Whole>(text).err()?.span()?.start;
+    Some(1 + text.get(..place)?.matches('\n').count())
+}
+
+/// Where a variable is named first, from the first table of the report on.
+fn line_of_name(text: &str, name: &str) -> Option<usize> {
+    let begin = text.lines().position(|line| {
+        line.trim_start().starts_with("[report") || line.trim_start().starts_with("[[report")
+    })?;
+    let named = |line: &str| ['"', '\''].iter().any(|quote| line.contains(&format!("{quote}{name}{quote}")));
+    text.lines().skip(begin).position(named).map(|line| 1 + begin + line)
 }
 
 impl Layout {
     /// Reads the table of a scenario.
     pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let table = scenario.report.clone();
-        table.try_into().map_err(|error: toml::de::Error| Error::Layout {
-            scenario: scenario.origin.display().to_string(),
-            why: error.message().to_owned(),
+        table.try_into().map_err(|error: toml::de::Error| {
+            wrong(scenario, |text| line_of_mistake(text), error.message().to_owned())
         })
     }
 
-    /// Chooses graphs where the scenario names none, and refuses a page that needs a variable which is not recorded,
-    /// before the run rather than after it.
+    /// Chooses graphs where the scenario names none, and refuses a page that needs a variable which is not recorded, or of another
+    /// type, before the run rather than after it.
     pub fn complete(&mut self, simulation: &Simulation) -> Result<(), Error> {
-        let recorded: BTreeSet<&str> =
-            simulation.columns().iter().map(|column| column.name.as_str()).collect();
-        if let Some(missing) = self.signals().into_iter().find(|name| !recorded.contains(name.as_str())) {
-            let why = format!("`{missing}` is shown but not recorded: no such variable, or not in [record]");
-            return Err(Error::Layout { scenario: simulation.scenario().origin.display().to_string(), why });
+        let recorded: BTreeMap<&str, Kind> =
+            simulation.columns().iter().map(|column| (column.name.as_str(), column.kind)).collect();
+        let refused = |name: &str, why: String| {
+            Err(wrong(simulation.scenario(), |text| line_of_name(text, name), format!("`{name}` {why}")))
+        };
+        for name in self.signals() {
+            match recorded.get(name.as_str()) {
+                None => {
+                    return refused(
+                        &name,
+                        "is shown but not recorded: no such variable, or not in [record]".into(),
+                    );
+                }
+                Some(Kind::String) => {
+                    return refused(&name, "is of type String: a number or a Boolean is wanted".into());
+                }
+                Some(_) => {}
+            }
+        }
+        for (key, name) in self.verdict.booleans() {
+            match recorded.get(name.as_str()) {
+                Some(Kind::Boolean) | None => {}
+                Some(other) => return refused(name, format!("is of type {other}: {key} wants a Boolean")),
+            }
         }
         if self.graphs.is_none() {
             let (graphs, more) = defaults::graphs(simulation);
@@ -117,7 +183,7 @@ impl Layout {
         let mut names: Vec<String> =
             lines.flat_map(|line| [Some(line.signal.clone()), line.minus.clone()]).flatten().collect();
         if let Some(picture) = &self.picture {
-            let marks = picture.marks.iter().flat_map(|(u, v)| [u, v]);
+            let marks = picture.marks.iter().flat_map(|Mark(u, v)| [u, v]);
             names.extend(marks.chain([&picture.index]).map(|name| format!("{}.{name}", picture.unit)));
         }
         names.extend(self.verdict.signals().cloned());

@@ -14,7 +14,7 @@ pub use picture::{Dated, clear as clear_pictures, dated as dated_pictures, pictu
 pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;
-use layout::{GraphEntry, LineStyle};
+use layout::{GraphEntry, LineStyle, Mark};
 use orchestrator::Simulation;
 use report::head::short;
 use report::{Axis, Figure, Graph, Line, Page, Provenance, Standing, Style, Verdict};
@@ -75,7 +75,7 @@ impl Finished<'_> {
         lines.dedup();
         let watch = self.layout.picture.as_ref().map(|entry| {
             let named = |name: &String| format!("{}.{name}", entry.unit);
-            let marks = entry.marks.iter().flat_map(|(u, v)| [named(u), named(v)]).collect();
+            let marks = entry.marks.iter().flat_map(|Mark(u, v)| [named(u), named(v)]).collect();
             (named(&entry.index), numbers, marks)
         });
         Wanted { lines, watch, verdict: &self.layout.verdict }

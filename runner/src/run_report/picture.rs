@@ -1,6 +1,6 @@
 //! The picture on the page: of those that a unit wrote, with the places that it found in them.
 
-use super::layout::PictureEntry;
+use super::layout::{Mark, PictureEntry};
 use crate::error::Error;
 use report::{Page, Picture};
 use std::collections::BTreeMap;
@@ -37,7 +37,7 @@ impl PictureEntry {
             decoder.read_info().map_err(|why| Error::File { path: path.to_owned(), why: why.to_string() })?;
         let size = (reader.info().width, reader.info().height);
         let centre = (f64::from(size.0) / 2.0, f64::from(size.1) / 2.0);
-        let names = self.marks.iter().map(|(u, v)| format!("{u}, {v}"));
+        let names = self.marks.iter().map(|Mark(u, v)| format!("{u}, {v}"));
         let marks = names
             .zip(places.chunks_exact(2))
             .map(|(name, place)| (name, centre.0 + place[0], centre.1 - place[1]));

@@ -74,6 +74,12 @@ pub enum Reduce {
 }
 
 impl VerdictEntry {
+    /// Variables that are true or false, with the key that names them.
+    pub fn booleans(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let valid = self.figures.iter().filter_map(|figure| Some(("valid", figure.valid.as_ref()?)));
+        self.fails_when.iter().map(|name| ("fails_when", name)).chain(valid)
+    }
+
     /// Every variable that it needs.
     pub fn signals(&self) -> impl Iterator<Item = &String> {
         let figures = self.figures.iter();

@@ -35,6 +35,12 @@ pub enum Error {
         /// What may have been meant.
         suggestion: String,
     },
+    /// It is a unit.
+    #[error("{}: it is a unit and no scenario; `acroscope new {}` makes a scenario of it", path.display(), path.display())]
+    Unit {
+        /// The unit.
+        path: PathBuf,
+    },
     /// It can't be read.
     #[error(transparent)]
     Unreadable(#[from] orchestrator::Error),
@@ -86,6 +92,9 @@ pub fn text(name: &str) -> Result<(Cow<'static, str>, PathBuf), Error> {
     let path = Path::new(name);
     if path.is_dir() {
         return Err(Error::Folder { path: path.into(), suggestion: inside(path) });
+    }
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu")) && path.is_file() {
+        return Err(Error::Unit { path: path.into() });
     }
     if path.exists() {
         let unreadable = |source| orchestrator::Error::File { path: path.into(), source };

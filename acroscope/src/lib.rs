@@ -38,7 +38,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     runner::signals::listen();
     runner::tell::apart();
     match commands::dispatch(&arguments) {
-        Ok(()) => 0,
+        Ok(()) => runner::tell::status(),
         Err(error) => {
             runner::signals::let_end_come();
             complain!("error: {error}");

@@ -97,6 +97,7 @@ fmi2_export::variables! {
     pub struct Wrong {
         input one: f64 = 2.0, "a", "a", unit::ONE, "Out of range.", max = 1.0;
         parameter two: f64 = 0.0, "a", "a", unit::ONE, "The same name.";
+        parameter four: f64 = f64::NAN, "d", "d", unit::Unit { factor: 0.0, ..unit::RADIAN }, "No number, and a factor that nothing is left of.";
         output three: f64 = 0.0, "y", "y", unit::ONE, "Depends on what is not there.", derivative_of = "none";
     }
 }
@@ -138,6 +139,8 @@ fn every_mistake_in_a_declaration_is_told() {
         "stop_time and step_size",
         "variable a is declared twice",
         "variable a: start value 2 is not ≤ 1",
+        "variable d: start value NaN is not a finite number",
+        "variable d: unit \"rad\" with factor 0: a finite number",
         "variable y: it or none",
         "output y depends on itself",
         "output y depends on b, which is not declared",

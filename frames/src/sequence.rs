@@ -41,6 +41,19 @@ pub fn list(folder: &Path, notices: &mut Vec<String>) -> Result<Vec<Frame>, Erro
     if others > 0 {
         notices.push(format!("{}: {others} entries that are no images are left out", folder.display()));
     }
+    let (with, without): (Vec<_>, Vec<_>) =
+        names.iter().cloned().partition(|(name, _)| last_number(name).is_some());
+    // A still of the scene among numbered frames is none of them; where few have numbers, these count nothing.
+    if with.len() > without.len()
+        && let Some((first, _)) = without.iter().min()
+    {
+        notices.push(format!(
+            "{}: {} images without a number that counts frames are left out, {first} among them",
+            folder.display(),
+            without.len()
+        ));
+        names = with;
+    }
     names.sort_by_cached_key(|(name, _)| order(name));
     let numbered = names.iter().all(|(name, _)| last_number(name).is_some());
     let frame = |(place, (name, path)): (usize, (String, PathBuf))| {
@@ -77,7 +90,7 @@ fn last_number(name: &str) -> Option<i64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{last_number, order};
+    use super::{last_number, list, order};
 
     #[test]
     fn law_frames_follow_their_numbers_not_their_letters() {
@@ -92,5 +105,26 @@ mod tests {
         assert_eq!(last_number("bild-äß7x.jp2"), Some(7));
         assert_eq!(last_number("still.mp4"), None);
         assert_eq!(last_number("99999999999999999999.png"), None, "more digits than can be counted");
+    }
+
+    #[test]
+    fn bad_data_an_image_without_a_number_counts_no_frame() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let made = |name: &str| std::fs::write(folder.path().join(name), "").expect("writable");
+        ["f0.png", "f1.png", "f2.png", "f4.png"].into_iter().for_each(made);
+        let numbers = |notices: &mut Vec<String>| -> Vec<i64> {
+            list(folder.path(), notices).expect("frames").iter().map(|frame| frame.number).collect()
+        };
+        let mut notices = Vec::new();
+        assert_eq!((numbers(&mut notices), notices.len()), (vec![0, 1, 2, 4], 0));
+        ["zz.png", "background.png"].into_iter().for_each(made);
+        assert_eq!(numbers(&mut notices), [0, 1, 2, 4]);
+        assert!(
+            notices[0].contains("2 images without a number") && notices[0].contains("background.png"),
+            "{notices:?}"
+        );
+        // Where most have none, frames go by their places.
+        ["a.png", "b.png", "c.png"].into_iter().for_each(made);
+        assert_eq!(numbers(&mut notices), (0..9).collect::<Vec<i64>>());
     }
 }

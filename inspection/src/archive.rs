@@ -2,6 +2,7 @@
 //! Nothing is unpacked.
 
 use crate::error::Error;
+use object::Architecture;
 use std::io::{BufReader, Read as _, Seek, SeekFrom};
 use std::path::Path;
 
@@ -27,6 +28,8 @@ pub(crate) struct Binary {
     pub(crate) stem: String,
     /// What it exports; an error is why that can't be read.
     pub(crate) exports: Result<Vec<String>, String>,
+    /// The processor that it is for, if that can be read.
+    pub(crate) processor: Option<Architecture>,
 }
 
 /// What is known of the file.
@@ -90,9 +93,11 @@ impl Archive {
                 String::from_utf8(bytes).map_err(|error| format!("{DESCRIPTION}: {error}"))
             });
         } else if let Some((platform, stem)) = library(&name) {
-            let exports = content(&mut entry).and_then(|bytes| exports(&bytes));
+            let bytes = content(&mut entry);
+            let processor = bytes.as_ref().ok().and_then(|bytes| processor(bytes));
+            let exports = bytes.and_then(|bytes| exports(&bytes));
             let (name, platform, stem) = (name.clone(), platform.to_owned(), stem.to_owned());
-            self.binaries.push(Binary { name, platform, stem, exports });
+            self.binaries.push(Binary { name, platform, stem, exports, processor });
         } else if let Err(error) = entry.read(&mut [0]) {
             unreadable = Some(error.to_string());
         }
@@ -130,6 +135,12 @@ fn library(name: &str) -> Option<(&str, &str)> {
     let (stem, ending) = file.rsplit_once('.')?;
     let is_library = matches!(ending, "so" | "dll" | "dylib") && !file.contains('/');
     is_library.then_some((platform, stem))
+}
+
+/// The processor that a library is for; a universal one is for several.
+fn processor(bytes: &[u8]) -> Option<Architecture> {
+    use object::Object as _;
+    Some(object::File::parse(bytes).ok()?.architecture())
 }
 
 /// The names that a library exports, without the underscore that Mach-O puts before them.

@@ -202,6 +202,7 @@ fn every_planted_fault_of_an_archive_is_found() {
         (&[], "binaries", Error, "neither binaries/PLATFORM"),
         (&[("binaries/linux64/other.so", so)], "binaries", Error, "no library unit"),
         (&[("binaries/win64/unit.so", so)], "binaries", Error, "another ending than .dll"),
+        (&[("binaries/linux32/unit.so", so)], "binaries", Error, "binaries/linux32/unit.so is for "),
         (&[("binaries/win64/unit.dll", b"no library")], "binary-functions", Error, "is no shared library"),
         (&[("sources/x.c", b""), ("Resources/a", b"")], "archive-layout", Error, "must be called resources"),
         (&[("sources/x.c", b""), ("readme.txt", b"")], "archive-layout", Warning, "readme.txt at the root"),

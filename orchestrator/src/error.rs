@@ -105,8 +105,18 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// There is no place to unpack a file.
+    #[error("{}: it can't be unpacked in {}: {reason} (TMPDIR names another folder)", path.display(), folder.display())]
+    Unpack {
+        /// The archive.
+        path: PathBuf,
+        /// Where temporary folders are made.
+        folder: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
     /// A unit refused to be instantiated.
-    #[error("unit {unit} ({}): fmi2Instantiate gave no instance{}", path.display(), tail(log))]
+    #[error("unit {unit} ({}): fmi2Instantiate gave no instance{}", path.display(), reasons(log))]
     Instantiate {
         /// Name in the scenario.
         unit: String,
@@ -162,8 +172,8 @@ pub enum Error {
         post_mortem: Box<PostMortem>,
     },
     /// A unit ended a step early.
-    #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help, or `retry = true` of the unit{}",
-            reached(*last), tail(log))]
+    #[error("unit {unit}: the step from t = {from} s by {size} s was discarded{}; a smaller interval may help{}{}",
+            reached(*last), if *retried { ", pieces as small as are tried with `retry = true` did not" } else { ", or `retry = true` of the unit" }, tail(log))]
     Discarded {
         /// Name in the scenario.
         unit: String,
@@ -173,6 +183,8 @@ pub enum Error {
         size: f64,
         /// How far the unit came, if it can tell.
         last: Option<f64>,
+        /// It was tried again in smaller pieces (`retry = true`).
+        retried: bool,
         /// What the unit logged.
         log: Vec<LogLine>,
     },
@@ -214,8 +226,7 @@ pub enum Error {
     },
     /// What units give each other does not settle, or can't be made as exact as was asked for.
     #[error(
-        "{variable} at t = {time} s: it still changes by {change} after {tried}, more than the tolerance of {tolerance}; a \
-         smaller interval or a larger tolerance may help"
+        "{variable} at t = {time} s: it still changes by {change} after {tried}, more than the tolerance of {tolerance}; {advice}"
     )]
     Coupling {
         /// `unit.variable`.
@@ -228,6 +239,8 @@ pub enum Error {
         tolerance: f64,
         /// What was done.
         tried: String,
+        /// What may help.
+        advice: &'static str,
     },
     /// The times of a scenario have no common tick within 64 bits.
     #[error(
@@ -272,6 +285,7 @@ impl Error {
                 | Self::Name { .. }
                 | Self::Value { .. }
                 | Self::Archive { .. }
+                | Self::Unpack { .. }
                 | Self::Package { .. }
                 | Self::Description { .. }
                 | Self::Library { .. }
@@ -293,6 +307,16 @@ impl Error {
         }
         self
     }
+}
+
+/// That a file can't be unpacked where temporary folders are made.
+pub(crate) fn unpack(path: &std::path::Path, error: &std::io::Error) -> Error {
+    Error::Unpack { path: path.into(), folder: std::env::temp_dir(), reason: error.to_string() }
+}
+
+/// Whether the disk is full, or not to be written.
+pub(crate) fn is_no_room(error: &std::io::Error) -> bool {
+    error.raw_os_error().is_some_and(|code| NO_ROOM.contains(&code))
 }
 
 /// What the system calls a disk that is full, and one that is not to be written.
@@ -345,6 +369,14 @@ fn listed(what: &str, items: &[String]) -> String {
 const SHOWN: usize = 5;
 
 /// The last lines of a log, each on its own line.
+/// What a unit said that gave no instance, or what most often is the reason if it said nothing.
+fn reasons(log: &[LogLine]) -> String {
+    match log {
+        [] => ", and no reason: most often the guid in its description is not that of its library, or it doesn't find its resources".into(),
+        log => tail(log),
+    }
+}
+
 fn tail(log: &[LogLine]) -> String {
     let newest = &log[log.len().saturating_sub(SHOWN)..];
     newest.iter().map(|line| format!("\n  {line}")).collect()

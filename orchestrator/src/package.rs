@@ -111,7 +111,10 @@ impl Package {
         let mut file = self.zip.by_index(index).map_err(|error| wrong(format!("{entry}: {error}")))?;
         // One byte more than allowed tells a file that is longer.
         let copied = std::io::copy(&mut file.by_ref().take(most.saturating_add(1)), to);
-        let copied = copied.map_err(|error| wrong(format!("{entry}: {error}")))?;
+        let copied = copied.map_err(|error| match crate::error::is_no_room(&error) {
+            true => crate::error::unpack(&shown, &error),
+            false => wrong(format!("{entry}: {error}")),
+        })?;
         if copied > most {
             let (what, limit) = match variable {
                 limits::UNPACKED => (format!("what it unpacks to, as far as {entry},"), self.limits.unpacked),
@@ -165,13 +168,15 @@ pub(crate) fn split(name: &str) -> Option<(&str, &str)> {
 
 /// Unpacks the file of a package under its own last name.
 pub(crate) fn unpack(package: &Path, inside: &str) -> Result<Unpacked, Error> {
-    let (outer, entry) = match inside.rsplit_once('#') {
-        Some((outer, entry)) => (PathBuf::from(format!("{}#{outer}", package.display())), entry),
+    let (outer, entry) = match inside.rfind(".ssp#") {
+        Some(at) => {
+            (PathBuf::from(format!("{}#{}", package.display(), &inside[..at + 4])), &inside[at + 5..])
+        }
         None => (package.to_owned(), inside),
     };
     let mut package = Package::open(&outer)?;
     let wrong = |reason: String| Error::Package { path: outer.clone(), reason };
-    let bench = Bench::new().map_err(|error| wrong(format!("no temporary folder: {error}")))?;
+    let bench = Bench::new().map_err(|error| crate::error::unpack(&outer, &error))?;
     let name = Path::new(entry).file_name().unwrap_or_else(|| "unit.fmu".as_ref());
     let path = bench.path().join(name);
     let mut file = File::create(&path).map_err(|error| wrong(format!("{}: {error}", path.display())))?;

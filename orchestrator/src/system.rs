@@ -322,6 +322,7 @@ fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Er
             from: unit.begin,
             size: unit.size,
             last,
+            retried: unit.rollback.retry,
             log,
         });
     }

@@ -266,3 +266,49 @@ fn law_a_library_finds_its_own_symbols_first_where_the_program_has_the_same() {
     orchestrator::serve_units();
     assert_eq!(parent(), 42.0, "its own");
 }
+
+#[test]
+fn every_piece_of_a_step_that_is_discarded_is_no_reason_to_advise_smaller_ones() {
+    let units = Units::new();
+    let rule = ("    (void)no_return;\n", "    (void)no_return; if (from >= 0.5) return 2;\n");
+    units.pack("refuses.fmu", &common::description(common::STATEFUL), &common::library_with(&[rule]));
+    for (retry, advice) in [
+        ("", "or `retry = true` of the unit"),
+        ("retry = true\n", "pieces as small as are tried with `retry = true` did not"),
+    ] {
+        let text = format!(
+            "format = 1\nexperiment = {{ stop = 1 }}\n[[units]]\nname = \"a\"\nfmu = \"refuses.fmu\"\ninterval = 0.25\n{retry}"
+        );
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
+        let error = simulation.advance_to(1.0).expect_err("discarded").to_string();
+        assert!(error.contains("a smaller interval may help, ") && error.contains(advice), "{error}");
+    }
+}
+
+#[test]
+fn law_a_loop_that_is_iterated_is_not_said_to_be_cut() {
+    let units = Units::new();
+    let unit = |name: &str| {
+        format!(
+            "[[units]]\nname = \"{name}\"\nfmu = \"feedthrough.fmu\"\ninterval = 0.25\nset = {{ mode = 1, k = K, x0 = 1.0 }}\n"
+        )
+    };
+    let wire = |from: &str, to: &str| format!("[[connections]]\nfrom = \"{from}.y1\"\nto = \"{to}.u1\"\n");
+    let built = |algorithm: &str, gain: &str| {
+        let head = format!("format = 1\n[experiment]\nstop = 1\nalgorithm = \"{algorithm}\"\n");
+        let text = [head, unit("a"), unit("b"), wire("a", "b"), wire("b", "a")]
+            .concat()
+            .replace("K,", &format!("{gain},"));
+        let scenario = Scenario::parse(&text, "test.toml").expect("a scenario");
+        Simulation::new(&scenario, &units.unit_path()).expect("builds")
+    };
+    let is_cut = |simulation: &Simulation| {
+        simulation.notices().iter().any(|notice| notice.contains("it is cut where"))
+    };
+    assert!(is_cut(&built("gauss-seidel", "0.5")));
+    let mut iterated = built("iterated", "0.5");
+    iterated.advance_to(1.0).expect("it settles");
+    // y = 0.5 y + 1 at both.
+    assert!(!is_cut(&iterated) && (iterated.value("a.y1").expect("known") - 2.0).abs() < 1e-9);
+}

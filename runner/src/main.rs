@@ -42,7 +42,7 @@ fn command_line() -> u8 {
     signals::listen();
     runner::tell::apart();
     match asked(&run).and_then(|()| runner::run(&run, quiet, &|_| Ok(()))) {
-        Ok(()) => 0,
+        Ok(()) => runner::tell::status(),
         Err(error) => {
             signals::let_end_come();
             complain!("error: {error}");

@@ -117,7 +117,7 @@ pub fn carry_out(
         scenario.set(&picture.directory_parameter(), &out.join("frames").to_string_lossy())?;
     }
     request.apply(&mut scenario)?;
-    isolate(&mut scenario, arguments);
+    isolate(&mut scenario, arguments)?;
     let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     layout.complete(&simulation)?;
     simulation.pace(arguments.real_time);
@@ -205,7 +205,7 @@ fn checkpoint(arguments: &Run, folder: &Folder, quiet: bool) -> Result<Option<Ch
 }
 
 /// Units in processes of their own, and their limits.
-fn isolate(scenario: &mut Scenario, arguments: &Run) {
+fn isolate(scenario: &mut Scenario, arguments: &Run) -> Result<(), Error> {
     for unit in &mut scenario.units {
         if arguments.isolate && unit.isolation.is_none() {
             unit.isolation = Some(Isolation::default());
@@ -215,6 +215,16 @@ fn isolate(scenario: &mut Scenario, arguments: &Run) {
             isolation.step_limit = Duration::from_secs_f64(limit);
         }
         isolation.memory_limit = arguments.memory_limit.map(|limit| limit << 20).or(isolation.memory_limit);
+    }
+    let given = [
+        ("--step-limit", arguments.step_limit.is_some()),
+        ("--memory-limit", arguments.memory_limit.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((option, _)) if scenario.units.iter().all(|unit| unit.isolation.is_none()) => Err(Error::Words(
+            format!("{option} is for units in processes of their own, and no unit is in one: add --isolate"),
+        )),
+        _ => Ok(()),
     }
 }
 

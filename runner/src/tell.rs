@@ -1,5 +1,5 @@
-//! Lines for the person at the terminal. Whoever closed the other end of the pipe (`| head`) has read enough, and a log on a full disk
-//! ends nothing.
+//! Lines for the person at the terminal. Whoever closed the other end of the pipe (`| head`) has read enough. A log on a full disk
+//! ends nothing, but in the end it is told.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -22,14 +22,34 @@ pub fn apart() {
 #[cfg(not(unix))]
 pub fn apart() {}
 
-/// Writes a line; there is nobody to tell that it can't be written.
+/// What the system says of a descriptor that is closed: `EBADF`, on Windows `ERROR_INVALID_HANDLE`.
+const CLOSED: i32 = if cfg!(windows) { 6 } else { 9 };
+
+/// Why a line could not be written, of the first one that could not.
+static UNWRITTEN: OnceLock<String> = OnceLock::new();
+
+/// Writes a line.
 pub fn line(text: std::fmt::Arguments<'_>) {
     // In one piece.
     let text = format!("{text}\n");
-    let _ = match OWN.get() {
+    let written = match OWN.get() {
         Some(mut own) => own.write_all(text.as_bytes()),
         None => std::io::stdout().lock().write_all(text.as_bytes()),
     };
+    // What a unit has closed, nobody reads either.
+    if let Err(why) = written
+        && why.kind() != std::io::ErrorKind::BrokenPipe
+        && why.raw_os_error() != Some(CLOSED)
+    {
+        let _ = UNWRITTEN.set(why.to_string());
+    }
+}
+
+/// The exit status of a program that has done its work: 1, and a word about it, where lines for the standard output are lost.
+pub fn status() -> u8 {
+    let Some(why) = UNWRITTEN.get() else { return 0 };
+    error_line(format_args!("error: the standard output can't be written: {why}"));
+    1
 }
 
 /// Writes a line to the standard error, likewise.

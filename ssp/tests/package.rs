@@ -244,3 +244,45 @@ fn every_fault_names_document_line_and_element() {
     empty.files.remove("SystemStructure.ssd");
     assert!(empty.refused().contains("it holds no \"SystemStructure.ssd\""), "{}", empty.refused());
 }
+
+#[test]
+fn law_a_name_with_a_number_sign_goes_into_a_package_and_out_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a#1.fmu"), common::unit("signal_effects.fmu")).expect("writable");
+    let text =
+        "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"a#1.fmu\"\ninterval = 0.5\n";
+    let scenario = Scenario::parse(text, folder.path().join("s.toml")).expect("a scenario");
+    let package = folder.path().join("s.ssp");
+    let simulation = Simulation::new(&scenario, &UnitPath::new()).expect("builds");
+    std::fs::write(&package, ssp::write(&simulation).expect("packed")).expect("writable");
+    let read = ssp::read(&package).expect("read");
+    Simulation::new(&read, &UnitPath::new()).expect("builds");
+}
+
+#[test]
+fn bad_input_documents_that_double_each_other_have_an_end() {
+    let system = |next: &str| {
+        let one = |name: &str| {
+            format!(
+                "<ssd:Component name=\"{name}\" type=\"application/x-ssp-definition\" source=\"{next}\"/>"
+            )
+        };
+        format!("<ssd:System name=\"s\"><ssd:Elements>{}{}</ssd:Elements></ssd:System>", one("a"), one("b"))
+    };
+    let document = |next: &str| {
+        format!("{}{}</ssd:SystemStructureDescription>", common::HEAD.replace("VERSION", "1.0"), system(next))
+    };
+    let mut files = std::collections::BTreeMap::new();
+    files.insert("SystemStructure.ssd".to_owned(), document("resources/0.ssd").into_bytes());
+    // 2²⁹ elements, 30 deep.
+    for k in 0..28 {
+        files.insert(format!("resources/{k}.ssd"), document(&format!("{}.ssd", k + 1)).into_bytes());
+    }
+    let last = document("").replace(&system(""), "<ssd:System name=\"s\"/>");
+    files.insert("resources/28.ssd".to_owned(), last.into_bytes());
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("doubles.ssp");
+    std::fs::write(&path, pack(&files).expect("a package")).expect("writable");
+    let told = ssp::read(&path).expect_err("no end").to_string();
+    assert!(told.contains("is one of more than 65536"), "{told}");
+}

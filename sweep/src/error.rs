@@ -44,6 +44,12 @@ pub enum Error {
         /// How many there are.
         of: u64,
     },
+    /// A limit without anything that it limits.
+    #[error("{option} is for units in processes of their own, and no unit is in one: add --isolate")]
+    Limit {
+        /// Which one.
+        option: &'static str,
+    },
     /// The folder holds parts of something else.
     #[error("{}: it belongs to {what}; choose another --out, or remove that data set first", path.display())]
     Foreign {

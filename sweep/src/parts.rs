@@ -110,13 +110,14 @@ impl Parts {
         self.folder.join(kind).join(format!("part-{part:0width$}.parquet"))
     }
 
-    /// Takes away what an end in the middle of a part left. Not while others may be writing.
+    /// Takes away what an end in the middle of a part left: files that nobody has locked. Others may be writing theirs.
     pub(crate) fn sweep_up(&self) {
         for kind in ["cases", "signals"] {
             let entries = std::fs::read_dir(self.folder.join(kind)).into_iter().flatten().flatten();
             for path in entries.map(|entry| entry.path()) {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
-                if name.starts_with(".part-") && name.ends_with(".tmp") {
+                let is_left = || std::fs::File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
+                if name.starts_with(".part-") && name.ends_with(".tmp") && is_left() {
                     // What can't be taken away is in nobody's way.
                     let _ = std::fs::remove_file(&path);
                 }
@@ -139,4 +140,22 @@ fn found(folder: &Path) -> Result<Vec<(PathBuf, Option<Marks>)>, Error> {
     });
     paths.sort();
     paths.into_iter().map(|path| data::marks(&path).map(|marks| (path, marks))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Parts;
+
+    #[test]
+    fn law_files_that_somebody_writes_are_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let cases = folder.path().join("cases");
+        std::fs::create_dir(&cases).expect("writable");
+        let parts = Parts::look(folder.path(), "study", 10, None).expect("an empty folder");
+        let held = crate::data::temporary(&parts.file("cases", 1)).expect("writable");
+        std::fs::write(cases.join(".part-1-left.tmp"), "half").expect("writable");
+        parts.sweep_up();
+        assert!(held.path().is_file(), "somebody writes it");
+        assert!(!cases.join(".part-1-left.tmp").exists(), "nobody does");
+    }
 }

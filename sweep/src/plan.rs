@@ -228,6 +228,12 @@ fn scenario(study: &Study, limits: &Limits) -> Result<Scenario, Error> {
         isolation.step_limit = limits.step.unwrap_or(isolation.step_limit);
         isolation.memory_limit = limits.memory.or(isolation.memory_limit);
     }
+    let given = [("--step-limit", limits.step.is_some()), ("--memory-limit", limits.memory.is_some())];
+    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given)
+        && scenario.units.iter().all(|unit| unit.isolation.is_none())
+    {
+        return Err(Error::Limit { option });
+    }
     Ok(scenario)
 }
 

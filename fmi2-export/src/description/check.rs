@@ -18,6 +18,13 @@ impl Unit {
                 found.push(format!("variable {name:?}: not a legal name"));
             }
             self.check_start(at, &mut found);
+            let measure = &variable.unit;
+            let factors = measure.display.iter().map(|(name, factor)| (*name, *factor));
+            for (unit, factor) in std::iter::once((measure.name, measure.factor)).chain(factors) {
+                if !factor.is_normal() {
+                    found.push(format!("variable {name}: unit {unit:?} with factor {factor}: a finite number other than 0 is needed"));
+                }
+            }
             if let Some(of) = variable.derivative_of {
                 let state = self.place(of).map(|place| &self.variables[place].kind);
                 if !matches!((&variable.kind, state), (Kind::Real(_), Some(Kind::Real(_)))) {
@@ -64,7 +71,9 @@ impl Unit {
         };
         let below = variable.min.is_some_and(|min| start < min);
         let above = variable.max.is_some_and(|max| start > max);
-        if !start.is_finite() || below || above {
+        if !start.is_finite() {
+            found.push(format!("variable {}: start value {start} is not a finite number", variable.name));
+        } else if below || above {
             found.push(format!(
                 "variable {}: start value {start} is not {}",
                 variable.name,

@@ -153,7 +153,8 @@ impl Subject<'_> {
             Status::Discard if instance.wants_to_end() => Err(Halt::Ended),
             Status::Discard => {
                 let (last, log) = (instance.last_successful_time(), instance.log());
-                Err(Error::Discarded { unit: self.name.clone(), from, size, last, log }.into())
+                Err(Error::Discarded { unit: self.name.clone(), from, size, last, retried: false, log }
+                    .into())
             }
             status => {
                 let (unit, log) = (self.name.clone(), instance.log());

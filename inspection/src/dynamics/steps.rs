@@ -103,6 +103,8 @@ pub(super) fn splitting(bench: &Bench, found: &mut Found) -> Result<(), Halt> {
     let mut courses = Vec::new();
     for parts in [1, 2u64] {
         let mut unit = bench.started(if parts == 1 { "coarse" } else { "fine" })?;
+        // Held a little beside their start values: a unit that is at rest there shows nothing.
+        unit.excite(0)?;
         let mut rows = vec![unit.read(&outputs)?];
         for k in 0..COARSE * parts {
             let size = bench.step / parts as f64;

@@ -2,6 +2,7 @@
 
 use super::File;
 use crate::finding::Found;
+use object::Architecture;
 use std::collections::BTreeSet;
 
 /// What may stand at the root; the last two are of later additions to the standard.
@@ -105,6 +106,25 @@ pub(super) fn binaries(file: &File<'_>, found: &mut Found) {
         for binary in held.iter().filter(|binary| !binary.name.ends_with(ending)) {
             found.error(format!("{} has another ending than {ending}, that of {platform}", binary.name));
         }
+        let processor = processor(platform);
+        for binary in &held {
+            if let (Some(own), Some(other)) = (processor, binary.processor)
+                && own != other
+            {
+                found.error(format!("{} is for {other:?}, and {platform} is {own:?}", binary.name));
+            }
+        }
+    }
+}
+
+/// What runs the libraries of a platform; Apple's may hold parts for several.
+fn processor(platform: &str) -> Option<Architecture> {
+    match platform {
+        "win32" | "linux32" => Some(Architecture::I386),
+        "win64" | "linux64" => Some(Architecture::X86_64),
+        platform if platform.starts_with("aarch64-") => Some(Architecture::Aarch64),
+        platform if platform.starts_with("x86_64-") => Some(Architecture::X86_64),
+        _ => None,
     }
 }
 

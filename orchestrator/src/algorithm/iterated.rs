@@ -34,7 +34,7 @@ impl Algorithm for Iterated {
     }
 
     fn needs(&self) -> Needs {
-        Needs { states: true, ..Needs::default() }
+        Needs { states: true, settles: true, ..Needs::default() }
     }
 
     fn step(&mut self, system: &mut System, point: Point) -> Result<(), Box<Error>> {
@@ -81,6 +81,8 @@ impl Algorithm for Iterated {
                     change: worst.0,
                     tolerance: self.tolerance,
                     tried: format!("{iteration} iterations"),
+                    advice: "a smaller interval or a larger tolerance may help, and where values go straight through all units of a loop, a \
+                             delay on one of its connections",
                 }));
             }
         }

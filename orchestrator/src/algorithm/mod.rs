@@ -71,6 +71,8 @@ pub struct Needs {
     pub any_step: bool,
     /// All have the same interval and offset.
     pub one_rate: bool,
+    /// Nothing: what they give each other is made to agree at each communication point, so that loops of direct feedthrough are not cut.
+    pub settles: bool,
     /// They step in the order that follows from who depends on whom, instead of the scenario's.
     pub order: bool,
 }

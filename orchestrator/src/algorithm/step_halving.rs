@@ -113,7 +113,7 @@ impl Algorithm for StepHalving {
     }
 
     fn needs(&self) -> Needs {
-        Needs { states: true, any_step: true, one_rate: true, order: false }
+        Needs { states: true, any_step: true, one_rate: true, ..Needs::default() }
     }
 
     fn estimates(&self) -> bool {
@@ -154,6 +154,7 @@ impl Algorithm for StepHalving {
                             change: worst.0,
                             tolerance: self.tolerance,
                             tried: format!("{} halvings of the step", self.halvings),
+                            advice: "a smaller interval or a larger tolerance may help",
                         }));
                     }
                 }

@@ -2,7 +2,7 @@
 //!
 //! Only what a run needs is unpacked: the description, the resources and this platform's binaries.
 
-use crate::error::Error;
+use crate::error::{self, Error};
 use crate::fmu::Description;
 use crate::fmu::limits::{self, Limits};
 use crate::fmu::workshop::{self, Bench};
@@ -58,7 +58,7 @@ impl Archive {
             return Err(broken(limits::exceeded(&what, limits.entries, limits::ENTRIES)));
         }
         let _unpacking = workshop::unpacking();
-        let folder = Bench::new().map_err(|e| broken(format!("no temporary folder: {e}")))?;
+        let folder = Bench::new().map_err(|error| error::unpack(path, &error))?;
         let mut left = limits.unpacked;
         let mut description = None;
         let mut platforms = Vec::new();
@@ -94,7 +94,10 @@ impl Archive {
                 }
                 let written =
                     write(&folder.path().join(&name), &mut entry.by_ref().take(left.saturating_add(1)))
-                        .map_err(|e| broken(format!("{}: {e}", name.display())))?;
+                        .map_err(|error| match error::is_no_room(&error) {
+                            true => error::unpack(path, &error),
+                            false => broken(format!("{}: {error}", name.display())),
+                        })?;
                 left = left.checked_sub(written).ok_or_else(|| {
                     let what = format!("what it unpacks to, as far as {},", name.display());
                     broken(limits::exceeded(&what, limits.unpacked, limits::UNPACKED))

@@ -135,6 +135,9 @@ impl Library {
                      and PYTHONHOME or PYTHONPATH set to an installation that has its packages)",
                 );
             }
+            if let Some(processor) = of_another_processor(path) {
+                reason = format!("the library is for {processor}, this program for {}", std::env::consts::ARCH);
+            }
             if forbids_programs(path) {
                 reason.push_str(" (units are unpacked on a file system that forbids programs, noexec: TMPDIR names another folder)");
             }
@@ -163,6 +166,24 @@ impl Drop for Library {
         // SAFETY: not used afterwards.
         guard::loading(self.label, || unsafe { ManuallyDrop::drop(&mut self.library) });
     }
+}
+
+/// The processor of an ELF library that is for another one, for which the loader has no good word: "No such file or directory".
+fn of_another_processor(path: &Path) -> Option<String> {
+    use std::io::Read as _;
+    /// Machines by their numbers in an ELF head (System V ABI, `e_machine`).
+    const MACHINES: [(u16, &str); 6] =
+        [(3, "x86"), (40, "arm"), (62, "x86_64"), (183, "aarch64"), (21, "powerpc64"), (243, "riscv64")];
+    let mut head = [0; 20];
+    std::fs::File::open(path).ok()?.read_exact(&mut head).ok()?;
+    let machine = match (&head[..4], head[5]) {
+        (b"\x7fELF", 1) => u16::from_le_bytes([head[18], head[19]]),
+        (b"\x7fELF", 2) => u16::from_be_bytes([head[18], head[19]]),
+        _ => return None,
+    };
+    let name = MACHINES.iter().find(|(number, _)| *number == machine).map(|(_, name)| *name);
+    let name = name.map_or_else(|| format!("processor {machine} of ELF's list"), str::to_owned);
+    (name != std::env::consts::ARCH).then_some(name)
 }
 
 /// Whether nothing that lies there may be run, and no library loaded.

@@ -30,6 +30,9 @@ pub struct CsvRecorder<W: Write> {
     /// The file, if it is one.
     #[cfg(unix)]
     file: Option<(Lasting, Opened<W>)>,
+    /// Whose rows these are.
+    #[cfg(unix)]
+    process: u32,
     /// Bytes that were handed over.
     written: u64,
     /// Simulated time at which the next second is full.
@@ -96,6 +99,8 @@ impl<W: Write> CsvRecorder<W> {
             path: None,
             #[cfg(unix)]
             file: None,
+            #[cfg(unix)]
+            process: std::process::id(),
             written: 0,
             waiting: Vec::with_capacity(WAITING + 4096),
             next_second: f64::NEG_INFINITY,
@@ -110,6 +115,11 @@ impl<W: Write> CsvRecorder<W> {
 
     #[cold]
     fn hand_over(&mut self) -> Result<(), Error> {
+        #[cfg(unix)]
+        if self.file.is_some() && self.process != std::process::id() {
+            // A copy of this process that a unit split off and let return: the rows are the other one's to write.
+            crate::guard::end_copy();
+        }
         let result =
             self.found().and_then(|()| self.sink.write_all(&self.waiting)).and_then(|()| self.sink.flush());
         match result {

@@ -79,7 +79,7 @@ struct Record {
 
 /// 1, 1.0 or true.
 #[derive(Deserialize, Clone, Copy)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, true or false")]
 enum Number {
     Real(f64),
     Integer(i64),

@@ -170,13 +170,27 @@ fn text_of(value: &Toml) -> String {
     }
 }
 
+/// A basic string of TOML: what stands in a key has to stay on its line.
+fn basic(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push_str(&format!("\\u{:04X}", u32::from(c))),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
 fn put(out: &mut String, key: &str, value: &Toml) {
     let value = text_of(value);
     let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     // Writing to a String can't fail.
     let _ = match bare {
         true => writeln!(out, "{key} = {value}"),
-        false => writeln!(out, "{} = {value}", Toml::String(key.to_owned())),
+        false => writeln!(out, "{} = {value}", basic(key)),
     };
 }
 
@@ -187,11 +201,12 @@ mod tests {
     #[test]
     fn value_keys_are_quoted_where_toml_asks_for_it() {
         let mut out = String::new();
-        for key in ["a_1", "a-b", "a.b", "a b", "", "ä"] {
+        for key in ["a_1", "a-b", "a.b", "a b", "", "ä", "a\nb", "a\"\\'"] {
             put(&mut out, key, &Toml::Float(1e300));
         }
-        let keys = ["a_1", "a-b", "\"a.b\"", "\"a b\"", "\"\"", "\"ä\""];
+        let keys = ["a_1", "a-b", "\"a.b\"", "\"a b\"", "\"\"", "\"ä\"", "\"a\\u000Ab\"", "\"a\\\"\\\\'\""];
         assert_eq!(out, keys.map(|key| format!("{key} = 1e+300\n")).concat());
-        assert_eq!(out.parse::<toml::Table>().expect("TOML").len(), 6);
+        let read = out.parse::<toml::Table>().expect("TOML");
+        assert!(read.len() == 8 && read.contains_key("a\nb") && read.contains_key("a\"\\'"));
     }
 }

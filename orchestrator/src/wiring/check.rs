@@ -47,6 +47,9 @@ fn one_of(items: &[(String, i32)]) -> String {
 
 /// Whether a start value lies where the description allows it; an error is what would be right.
 pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(), String> {
+    if matches!(value, Value::String(text) if text.contains('\0')) {
+        return Err("a text without a zero byte: FMI's texts end at one".into());
+    }
     let Some(number) = value.as_f64() else { return Ok(()) };
     if let (Some(items), Value::Integer(value)) = (variable.items.as_deref(), value)
         && !items.iter().any(|(_, known)| known == value)
@@ -57,7 +60,8 @@ pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(),
     if number.is_finite() && inside {
         return Ok(());
     }
-    let unit = variable.unit.as_deref().map_or_else(String::new, |unit| format!(" {unit}"));
+    let measure = variable.unit.as_deref().filter(|unit| *unit != "1");
+    let unit = measure.map_or_else(String::new, |unit| format!(" {unit}"));
     Err(match (variable.min, variable.max) {
         (Some(min), Some(max)) => format!("a number from {min} to {max}{unit}"),
         (Some(min), None) => format!("a number of {min}{unit} or more"),
@@ -268,31 +272,38 @@ fn read_csv(path: &Path, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
 /// # Errors
 /// If there is no such column, or a cell holds no finite number.
 pub fn table(text: &str, shown: &str, column: &str) -> Result<Vec<(f64, f64)>, Wrong> {
-    let mut lines = text.lines().enumerate();
-    let header: Vec<&str> =
-        lines.next().map_or(Vec::new(), |(_, line)| line.split(',').map(str::trim).collect());
-    let place = header.iter().position(|name| name.trim_matches('"') == column).filter(|place| *place > 0);
-    let place = place.ok_or_else(|| {
-        let known = crate::suggest::nearest(column, header.iter().skip(1).copied());
+    let mut reader =
+        csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let unreadable = |error: csv::Error| (format!("{shown}: {error}"), "comma-separated values".to_owned());
+    let header = reader.headers().map_err(unreadable)?.clone();
+    let mut places = header.iter().enumerate().skip(1).filter(|(_, name)| *name == column);
+    let (place, _) = places.next().ok_or_else(|| {
+        let known = crate::suggest::nearest(column, header.iter().skip(1));
         (format!("file {shown} has no column {column:?} after the time"), known)
     })?;
+    if places.next().is_some() {
+        return Err((format!("file {shown} has two columns {column:?}"), "one of that name".into()));
+    }
     let mut points: Vec<(f64, f64)> = Vec::new();
-    for (number, line) in lines {
-        let mut cells = line.split(',').map(str::trim);
-        let time = cells.next().unwrap_or_default();
-        let value = cells.nth(place - 1).unwrap_or_default();
-        if time.is_empty() || value.is_empty() {
+    for row in reader.records() {
+        let row = row.map_err(unreadable)?;
+        let line = row.position().map_or(0, csv::Position::line);
+        if row.len() > header.len() {
+            let expected = format!("{}, as many as columns", header.len());
+            return Err((format!("{shown}:{line}: {} cells", row.len()), expected));
+        }
+        let cell = |place: usize| row.get(place).unwrap_or_default();
+        if cell(0).is_empty() || cell(place).is_empty() {
             continue;
         }
-        let wrong =
-            |cell: &str, expected: &str| (format!("{shown}:{}: {cell:?}", number + 1), expected.to_owned());
+        let wrong = |cell: &str, expected: &str| (format!("{shown}:{line}: {cell:?}"), expected.to_owned());
         let read = |cell: &str| match cell.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
             _ => Err(wrong(cell, "a finite number")),
         };
-        let (at, value) = (read(time)?, read(value)?);
+        let (at, value) = (read(cell(0))?, read(cell(place))?);
         if points.last().is_some_and(|(before, _)| at < *before) {
-            return Err(wrong(time, "times in rising order"));
+            return Err(wrong(cell(0), "times in rising order"));
         }
         points.push((at, value));
     }

@@ -141,7 +141,9 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result
     for (name, fmu) in &names.units {
         notices.extend(fmu.doubts().into_iter().map(|doubt| format!("unit {name}: {doubt}")));
     }
-    notices.extend(loops_while_stepping(&names, &connections));
+    if !needs.settles {
+        notices.extend(loops_while_stepping(&names, &connections));
+    }
     Ok(Wiring {
         plan: Plan::new(&names, &connections, &slots),
         start: Point { ticks: ticks.start, time: scenario.start.to_f64() },

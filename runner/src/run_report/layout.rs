@@ -131,9 +131,9 @@ impl Layout {
     /// Reads the table of a scenario.
     pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let table = scenario.report.clone();
-        table.try_into().map_err(|error: toml::de::Error| {
-            wrong(scenario, |text| line_of_mistake(text), error.message().to_owned())
-        })
+        table
+            .try_into()
+            .map_err(|error: toml::de::Error| wrong(scenario, line_of_mistake, error.message().to_owned()))
     }
 
     /// Chooses graphs where the scenario names none, and refuses a page that needs a variable which is not recorded, or of another

@@ -13,6 +13,8 @@ use std::rc::Rc;
 
 /// Systems nest as deep at most; a document that refers to itself would have no end.
 const DEEPEST: usize = 32;
+/// And have as many elements, with all that they bring: documents that each name the next one twice double with each.
+const MOST: usize = 65_536;
 
 /// What an element is.
 pub(super) enum Kind {
@@ -108,6 +110,14 @@ impl Tree {
     }
 
     fn add(&mut self, path: String, kind: Kind, depth: usize, part: Part) -> Result<usize, Error> {
+        if self.nodes.len() >= MOST {
+            let what = format!("element {path} is one of more than {MOST}");
+            return Err(part.document.wrong(
+                &part.element,
+                what,
+                format!("{MOST} at most, with those of all documents that are named"),
+            ));
+        }
         let connectors = connectors(&part)?;
         let children = BTreeMap::new();
         self.nodes.push(Node { path, kind, depth, connectors, children, parts: vec![part] });

@@ -167,7 +167,11 @@ pub(crate) fn temporary(path: &Path) -> Result<NamedTempFile, Error> {
         use std::os::unix::fs::PermissionsExt as _;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder).map_err(Error::file(path))
+    let file = builder.tempfile_in(folder).map_err(Error::file(path))?;
+    // Held until it has its name or is gone: whoever sweeps up leaves a file alone that somebody writes. Where files can't be locked,
+    // nobody takes one away.
+    let _ = file.as_file().lock();
+    Ok(file)
 }
 
 fn field(name: &str, data: &Data) -> parquet::errors::Result<TypePtr> {

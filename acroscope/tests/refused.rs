@@ -1,0 +1,84 @@
+//! What is asked in vain, or can't be told to anybody, as a person meets it. The packed units must be there: `cargo xtask pack`.
+
+#[path = "../../orchestrator/tests/common/mod.rs"]
+mod common;
+
+use common::Units;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SCENARIO: &str = "format = 1\nexperiment = { stop = 3 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.5\n";
+
+fn acroscope(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_acroscope"));
+    command.current_dir(folder);
+    command
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn bad_input_a_unit_is_no_scenario_and_a_limit_needs_something_to_limit() {
+    let units = Units::new();
+    std::fs::write(units.path().join("s.toml"), SCENARIO).expect("writable");
+    for (words, expected) in [
+        (&["run", "stateful.fmu"][..], "`acroscope new stateful.fmu` makes a scenario of it"),
+        (&["run", "s.toml", "--step-limit", "2"], "--step-limit is for units in processes of their own"),
+        (&["run", "s.toml", "--memory-limit", "64"], "add --isolate"),
+    ] {
+        let refused = acroscope(units.path()).args(words).output().expect("starts");
+        assert!(refused.status.code() == Some(2) && told(&refused).contains(expected), "{}", told(&refused));
+    }
+}
+
+#[test]
+fn bad_input_a_place_to_unpack_that_is_not_there_is_told_as_such() {
+    let units = Units::new();
+    std::fs::write(units.path().join("s.toml"), SCENARIO).expect("writable");
+    let refused = acroscope(units.path()).args(["run", "s.toml"]).env("TMPDIR", "/no/such/folder").output();
+    let refused = refused.expect("starts");
+    let text = told(&refused);
+    assert!(
+        refused.status.code() == Some(2) && text.contains("can't be unpacked in /no/such/folder"),
+        "{text}"
+    );
+}
+
+/// `/dev/full` is a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn law_lines_that_are_lost_are_told_in_the_end() {
+    let units = Units::new();
+    std::fs::write(units.path().join("s.toml"), SCENARIO).expect("writable");
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("there is one");
+    let done =
+        acroscope(units.path()).args(["run", "s.toml", "--out", "o"]).stdout(full).output().expect("starts");
+    assert!(
+        done.status.code() == Some(1) && told(&done).contains("the standard output can't be written"),
+        "{}",
+        told(&done)
+    );
+    assert!(units.path().join("o/report.html").is_file(), "the run itself is whole");
+}
+
+/// A unit splits the program, and both come back from the step: the rows are written once.
+#[cfg(unix)]
+#[test]
+fn law_a_copy_of_the_program_writes_nothing() {
+    let line = "u->i[I_OUT] = u->i[I_IN] + 1;";
+    let splits = format!("{line} static int copy; if (size > 0 && !copy) copy = fork();");
+    let units = Units::new();
+    units.pack(
+        "stateful.fmu",
+        &common::description(common::STATEFUL),
+        &common::library_with(&[(line, &splits)]),
+    );
+    std::fs::write(units.path().join("s.toml"), SCENARIO).expect("writable");
+    let done = acroscope(units.path()).args(["run", "s.toml", "--out", "o"]).output().expect("starts");
+    let out = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success() && out.matches("ran to t = 3 s").count() == 1, "{out}");
+    let rows = std::fs::read_to_string(units.path().join("o/results.csv")).expect("results");
+    assert_eq!(rows.lines().count(), 8, "a head and seven points:\n{rows}");
+}

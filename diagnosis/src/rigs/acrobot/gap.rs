@@ -33,7 +33,7 @@ impl Sums {
     }
 
     /// The gap in words and numbers.
-    pub fn gap(self, of: Compared) -> Gap {
+    pub fn gap(self, of: Measure) -> Gap {
         let mean = |(square, count): (f64, f64)| (square / f64::max(count, 1.0)).sqrt();
         let (before, after, floor) = (mean(self.before), mean(self.after), mean(self.floor));
         let closed = (before > POLICY.gap_above * floor)
@@ -56,7 +56,7 @@ impl Sums {
 
 /// What is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Compared {
+pub enum Measure {
     /// Torques that the model lacks.
     Torques,
     /// Centroids of circles.
@@ -65,7 +65,7 @@ pub enum Compared {
     Angles,
 }
 
-impl Compared {
+impl Measure {
     /// Of an image: angles where no circle was logged.
     fn of_picture(blocks: &[Block]) -> Self {
         if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
@@ -126,21 +126,21 @@ pub fn widest(
     runs: &[String],
     torque: bool,
     signals: &[Signal],
-) -> (Gap, Compared) {
-    let picture = || Compared::of_picture(&study.last.blocks);
-    let own = if torque { Compared::Torques } else { picture() };
-    let crossed = |of: Compared| (crossed(study, free, runs, of), of);
+) -> (Gap, Measure) {
+    let picture = || Measure::of_picture(&study.last.blocks);
+    let own = if torque { Measure::Torques } else { picture() };
+    let crossed = |of: Measure| (crossed(study, free, runs, of), of);
     let own = crossed(own);
     if torque || !chained(signals) {
         return own;
     }
-    let other = crossed(Compared::Torques);
+    let other = crossed(Measure::Torques);
     if above(&other.0) > above(&own.0) { other } else { own }
 }
 
 /// The gap of an image alone: what circles leave beside each other, whatever a plant does, where poses are read off them.
 pub fn of_pictures(study: &Study, free: &[usize], runs: &[String]) -> Gap {
-    crossed(study, free, runs, Compared::of_picture(&study.last.blocks))
+    crossed(study, free, runs, Measure::of_picture(&study.last.blocks))
 }
 
 /// The gap where nothing is added to the model: what clocks that were put right close is no name's merit, and no part of the gap.
@@ -167,7 +167,7 @@ pub fn chained(signals: &[Signal]) -> bool {
     ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
 }
 
-fn crossed(study: &Study, free: &[usize], runs: &[String], of: Compared) -> Gap {
+fn crossed(study: &Study, free: &[usize], runs: &[String], of: Measure) -> Gap {
     let (last, folds) = (&study.last, &study.folds);
     let places = last.places(free);
     let shifts =
@@ -221,7 +221,7 @@ mod tests {
         let sums = |after: f64| Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
         // clocks alone closed it from 3 to 2 times the noise, and to the noise
         let (open, quiet) =
-            (unchanged(sums(2.0).gap(Compared::Angles)), unchanged(sums(1.0).gap(Compared::Angles)));
+            (unchanged(sums(2.0).gap(Measure::Angles)), unchanged(sums(1.0).gap(Measure::Angles)));
         assert_eq!((open.before, open.after, open.closed), (2.0, 2.0, Some(0.0)));
         assert_eq!((quiet.before, quiet.after, quiet.closed), (1.0, 1.0, None));
     }

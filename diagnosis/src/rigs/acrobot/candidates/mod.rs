@@ -186,6 +186,11 @@ impl Candidate {
     }
 }
 
+/// Those of the active candidates whose coordinate is continuous.
+pub fn continuous(list: &[Candidate], active: &[usize]) -> Vec<usize> {
+    active.iter().copied().filter(|index| !list[*index].is_discrete()).collect()
+}
+
 /// The candidates that the nominal model has, with their off values. `withheld` names are left out.
 pub fn candidates(
     model: &Model,

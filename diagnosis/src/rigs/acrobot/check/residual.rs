@@ -112,13 +112,13 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::gap::{Compared, Sums};
+    use crate::rigs::acrobot::gap::{Measure, Sums};
 
     #[test]
     fn value_a_gap_is_open_from_half_as_much_again_as_noise() {
         let after = |after: f64| {
             let sums = Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
-            is_open(&sums.gap(Compared::Centroids))
+            is_open(&sums.gap(Measure::Centroids))
         };
         assert_eq!([1.16, 1.45, 1.55].map(after), [false, false, true]);
     }

@@ -5,7 +5,7 @@
 
 mod angles;
 mod check;
-mod even;
+mod clock_ticks;
 mod images;
 mod impossible;
 mod lost;

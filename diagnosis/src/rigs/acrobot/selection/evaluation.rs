@@ -185,8 +185,8 @@ impl Evaluation {
             .sum()
     }
 
-    /// How far the active values would still move.
-    pub fn wanted(&self, active: &[usize]) -> Option<DVector<f64>> {
+    /// How far a Newton step would still move the coordinates of the active candidates.
+    pub fn newton_step(&self, active: &[usize]) -> Option<DVector<f64>> {
         let places = self.places(active);
         solve(&submatrix(&self.total.gram, &places), &subvector(&self.total.score, &places))
     }

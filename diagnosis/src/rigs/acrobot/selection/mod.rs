@@ -1,7 +1,6 @@
 //! Forward selection on one cut: screen linearly, refit the best few through the units, accept what survives the
 //! bootstrap and the runs left out, drop what became superfluous, linearise again.
 
-mod bare;
 mod classes;
 mod evaluation;
 mod evidence;
@@ -11,9 +10,9 @@ mod folds;
 mod follow;
 pub(crate) mod policy;
 mod refit;
+mod replace_effect;
 mod screen;
 mod search;
-mod seated;
 mod settle;
 mod starts;
 mod steady;
@@ -21,16 +20,19 @@ mod switched;
 mod together;
 mod tolerance;
 mod trials;
+mod without_effect;
 
-pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
+pub use classes::{Alternative, CLASS, HOPELESS, Questioned, alternatives};
 pub use evaluation::{Evaluation, all_perturbations, discrepancies};
 pub use evidence::{discrepancy, lacking};
 pub use folds::Folds;
 pub use refit::refit;
+pub use replace_effect::replace_effect;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
-pub use seated::seated;
 pub use steady::{Steadiness, steadiness};
+
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
 
 /// One step of the search, as the story tells it.
 #[derive(Debug, Clone)]
@@ -81,4 +83,11 @@ pub struct Study {
     pub discrepancy_dominated: bool,
     /// Standard deviation that noise alone gives a row of each signal, whatever the model.
     pub noise: Vec<f64>,
+}
+
+impl Study {
+    /// The active candidates whose coordinate is continuous.
+    pub fn continuous(&self, list: &[Candidate]) -> Vec<usize> {
+        continuous(list, &self.active)
+    }
 }

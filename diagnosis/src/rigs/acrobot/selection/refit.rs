@@ -1,8 +1,9 @@
 //! Fitting the values of the active candidates through the units: Gauss-Newton with bounds and a careful step.
 
+use super::Questioned;
 use super::evaluation::Evaluation;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
 use crate::rigs::acrobot::residual::{Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
@@ -57,7 +58,7 @@ fn fitted(
     enough: f64,
     doubted: fn(&Tracked, &Evaluation) -> bool,
 ) -> Result<Evaluation, Error> {
-    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let free = continuous(candidates, active);
     cut.restore_linearised();
     let mut best = chord(cut, candidates, start, &free)?;
     let sticks = free.iter().any(|index| candidates[*index].sticks());
@@ -117,14 +118,9 @@ fn fitted(
 
 /// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
 /// one, less what they predict.
-pub(super) fn own_fit(
-    cut: &mut Tracked,
-    candidates: &[Candidate],
-    last: &Evaluation,
-    active: &[usize],
-    effect: usize,
-) -> Result<(f64, f64), Error> {
-    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+pub(super) fn own_fit(cut: &mut Tracked, asked: &Questioned<'_>) -> Result<(f64, f64), Error> {
+    let Questioned { candidates, last, active, effect, .. } = *asked;
+    let free = continuous(candidates, active);
     let predicted = last
         .predicted_decrease(&free)
         .filter(|predicted| !cut.policy().lattice && *predicted < SELECTION.refused);
@@ -310,7 +306,9 @@ mod tests {
             let candidates = [candidate(Side::Plant, false)];
             let mut cut = toy(move |x| vec![decrease.sqrt() - x[0]]);
             let last = linearised(&mut cut, &candidates, &[0.0], &[0]).expect("runs");
-            let (x, deviance) = own_fit(&mut cut, &candidates, &last, &[0], 0).expect("runs");
+            let asked =
+                Questioned { candidates: &candidates, last: &last, active: &[0], effect: 0, steps: &[] };
+            let (x, deviance) = own_fit(&mut cut, &asked).expect("runs");
             assert!(deviance.abs() < 1e-9, "{deviance}");
             x
         };

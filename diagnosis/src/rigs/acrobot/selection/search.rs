@@ -7,9 +7,9 @@ use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
 use super::switched::switched;
 use super::trials::{Accepted, Trials, shortlist};
-use super::{Alternative, Step, Study};
+use super::{Alternative, Questioned, Step, Study};
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
 use crate::rigs::acrobot::floor;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -211,14 +211,15 @@ impl<'a> Search<'a> {
         let Self { cut, candidates, last, active, steps, .. } = self;
         let before: Vec<usize> =
             self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
-        let opinion = second_opinion(cut, candidates, last, active, candidate, &before, steps, watch)?;
-        let other = match opinion {
+        let asked = Questioned { candidates, last, active, effect: candidate, steps };
+        let (active, other) = match second_opinion(cut, &asked, &before, watch)? {
             Opinion::Stays(others) => {
                 self.class = Some((candidate, others));
                 return Ok(());
             }
-            Opinion::Swapped(other) => other,
+            Opinion::Swapped { active, point } => (active, point),
         };
+        self.active = active;
         let swapped = self.active.last().copied();
         self.swaps.extend(swapped.map(|into| (candidate, into)));
         self.last = linearise(self.cut, self.candidates, &other, &self.active)?;
@@ -240,8 +241,7 @@ impl<'a> Search<'a> {
     fn again(&mut self) -> Result<Vec<usize>, Error> {
         let mut dropped = Vec::new();
         for _ in 0..SELECTION.again {
-            let continuous = |index: &usize| !self.candidates[*index].is_discrete();
-            let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
+            let free = continuous(self.candidates, &self.active);
             let settled =
                 self.last.predicted_decrease(&free).is_none_or(|predicted| predicted < SELECTION.unsettled);
             if settled || !self.cut.policy().free_pose {

@@ -2,19 +2,21 @@
 //! through the units before it is told, with all that is beside it.
 
 use super::effects::better_guess;
-use super::*;
-use crate::rigs::acrobot::selection::seated;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::{Alternative, Study, replace_effect};
 
 /// Puts the best of a class in the place of its effect, where a fit there raises the deviance by no more than `most`. Where it does, the
 /// effect stays, and nobody counts as better than it. Whether another took the place.
-pub(super) fn seat(
+pub(super) fn put_best_first(
     cut: &mut Tracked,
     list: &[Candidate],
     study: &mut Study,
     (effect, class): (&mut usize, &mut [Alternative]),
     most: f64,
 ) -> Result<bool, Error> {
-    // what of a log is off is weighed against effects that look like it by itself, in `clock.rs`
+    // what of a log is off is weighed against effects that look like it by itself, in `log_clocks.rs`
     if list[*effect].side.is_of_log() {
         return Ok(false);
     }
@@ -22,16 +24,16 @@ pub(super) fn seat(
     let open = |other: &&Alternative| other.candidate == *effect || !study.active.contains(&other.candidate);
     let others: Vec<Alternative> = class.iter().filter(open).cloned().collect();
     let Some(best) = better_guess(*effect, &others, list) else { return Ok(false) };
-    if seated(cut, list, study, *effect, best, most)? {
+    if replace_effect(cut, list, study, *effect, best, most)? {
         *effect = best.candidate;
         return Ok(true);
     }
-    levelled(*effect, class);
+    raise_to_effect(*effect, class);
     Ok(false)
 }
 
 /// Lets nobody be better than an effect that no fit speaks against.
-fn levelled(effect: usize, class: &mut [Alternative]) {
+fn raise_to_effect(effect: usize, class: &mut [Alternative]) {
     let own = class.iter().find(|other| other.candidate == effect).map_or(0.0, |own| own.loss);
     class.iter_mut().for_each(|other| other.loss = (other.loss - own).max(0.0));
     class.sort_by(|a, b| a.loss.total_cmp(&b.loss));
@@ -40,8 +42,11 @@ fn levelled(effect: usize, class: &mut [Alternative]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::candidates::Side;
     use crate::rigs::acrobot::selection::examples::{candidate, toy};
-    use crate::watch::Doing;
+    use crate::rigs::acrobot::selection::policy::SELECTION;
+    use crate::rigs::acrobot::selection::study;
+    use crate::watch::{Doing, Watch};
 
     /// An effect that is all that is missing, and another that columns or linked states prefer by 10: who is in the model in the end, at
     /// which values, and who may be left of the class. The other does what the effect does, but for so much.
@@ -55,7 +60,8 @@ mod tests {
         let mut class =
             [(1, 12.0, 0.0), (0, 30.0, 10.0)].map(|(candidate, x, loss)| Alternative { candidate, x, loss });
         let mut effect = 0;
-        seat(&mut cut, &list, &mut study, (&mut effect, &mut class), SELECTION.settled).expect("runs");
+        put_best_first(&mut cut, &list, &mut study, (&mut effect, &mut class), SELECTION.settled)
+            .expect("runs");
         assert_eq!(study.active, [effect]);
         (study.active, study.last.point, class.iter().map(|other| other.loss).collect())
     }

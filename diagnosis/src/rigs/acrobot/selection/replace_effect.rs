@@ -13,7 +13,7 @@ use crate::rigs::acrobot::residual::Tracked;
 ///
 /// # Errors
 /// A unit failed at the model that stands.
-pub fn seated(
+pub fn replace_effect(
     cut: &mut Tracked,
     candidates: &[Candidate],
     study: &mut Study,
@@ -22,14 +22,14 @@ pub fn seated(
     most: f64,
 ) -> Result<bool, Error> {
     let place = |index: &usize| if *index == effect { other.candidate } else { *index };
-    let seats: Vec<usize> = study.active.iter().map(place).collect();
+    let replaced: Vec<usize> = study.active.iter().map(place).collect();
     let mut point = study.last.point.clone();
     point[effect] = candidates[effect].off;
     point[other.candidate] = other.x;
     let kept = cut.nuisances.clone();
-    match fitted(cut, candidates, &seats, &mut point) {
+    match fit_exactly(cut, candidates, &replaced, &mut point) {
         Some(there) if there.deviance() - study.last.under(&there).deviance() <= most => {
-            (study.active, study.last, study.class) = (seats, there, None);
+            (study.active, study.last, study.class) = (replaced, there, None);
             for step in &mut study.steps {
                 step.accepted.iter_mut().chain(&mut step.together).for_each(|index| *index = place(index));
             }
@@ -45,13 +45,13 @@ pub fn seated(
 }
 
 /// The model with exactly these effects, where each of them is needed there.
-fn fitted(
+fn fit_exactly(
     cut: &mut Tracked,
     candidates: &[Candidate],
-    seats: &[usize],
+    effects: &[usize],
     point: &mut Vec<f64>,
 ) -> Option<Evaluation> {
-    let mut active = seats.to_vec();
+    let mut active = effects.to_vec();
     let dropped = settle(cut, candidates, &mut active, point).ok()?;
     if dropped.is_empty() { linearise(cut, candidates, point, &active).ok() } else { None }
 }

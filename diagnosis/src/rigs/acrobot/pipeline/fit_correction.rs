@@ -1,50 +1,48 @@
 //! Where the plant's residual has no name: a labelled correction for the amended model.
 
-use super::*;
-use crate::rigs::acrobot::candidates::Entry;
-use crate::rigs::acrobot::correction::{Correction, Offer, Term, offer, wiring};
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
+use super::Rig;
+use super::compare::Part;
+use super::policy::PIPELINE;
+use crate::diagnosis::{Correction, Term};
+use crate::error::{Error, Notice};
+use crate::rigs::acrobot::candidates::{Attribute, Entry, LIST};
+use crate::rigs::acrobot::correction::{Offer, offer, wiring};
+use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced::Forced;
-use crate::rigs::acrobot::residual::plant::PlantCut;
-use crate::rigs::acrobot::residual::weak::Weak;
 
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
-pub(super) fn correct(
-    data: &DataSet,
-    model: &Model,
-    list: &Arc<Vec<Candidate>>,
-    part: &Part,
-    units: &UnitPath,
-    notices: &mut Vec<Notice>,
-) -> Option<Correction> {
-    let runs: Vec<String> = data.runs.iter().map(|run| run.name.clone()).collect();
-    let name = wiring::free_name(&model.scenario);
-    let named: Vec<usize> = part.classes.iter().map(|(index, _)| *index).collect();
-    let point = &part.study.last.point;
-    let found = cut(data, model, list, part, point).and_then(|cut| {
-        let Some(mut cut) = cut else { return Ok(None) };
-        // each begins from the data again
-        let mut at = |point: &[f64]| {
-            cut.reset();
-            offer(cut.as_mut(), point, &runs, units, &name)
-        };
-        let beside = at(point)?;
-        for withdrawn in withdrawable(&named) {
-            let mut bare = point.clone();
-            withdrawn.iter().for_each(|index| bare[*index] = list[*index].off);
-            let names: Vec<String> = withdrawn.iter().map(|index| list[*index].name.to_owned()).collect();
-            let without = at(&bare)?;
-            if replaces(&beside, &without, &names) {
-                return Ok(without.correction.map(|found| Correction { supersedes: names, ..found }));
-            }
-        }
-        Ok(beside.correction)
-    });
-    found.unwrap_or_else(|error| {
+pub(super) fn fit_correction(rig: &Rig<'_>, part: &Part, notices: &mut Vec<Notice>) -> Option<Correction> {
+    best_offer(rig, part).unwrap_or_else(|error| {
         let message = format!("no correction of the residual is offered: {error}");
         notices.push(Notice { file: "amended.toml".into(), line: 0, message });
         None
     })
+}
+
+/// What fits beside all effects, or without those that it replaces.
+fn best_offer(rig: &Rig<'_>, part: &Part) -> Result<Option<Correction>, Error> {
+    let list = &rig.list;
+    let runs: Vec<String> = rig.data.runs.iter().map(|run| run.name.clone()).collect();
+    let name = wiring::free_name(&rig.model.scenario);
+    let named: Vec<usize> = part.classes.iter().map(|(index, _)| *index).collect();
+    let point = &part.study.last.point;
+    let Some(mut cut) = judged_cut(rig, part)? else { return Ok(None) };
+    // each begins from the data again
+    let mut at = |point: &[f64]| {
+        cut.reset();
+        offer(cut.as_mut(), point, &runs, rig.units, &name)
+    };
+    let beside = at(point)?;
+    for withdrawn in withdrawable(&named) {
+        let mut rest = point.clone();
+        withdrawn.iter().for_each(|index| rest[*index] = list[*index].off);
+        let names: Vec<String> = withdrawn.iter().map(|index| list[*index].name.to_owned()).collect();
+        let without = at(&rest)?;
+        if replaces(&beside, &without, &names) {
+            return Ok(without.correction.map(|found| Correction { supersedes: names, ..found }));
+        }
+    }
+    Ok(beside.correction)
 }
 
 /// Which effects are tried without: all, and each of the last few.
@@ -77,19 +75,12 @@ fn replaces(beside: &Offer, without: &Offer, withdrawn: &[String]) -> bool {
 }
 
 /// The cut on which the residual was judged, at its beginning.
-fn cut(
-    data: &DataSet,
-    model: &Model,
-    list: &Arc<Vec<Candidate>>,
-    part: &Part,
-    point: &[f64],
-) -> Result<Option<Box<Tracked<dyn Forced>>>, Error> {
+fn judged_cut(rig: &Rig<'_>, part: &Part) -> Result<Option<Box<Tracked<dyn Forced>>>, Error> {
     if part.study.discrepancy_dominated {
-        return Ok(Weak::new(data, model, list.clone())?
-            .map(|cut| Box::new(Tracked::new(cut)) as Box<Tracked<dyn Forced>>));
+        return Ok(rig.torque_cut()?.map(|cut| Box::new(cut) as Box<Tracked<dyn Forced>>));
     }
-    let Some(mut rows) = PlantCut::new(data, model, list.clone())?.map(Tracked::new) else { return Ok(None) };
-    rows.begin(point)?;
+    let Some(mut rows) = rig.plant_cut()? else { return Ok(None) };
+    rows.begin(&part.study.last.point)?;
     Ok(Some(Box::new(rows)))
 }
 

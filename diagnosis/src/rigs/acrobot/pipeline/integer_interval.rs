@@ -1,13 +1,13 @@
 //! Whole numbers: which others fit as well, and where what can be tried ends.
 
-use super::*;
-use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::selection::Evaluation;
+use crate::rigs::acrobot::candidates::{Candidate, Motion};
+use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::{Evaluation, Study};
 use crate::statistics::levels::{HALF, WITHIN};
 
 /// What is known of a whole number.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Whole {
+pub(super) struct IntegerInterval {
     pub(super) candidate: usize,
     /// Between which numbers it lies, each of which is the nearest of all half a number about it.
     pub(super) ends: [f64; 2],
@@ -16,7 +16,11 @@ pub(super) struct Whole {
 }
 
 /// What is known of the whole numbers that were found: their neighbours are weighed beside them.
-pub(super) fn whole(cut: &mut Tracked, list: &[Candidate], study: &Study) -> Vec<Whole> {
+pub(super) fn integer_intervals(
+    cut: &mut Tracked,
+    list: &[Candidate],
+    study: &Study,
+) -> Vec<IntegerInterval> {
     let counts = |index: &usize| matches!(list[*index].motion, Motion::Count { .. });
     let found: Vec<usize> = study.active.iter().copied().filter(counts).collect();
     let mut left = |index: usize, by: f64| {
@@ -33,7 +37,7 @@ pub(super) fn whole(cut: &mut Tracked, list: &[Candidate], study: &Study) -> Vec
         let beyond = above.is_none();
         let far = |fits: bool| HALF + f64::from(u8::from(fits));
         let high = if beyond { list[index].range.1.max(at) } else { at } + far(fits(above));
-        Some(Whole { candidate: index, ends: [at - far(fits(below)), high], beyond })
+        Some(IntegerInterval { candidate: index, ends: [at - far(fits(below)), high], beyond })
     };
     let all = found.into_iter().filter_map(judged).collect();
     cut.restore_linearised();

@@ -1,9 +1,9 @@
 //! Intervals of values, and what a name is worth beside a residual that has none.
 
-use super::*;
-use crate::rigs::acrobot::candidates::{Cuts, Motion};
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::selection::discrepancy;
+use super::policy::PIPELINE;
+use crate::rigs::acrobot::candidates::{Candidate, Cuts, Motion};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::selection::{Study, discrepancy};
 use crate::statistics::levels::{HALF, WITHIN};
 use crate::statistics::linear::{inverse, submatrix};
 use nalgebra::DMatrix;
@@ -43,7 +43,7 @@ pub(super) fn is_open(candidate: &Candidate, ci95: [f64; 2]) -> bool {
 }
 
 /// Standard errors of the continuous active values, each; `None` where nothing tells.
-pub(super) fn errors(study: &Study, free: &[usize]) -> Vec<Option<f64>> {
+pub(super) fn standard_errors(study: &Study, free: &[usize]) -> Vec<Option<f64>> {
     let of = |covariance: Option<DMatrix<f64>>, place: usize| {
         let variance = covariance?.get((place, place)).copied()?;
         (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
@@ -74,7 +74,7 @@ impl Worth {
 
 /// What each of the continuous active effects is worth beside a residual: what it alone explains against what nothing does. One that leans on
 /// others moves when they go.
-pub(super) fn worth(study: &Study, list: &[Candidate], free: &[usize], confounded: bool) -> Vec<Worth> {
+pub(super) fn worths(study: &Study, list: &[Candidate], free: &[usize], confounded: bool) -> Vec<Worth> {
     let hard = study.last.hard();
     let places = hard.places(free);
     let gram = submatrix(&hard.total.gram, &places);
@@ -145,7 +145,8 @@ fn unexplained(study: &Study) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::pipeline::scale::tests::unlogged;
+    use crate::rigs::acrobot::candidates::Side;
+    use crate::rigs::acrobot::pipeline::torque_scale::tests::unlogged;
     use crate::rigs::acrobot::residual::Perturbation;
     use crate::rigs::acrobot::selection::examples::{candidate, found, toy};
     use crate::rigs::acrobot::selection::{Evaluation, Folds};
@@ -231,7 +232,7 @@ mod tests {
     #[test]
     fn value_a_confounded_name_keeps_a_twentieth() {
         let list = [candidate(Side::Plant, false)];
-        let shares = [false, true].map(|confounded| worth(&shown(0.5), &list, &[0], confounded)[0].share);
+        let shares = [false, true].map(|confounded| worths(&shown(0.5), &list, &[0], confounded)[0].share);
         assert!((shares[0] - 0.5).abs() < 1e-9, "{shares:?}");
         assert_eq!(shares[1], 0.05);
         assert_eq!(Worth::LEAST.share, shares[1]);

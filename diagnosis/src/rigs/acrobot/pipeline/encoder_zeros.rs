@@ -1,10 +1,16 @@
 //! The zeros of the encoders: how a sensor was set up is no part of the machine. What is off is found, told, and cleared.
 
-use super::*;
+use super::compare::{Compared, Part, add_classes};
+use super::policy::PIPELINE;
+use crate::error::{Error, Notice};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::plant::{PlantCut, zeros};
 use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::rigs::acrobot::selection::{CLASS, Study, study};
 use crate::statistics::linear::submatrix;
-use crate::watch::Known;
+use crate::watch::{Known, Watch};
 
 /// Places of the zeros in the list.
 fn places(list: &[Candidate]) -> impl Iterator<Item = usize> {
@@ -19,7 +25,7 @@ fn resembles(study: &Study, zero: usize, effect: usize) -> bool {
 
 /// By how much the plant's logs were turned back, where pictures may say of the zeros what the plant can't: where it found one, or an
 /// effect that a zero resembles. A plant in which nothing is missing knows its zeros better than pictures do.
-pub(super) fn doubted(parts: &[Part], list: &[Candidate], point: &[f64]) -> Option<[f64; 2]> {
+pub(super) fn doubted_zeros(parts: &[Part], list: &[Candidate], point: &[f64]) -> Option<[f64; 2]> {
     let study = &parts.iter().find(|part| part.torque)?.study;
     let in_doubt = |index: &usize| {
         let own = list[*index].side == Side::Zero;
@@ -42,7 +48,7 @@ pub(super) struct Shared {
 /// Puts zeros in the place of effects that the logs can't tell from them. Where the ground lies is seen by no encoder but as angles that
 /// are off, and encoders that are set by eye are off by as much: so ground gives way to zeros that fit nearly as well. But where that
 /// is one number for one, nothing says which: then both are told.
-pub(super) fn both(
+pub(super) fn weigh_zeros(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
     mut part: Part,
@@ -50,21 +56,24 @@ pub(super) fn both(
 ) -> Result<Part, Error> {
     let found = part.study.active.clone();
     let (on, off): (Vec<usize>, Vec<usize>) = places(list).partition(|zero| found.contains(zero));
-    let instead = in_place(list, &part, on.len(), &off);
+    let instead = replaceable(list, &part, on.len(), &off);
     if instead.is_empty() {
         return Ok(part);
     }
-    let own = settled(rows, list, &part.study.last.point, &found, watch)?;
+    let own = settle_anew(rows, list, &part.study.last.point, &found, watch)?;
     for (effects, allowed) in &instead {
         let others = found.iter().copied().filter(|index| !effects.contains(index));
         let known: Vec<usize> = others.chain(off.iter().copied()).collect();
         let mut there = part.study.last.point.clone();
         effects.iter().for_each(|effect| there[*effect] = list[*effect].off);
-        let study = settled(rows, list, &there, &known, watch)?;
-        let study = settled(rows, list, &study.last.point, &study.active, watch)?;
+        let study = settle_anew(rows, list, &there, &known, watch)?;
+        let study = settle_anew(rows, list, &study.last.point, &study.active, watch)?;
         let loss = study.last.under(&own.last).deviance() - own.last.deviance();
         let gone = effects.iter().all(|effect| !study.active.contains(effect));
-        if loss >= *allowed || !gone || named(list, &study.active).count() >= named(list, &found).count() {
+        if loss >= *allowed
+            || !gone
+            || effects_of_machine(list, &study.active).count() >= effects_of_machine(list, &found).count()
+        {
             continue;
         }
         let taken: Vec<usize> = off.iter().copied().filter(|zero| study.active.contains(zero)).collect();
@@ -75,7 +84,7 @@ pub(super) fn both(
                 part.shared.push(Shared { effect: *effect, zero: *zero, off, share });
             }
             _ => {
-                return classed(rows, list, study, true, watch)
+                return add_classes(rows, list, study, true, watch)
                     .map(|zeros| Part { coarse: part.coarse, ..zeros });
             }
         }
@@ -87,11 +96,12 @@ pub(super) fn both(
 
 /// Effects that zeros are tried in the place of, and what they may lose there: the ground, by each of its effects. Of what a zero
 /// resembles otherwise, one gives way where a zero is off already, and two give way to two that fit no worse.
-fn in_place(list: &[Candidate], part: &Part, on: usize, off: &[usize]) -> Vec<(Vec<usize>, f64)> {
+fn replaceable(list: &[Candidate], part: &Part, on: usize, off: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let found = &part.study.active;
     let like = |index: &usize| off.iter().any(|zero| resembles(&part.study, *zero, *index));
-    let ground: Vec<usize> = named(list, found).filter(|index| list[*index].is(Attribute::Ground)).collect();
-    let alike: Vec<usize> = named(list, found).filter(like).collect();
+    let ground: Vec<usize> =
+        effects_of_machine(list, found).filter(|index| list[*index].is(Attribute::Ground)).collect();
+    let alike: Vec<usize> = effects_of_machine(list, found).filter(like).collect();
     let mut instead = Vec::new();
     if !ground.is_empty() && !off.is_empty() {
         instead.push((ground.clone(), CLASS * ground.len() as f64));
@@ -105,13 +115,13 @@ fn in_place(list: &[Candidate], part: &Part, on: usize, off: &[usize]) -> Vec<(V
 }
 
 /// Those of them that are effects of the machine.
-fn named<'a>(list: &'a [Candidate], active: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+fn effects_of_machine<'a>(list: &'a [Candidate], active: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
     active.iter().copied().filter(|index| !list[*index].side.is_of_log())
 }
 
 /// What is on, settled from a point without what windows have come to on their way there: where an arm sticks, that weighs more than a
 /// zero against the ground. Nobody else takes a place, or what is compared would be the same twice.
-fn settled(
+fn settle_anew(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
     point: &[f64],
@@ -150,20 +160,21 @@ impl Zeros {
     }
 
     /// Takes zeros that are off out of what is named.
-    pub(super) fn clear(&self, list: &[Candidate], parts: &mut [Part], point: &mut [f64]) -> Vec<Notice> {
+    pub(super) fn clear(&self, list: &[Candidate], compared: &mut Compared) -> Vec<Notice> {
+        let Compared { parts, point, .. } = compared;
         let left = zeros(list, point, None);
         for index in places(list).filter(|index| point[*index] != 0.0).collect::<Vec<_>>() {
             point[index] = 0.0;
             parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));
         }
         let off = ["q1", "q2"].into_iter().zip((0..2).map(|angle| self.turned[angle] + left[angle]));
-        let off = off.filter(|(_, off)| *off != 0.0).map(|(angle, off)| told(angle, off));
-        off.chain(parts.iter().flat_map(|part| &part.shared).map(|shared| shared.told(list))).collect()
+        let off = off.filter(|(_, off)| *off != 0.0).map(|(angle, off)| notice_of_zero(angle, off));
+        off.chain(parts.iter().flat_map(|part| &part.shared).map(|shared| shared.notice(list))).collect()
     }
 }
 
 /// An angle that is off, in words.
-fn told(angle: &str, off: f64) -> Notice {
+fn notice_of_zero(angle: &str, off: f64) -> Notice {
     let message = format!(
         "{angle} reads {off:.4} rad ({:.2}°) too large against gravity or the images: taken as its sensor's zero (or the camera's \
          upright), not as an effect",
@@ -173,7 +184,7 @@ fn told(angle: &str, off: f64) -> Notice {
 }
 
 impl Shared {
-    fn told(&self, list: &[Candidate]) -> Notice {
+    fn notice(&self, list: &[Candidate]) -> Notice {
         let (effect, zero, off) = (list[self.effect].name, list[self.zero].phrase, self.off);
         let message = format!(
             "{effect} may as well be the {zero}, {off:.4} rad too large: only images tell them apart"
@@ -183,7 +194,7 @@ impl Shared {
 }
 
 /// How many effects of the machine stand in all parts.
-pub(super) fn effects(compared: &Compared, list: &[Candidate]) -> usize {
+pub(super) fn effects_in_all(compared: &Compared, list: &[Candidate]) -> usize {
     let active = compared.parts.iter().flat_map(|part| &part.study.active);
     active.filter(|index| !list[**index].side.is_of_log()).count()
 }

@@ -1,15 +1,18 @@
 //! What shows in no mean: the sensor's noise in the scatter of images, lost frames in their count.
 
-use super::*;
+use super::Rig;
+use super::compare::Part;
+use super::policy::PIPELINE;
 use crate::diagnosis::Effect;
-use crate::rigs::acrobot::counting::{Losses, losses};
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
+use crate::error::Notice;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::lost_frames::{Losses, count_losses};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::{DOUBTED, WITHIN};
 use std::collections::BTreeMap;
 
-/// The sensor's noise, where the image scatters as no nominal sensor does.
-pub(super) fn noisy_sensor(
+/// Adds the sensor's noise, where the image scatters as no nominal sensor does.
+pub(super) fn add_sensor_noise(
     parts: &[Part],
     list: &[Candidate],
     effects: &mut Vec<Effect>,
@@ -40,16 +43,16 @@ fn unlit(name: &str, larger: f64) -> Notice {
     Notice { file: "camera.csv".into(), line: 0, message }
 }
 
-/// Lost frames, where more or fewer are missing than the nominal camera loses.
-pub(super) fn counted(
-    data: &DataSet,
-    model: &Model,
-    list: &[Candidate],
+/// Adds lost frames, where more or fewer are missing than the nominal camera loses.
+pub(super) fn add_lost_frames(
+    rig: &Rig<'_>,
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
 ) {
-    let Some(candidate) = list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else { return };
-    let Some(losses) = losses(data, 1.0 / model.frame_rate()) else { return };
+    let Some(candidate) = rig.list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else {
+        return;
+    };
+    let Some(losses) = count_losses(&rig.data, 1.0 / rig.model.frame_rate()) else { return };
     // one frame that isn't there is proof against "none is ever lost"; two are asked for
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
     if differs(&losses, candidate.off) {

@@ -1,13 +1,15 @@
 //! A noise that `[noise]` states too small: rows that scatter by more, each on its own, whatever torque the model lacks. Taken at its
 //! word it would make noise of the sensor something that the machine lacks.
 
-use super::*;
-use crate::rigs::acrobot::residual::Block;
-use crate::rigs::acrobot::residual::plant::PlantCut;
+use super::Rig;
+use super::compare::Part;
+use super::policy::PIPELINE;
+use crate::error::Notice;
+use crate::rigs::acrobot::residual::{Block, Cut, Signal};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::rigs::acrobot::story::brief;
 use crate::statistics::levels::SAMPLE;
 use crate::statistics::linear::bare;
+use crate::text::brief;
 
 /// A signal whose noise is stated too small.
 struct Understated {
@@ -18,21 +20,15 @@ struct Understated {
 }
 
 /// Forgets what `[noise]` states of such signals, and tells so. Answers whether anything was forgotten, so that all is compared again.
-pub(super) fn forget_understated(
-    data: &mut DataSet,
-    model: &Model,
-    list: &Arc<Vec<Candidate>>,
-    parts: &[Part],
-    notices: &mut Vec<Notice>,
-) -> bool {
+pub(super) fn forget_understated(rig: &mut Rig<'_>, parts: &[Part], notices: &mut Vec<Notice>) -> bool {
     let mut found: Vec<Understated> =
         parts.iter().flat_map(|part| understated(&part.signals, &part.study.last)).collect();
     // noise that is taken for something that the machine lacks hides the angles behind torques
     if parts.iter().any(|part| part.torque && part.signals.iter().all(|signal| signal.known.is_none())) {
-        found.extend(by_rows(data, model, list).unwrap_or_default());
+        found.extend(understated_angles(rig).unwrap_or_default());
     }
     for Understated { name, unit, stated, seen } in &found {
-        let stated = data.manifest.noise.remove(name).unwrap_or(*stated);
+        let stated = rig.data.manifest.noise.remove(name).unwrap_or(*stated);
         let message = format!(
             "[noise] {name} = {} {unit}, but its rows scatter by {} {unit}, each on its own: what they show is taken instead",
             brief(stated),
@@ -44,9 +40,9 @@ pub(super) fn forget_understated(
 }
 
 /// Those of the angles as the nominal plant leaves them; `None` where it can't be compared with them.
-fn by_rows(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Option<Vec<Understated>> {
-    let point: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
-    let mut rows = Tracked::new(PlantCut::new(data, model, list.clone()).ok()??);
+fn understated_angles(rig: &Rig<'_>) -> Option<Vec<Understated>> {
+    let point = rig.nominal_point();
+    let mut rows = rig.plant_cut().ok()??;
     rows.begin(&point).ok()?;
     let there = Evaluation::at(&mut rows, &point, &[]).ok()?;
     Some(understated(rows.signals(), &there))

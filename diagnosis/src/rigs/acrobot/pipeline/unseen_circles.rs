@@ -1,12 +1,15 @@
 //! A camera that sees nothing: that no frame can be compared is a finding, where the nominal camera sees its circles.
 
-use super::*;
+use super::Rig;
 use crate::diagnosis::Unknown;
+use crate::error::Error;
+use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::residual::picture::{Shot, Studio};
 use crate::statistics::levels::{HALF, SAMPLE};
 
 /// That runs hold frames without a circle, though the nominal camera finds all of them in most poses that encoders tell.
-pub(super) fn blind(data: &DataSet, model: &Model) -> Result<Option<Unknown>, Error> {
+pub(super) fn frames_without_circles(rig: &Rig<'_>) -> Result<Option<Unknown>, Error> {
+    let Rig { data, model, .. } = rig;
     let runs = data.runs.iter().filter_map(|run| Some((run, data.blind.get(&run.name)?)));
     let poses: Vec<[f64; 2]> = runs.flat_map(|(run, frames)| poses(run, frames)).collect();
     if poses.is_empty() || model.camera.is_none() {

@@ -2,15 +2,19 @@
 //! gain of the torque grow by one factor. What is named as a gain beside some of the plant's inertias is, as well, a change of all the
 //! others; that is one story with two readings, and neither of them is sure.
 
-use super::*;
+use super::policy::PIPELINE;
 use crate::diagnosis::{Effect, Member};
-use crate::rigs::acrobot::candidates::{Attribute, Motion, place};
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::story::brief;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, place};
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::text::brief;
 
 /// Tells the other reading, and puts all that it changes into the class of the gain; what has another value there has an interval over
 /// both. The line that tells it, where there is one.
-pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect]) -> Option<String> {
+pub(super) fn tell_torque_scale(
+    data: &DataSet,
+    list: &[Candidate],
+    effects: &mut [Effect],
+) -> Option<String> {
     if data.runs.iter().any(tells_torques) {
         return None;
     }
@@ -26,32 +30,14 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     let others: Vec<&Candidate> = (list.iter())
         .filter(|own| is_inertia(own.name) && named.iter().all(|k| effects[*k].name != own.name))
         .collect();
-    // alone it is one number for seven
+    // a gain without inertias beside it is one number, where the other reading changes all seven
     if named.is_empty() || others.is_empty() || gain.is_nan() || gain <= 0.0 {
         return None;
     }
-    let whole = effects[place].probability;
-    let share = whole / PIPELINE.readings / others.len() as f64;
-    let there = |effect: &Effect| {
-        let [low, high] = effect.ci95.map(|end| end / gain);
-        (effect.value / gain, [low, high], low <= effect.off && effect.off <= high)
-    };
+    let share = effects[place].probability / PIPELINE.readings / others.len() as f64;
     let mut told: Vec<String> =
         others.iter().map(|own| format!("{} = {}", own.name, brief(own.value(own.off) / gain))).collect();
-    for k in &named {
-        let (value, [low, high], nominal) = there(&effects[*k]);
-        if nominal {
-            effects[*k].probability /= PIPELINE.readings;
-        } else {
-            told.push(format!("{} = {}", effects[*k].name, brief(value)));
-            let here = effects[*k].ci95;
-            effects[*k].ci95 = [here[0].min(low), here[1].max(high)];
-        }
-        effects[*k]
-            .members
-            .iter_mut()
-            .for_each(|member| member.probability /= if nominal { PIPELINE.readings } else { 1.0 });
-    }
+    told.extend(named.iter().filter_map(|k| widen_to_both(&mut effects[*k], gain)));
     let members = &mut effects[place].members;
     members.iter_mut().for_each(|member| member.probability /= PIPELINE.readings);
     for own in &others {
@@ -70,6 +56,20 @@ pub(super) fn unscaled(data: &DataSet, list: &[Candidate], effects: &mut [Effect
     ))
 }
 
+/// An inertia's value where the gain is nominal. If that is the inertia's nominal one, the effect is one of two readings; else its interval is
+/// widened over both, and the value is told.
+fn widen_to_both(effect: &mut Effect, gain: f64) -> Option<String> {
+    let [low, high] = effect.ci95.map(|end| end / gain);
+    if low <= effect.off && effect.off <= high {
+        effect.probability /= PIPELINE.readings;
+        effect.members.iter_mut().for_each(|member| member.probability /= PIPELINE.readings);
+        return None;
+    }
+    let here = effect.ci95;
+    effect.ci95 = [here[0].min(low), here[1].max(high)];
+    Some(format!("{} = {}", effect.name, brief(effect.value / gain)))
+}
+
 /// Whether a run's logs hold a torque in N·m beside the one that the gain is of.
 fn tells_torques(run: &Run) -> bool {
     let moves =
@@ -81,7 +81,7 @@ fn tells_torques(run: &Run) -> bool {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::rigs::acrobot::candidates::GAIN;
+    use crate::rigs::acrobot::candidates::{GAIN, Side};
     use std::collections::BTreeMap;
 
     fn effect(name: &str, off: f64, value: f64) -> Effect {
@@ -151,7 +151,7 @@ pub(super) mod tests {
             effect("plant.theta_1", 0.2, 0.2 / 1.5),
             effect("plant.theta_9", 4.8, 4.0),
         ];
-        let told = unscaled(&unlogged(), &inertias(), &mut found).expect("two readings");
+        let told = tell_torque_scale(&unlogged(), &inertias(), &mut found).expect("two readings");
         assert!(told.contains("plant.theta_5 = 0.165") && told.contains("plant.theta_9 = 6"), "{told}");
         assert!(!told.contains("plant.theta_1 ="), "it is nominal in the other reading: {told}");
         assert_eq!(found[0].class, [GAIN, "plant.theta_5"]);
@@ -161,6 +161,6 @@ pub(super) mod tests {
         assert!(found[2].ci95.iter().zip([3.96, 6.06]).all(|(end, wanted)| (end - wanted).abs() < 1e-12));
         // a gain alone is one
         let mut alone = [effect(GAIN, 1.0, 0.8)];
-        assert_eq!(unscaled(&unlogged(), &inertias(), &mut alone), None);
+        assert_eq!(tell_torque_scale(&unlogged(), &inertias(), &mut alone), None);
     }
 }

@@ -30,14 +30,14 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
 
 impl DataSet {
     /// The same data with the rows of plant and controller at even times, where timestamps scatter about such; `None` where none do.
-    pub fn evened(&self) -> Option<Self> {
-        let mut even = self.clone();
+    pub fn at_ticks(&self) -> Option<Self> {
+        let mut ticked = self.clone();
         let mut told = Vec::new();
-        for run in &mut even.runs {
+        for run in &mut ticked.runs {
             let Run { name, controller, plant, .. } = run;
             let logs = [("controller.csv", controller.as_mut()), ("plant.csv", plant.as_mut())];
             for (file, log) in logs.into_iter().filter_map(|(file, log)| Some((file, log?))) {
-                told.extend(put(log).map(|scatter| Notice {
+                told.extend(put_at_ticks(log).map(|scatter| Notice {
                     file: format!("{name}/{file}"),
                     line: 0,
                     message: format!(
@@ -49,13 +49,13 @@ impl DataSet {
             }
         }
         let some = !told.is_empty();
-        even.notices.extend(told);
-        some.then_some(even)
+        ticked.notices.extend(told);
+        some.then_some(ticked)
     }
 }
 
 /// Puts a log's rows at the ticks, and tells by how much they were off.
-fn put(log: &mut Table) -> Option<f64> {
+fn put_at_ticks(log: &mut Table) -> Option<f64> {
     let (ticks, scatter) = ticks(&log.time)?;
     // a line through n points is off by σ √(2/n), root mean square over them
     log.tick_error = scatter * (2.0 / log.len() as f64).sqrt();
@@ -86,7 +86,7 @@ mod tests {
         let mut random = Random::new(6);
         let ratios = (0..60).map(|_| {
             let mut log = Table::new(stamped(&mut |_| 3e-4 * random.normal()), Vec::new());
-            put(&mut log).expect("they scatter");
+            put_at_ticks(&mut log).expect("they scatter");
             let off = log.time.iter().enumerate().map(|(row, tick)| tick - 10.0 - 0.005 * row as f64);
             off.map(|off| off * off).sum::<f64>() / log.len() as f64 / log.tick_error.powi(2)
         });

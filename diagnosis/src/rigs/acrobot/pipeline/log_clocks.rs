@@ -1,13 +1,15 @@
 //! The plant log's clock: cleared before anything is named.
 
-use super::*;
+use super::compare::{Compared, Part};
+use super::policy::PIPELINE;
 use crate::diagnosis::Effect;
+use crate::error::Notice;
 use crate::rigs::acrobot::candidates::Attribute::{Exposure, ImageDelay, Retards};
-use crate::rigs::acrobot::candidates::place;
-use crate::rigs::acrobot::dataset::Run;
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
+use crate::rigs::acrobot::candidates::{Candidate, Side, place};
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::selection::steadiness;
+use crate::rigs::acrobot::selection::{Alternative, CLASS, steadiness};
 
 /// The plant log's clock, s late, that explains what the image alone would have called a delay: logs of plant and torque know
 /// their clock to some ten microseconds only, an image its delay to some microseconds.
@@ -18,7 +20,7 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
     let (by, error) =
         parts.iter().filter(|part| !part.torque).find_map(|part| seen_late(part, list, delay))?;
-    let (shift, blurred, alone) = known(plant, list, clock)?;
+    let (shift, blurred, alone) = lateness(plant, list, clock)?;
     let misses = (by + shift).abs() / error.hypot(blurred);
     if blurred > PIPELINE.blurred * alone || misses > PIPELINE.misses {
         return None;
@@ -41,8 +43,7 @@ fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)
         own.then_some((*effect, by?))
     })?;
     let last = &part.study.last;
-    let free: Vec<usize> =
-        part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
+    let free = part.study.continuous(list);
     let place = free.iter().position(|index| *index == effect)?;
     let error = last.covariance(&free)?[(place, place)].sqrt();
     // an exposure is late by half of itself: the same share of the effect's size, whatever its name
@@ -51,18 +52,18 @@ fn seen_late(part: &Part, list: &[Candidate], delay: usize) -> Option<(f64, f64)
 }
 
 /// How much later the plant's log wants its clock still, s, with the standard errors of that beside what was found and alone.
-fn known(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64)> {
+fn lateness(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, f64)> {
     let last = &part.study.last;
     let others = part.study.active.iter().copied().filter(|index| *index != clock);
     let mut free: Vec<usize> = others.filter(|index| !list[*index].is_discrete()).collect();
     let alone = last.covariance(&[clock])?[(0, 0)].sqrt();
     free.insert(0, clock);
-    Some((last.wanted(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
+    Some((last.newton_step(&free)?[0], last.covariance(&free)?[(0, 0)].sqrt(), alone))
 }
 
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
-pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
+pub(super) fn doubts_by_clock(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
     if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
         // the images' clock is free, so that of an exposure its blur alone is known
         let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
@@ -72,7 +73,7 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
     }
     let unsure = own_clock(list).and_then(|clock| {
         let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
-        known(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= PIPELINE.blurred * alone)
+        lateness(plant, list, clock).filter(|(_, blurred, alone)| *blurred <= PIPELINE.blurred * alone)
     });
     let Some((shift, error, _)) = unsure else { return Vec::new() };
     // an offset that shows, but not clearly enough to be taken, may be there
@@ -83,10 +84,11 @@ pub(super) fn doubts(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(
 }
 
 /// What is told beside an actuator's delay whose log has a clock that nothing else tells of: the two are one reading each of the same data.
-pub(super) fn or_late(list: &[Candidate], parts: &[Part], effects: &[Effect]) -> Option<Notice> {
+pub(super) fn late_log_instead(list: &[Candidate], parts: &[Part], effects: &[Effect]) -> Option<Notice> {
     let clock = own_clock(list)?;
     let plant = parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?;
-    let unknown = known(plant, list, clock).is_none_or(|(_, error, alone)| error > PIPELINE.blurred * alone);
+    let unknown =
+        lateness(plant, list, clock).is_none_or(|(_, error, alone)| error > PIPELINE.blurred * alone);
     let find = |index: usize| effects.iter().find(|effect| effect.name == list[index].name);
     let actuator = (0..list.len()).filter(|index| list[*index].is(Retards)).find_map(find);
     let actuator = actuator.filter(|_| unknown)?;
@@ -147,9 +149,9 @@ impl Clocks {
         &mut self,
         model: &Model,
         list: &[Candidate],
-        parts: &mut [Part],
-        point: &mut [f64],
+        compared: &mut Compared,
     ) -> Vec<Notice> {
+        let Compared { parts, point, .. } = compared;
         let mut gone = Vec::new();
         let mut late = 0.0;
         if let Some(clock) = own_clock(list).filter(|index| point[*index] != 0.0) {
@@ -174,7 +176,9 @@ impl Clocks {
         let within = |(index, error): &(usize, f64)| {
             (point[*index] - list[*index].off).abs() < PIPELINE.doubted * error
         };
-        gone.extend(doubts(model, list, parts).iter().filter(|doubt| within(doubt)).map(|doubt| doubt.0));
+        gone.extend(
+            doubts_by_clock(model, list, parts).iter().filter(|doubt| within(doubt)).map(|doubt| doubt.0),
+        );
         for index in &gone {
             point[*index] = list[*index].off;
         }
@@ -182,7 +186,7 @@ impl Clocks {
             part.classes.retain(|(index, _)| !gone.contains(index));
         }
         self.left = late;
-        self.told(self.common + late)
+        self.notices(self.common + late)
     }
 
     /// What was done before all else, in words.
@@ -205,7 +209,8 @@ impl Clocks {
         self.own.iter().any(|late| *late != 0.0)
     }
 
-    fn told(&self, common: f64) -> Vec<Notice> {
+    /// Says of each log by how much its clock was off; `common` is what is the same for all runs, s.
+    fn notices(&self, common: f64) -> Vec<Notice> {
         let notice = |file: String, late: f64| {
             let message = format!(
                 "timestamps are {:.2} ms late against the other logs: taken as its clock, not as an effect",

@@ -2,15 +2,16 @@
 //! where on the pixel lattice those lie is chance. A torque's bias of 0.00123 N·m wanted 0.0011 to 0.0012 from one linearisation to the next, where
 //! noise alone makes 0.00002.
 
-use super::*;
-use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::selection::linearise;
+use super::compare::Part;
+use super::policy::PIPELINE;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::selection::{Study, linearise};
 
 /// Puts the values of the plant where linearisations about the fit want them on average, and notes by how much these differ.
-pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
-    let continuous = |index: &usize| !list[*index].is_discrete();
-    let free: Vec<usize> = part.study.active.iter().copied().filter(continuous).collect();
+pub(super) fn average_values(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -> Result<(), Error> {
+    let free = part.study.continuous(list);
     let Some(covariance) = part.study.last.covariance(&free) else { return Ok(()) };
     // a saturation's windows come and go
     let plants = |index: usize| {
@@ -24,21 +25,21 @@ pub(super) fn averaged(cut: &mut Tracked, list: &[Candidate], part: &mut Part) -
         return Ok(());
     }
     let fitted = part.study.last.point.clone();
-    let Some(wanted) = wanted(cut, list, &part.study, &free, &values)? else { return Ok(()) };
+    let Some(targets) = newton_targets(cut, list, &part.study, &free, &values)? else { return Ok(()) };
     let mut next = fitted.clone();
     for (column, value) in values.iter().enumerate() {
-        let mean = wanted.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.linearisations as f64;
-        let square: f64 = wanted.iter().map(|all| (all[column] - mean).powi(2)).sum();
+        let mean = targets.iter().map(|all| all[column]).sum::<f64>() / PIPELINE.linearisations as f64;
+        let square: f64 = targets.iter().map(|all| (all[column] - mean).powi(2)).sum();
         next[value.index] = value.within(list, mean);
         part.rough.push((value.index, (square / (PIPELINE.linearisations - 1) as f64).sqrt()));
     }
     part.study.last = linearise(cut, list, &next, &part.study.active)?;
-    values.iter().for_each(|value| follow(list, part, value.index, fitted[value.index]));
+    values.iter().for_each(|value| move_class(list, part, value.index, fitted[value.index]));
     Ok(())
 }
 
 /// What could stand in the place of an averaged effect goes with it, by the same share of its size.
-fn follow(list: &[Candidate], part: &mut Part, effect: usize, before: f64) {
+fn move_class(list: &[Candidate], part: &mut Part, effect: usize, before: f64) {
     let off = list[effect].off;
     if before == off {
         return;
@@ -65,8 +66,8 @@ impl Value {
     }
 }
 
-/// What linearisations about the fit want the values to be; `None` where one tells nothing of them.
-fn wanted(
+/// Where a Newton step from each of several linearisations about the fit has the values; `None` where one tells nothing of them.
+fn newton_targets(
     cut: &mut Tracked,
     list: &[Candidate],
     study: &Study,
@@ -81,7 +82,9 @@ fn wanted(
             let by = sign * (1 + round / 2) as f64 * value.error;
             point[value.index] = value.within(list, point[value.index] + by);
         }
-        let Some(shift) = linearise(cut, list, &point, &study.active)?.wanted(free) else { return Ok(None) };
+        let Some(shift) = linearise(cut, list, &point, &study.active)?.newton_step(free) else {
+            return Ok(None);
+        };
         all.push(values.iter().map(|value| point[value.index] + shift[value.place]).collect());
     }
     Ok(Some(all))

@@ -11,18 +11,18 @@ pub struct Losses {
     pub lost: f64,
 }
 
-/// Counts over all runs.
-pub fn losses(data: &DataSet, interval: f64) -> Option<Losses> {
+/// Counts over all runs, `interval` being the time between frames, s.
+pub fn count_losses(data: &DataSet, interval: f64) -> Option<Losses> {
     let mut sum = Losses { expected: 0.0, lost: 0.0 };
     for camera in data.runs.iter().filter_map(|run| run.camera.as_ref()) {
-        let (expected, lost) = of(camera, interval);
+        let (expected, lost) = losses_of(camera, interval);
         sum.expected += expected;
         sum.lost += lost;
     }
     (sum.expected > 0.0).then_some(sum)
 }
 
-fn of(camera: &Table, interval: f64) -> (f64, f64) {
+fn losses_of(camera: &Table, interval: f64) -> (f64, f64) {
     // where rows of the file were excluded, frames are not lost
     let broken: Vec<(f64, f64)> = camera.broken().collect();
     let whole = camera.time.windows(2).filter(|pair| !broken.contains(&(pair[0], pair[1])));

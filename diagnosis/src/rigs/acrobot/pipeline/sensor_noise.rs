@@ -1,16 +1,19 @@
 //! The sensor's noise, as circle 1 scatters by it: it shows in no mean, but moves what a threshold sees, so that lens effects may
 //! pass for it.
 
-use super::*;
-use crate::rigs::acrobot::candidates::Side;
+use super::compare::{Part, add_classes, search_cut};
+use super::policy::PIPELINE;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::gap::chained;
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
-use crate::rigs::acrobot::residual::image::ImageCut;
+use crate::rigs::acrobot::residual::image::{ImageCut, Noise};
+use crate::rigs::acrobot::residual::{Cut, Tracked};
 use crate::rigs::acrobot::selection::{lacking, study_until};
+use crate::watch::Watch;
 
 /// The part, with the sensor's noise as the scatter tells it. Where the scatter isn't the nominal sensor's, it is put right
 /// and all is linearised anew, since noise moves the mean of what a threshold sees and may have been taken for a blur.
-pub(super) fn with_noise<C: Cut + Clone + 'static>(
+pub(super) fn search_with_noise<C: Cut + Clone + 'static>(
     cut: &mut Tracked<C>,
     image: fn(&mut C) -> &mut ImageCut,
     list: &[Candidate],
@@ -19,8 +22,8 @@ pub(super) fn with_noise<C: Cut + Clone + 'static>(
 ) -> Result<Part, Error> {
     match list.iter().position(|candidate| candidate.side == Side::SensorNoise) {
         // a repeated search begins with the noise that the first one found
-        Some(sensor) if watch.known().is_none() => Sensor { cut, image, list, point, sensor }.part(watch),
-        _ => part(cut, list, point, &[], false, watch),
+        Some(sensor) if watch.known().is_none() => Sensor { cut, image, list, point, sensor }.search(watch),
+        _ => search_cut(cut, list, point, &[], false, watch),
     }
 }
 
@@ -35,7 +38,8 @@ struct Sensor<'a, C: Cut> {
 }
 
 impl<C: Cut + Clone + 'static> Sensor<'_, C> {
-    fn part(mut self, watch: &mut Watch<'_>) -> Result<Part, Error> {
+    /// What is found with the noise as the scatter tells it.
+    fn search(mut self, watch: &mut Watch<'_>) -> Result<Part, Error> {
         let Self { image, list, point, sensor, .. } = self;
         // asked at most once, of frames that no fit has led elsewhere
         let mut untouched = Some(self.cut.clone());
@@ -44,14 +48,14 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
             if active.len() > PIPELINE.sensor_alone
                 && let Some(mut cut) = untouched.take()
             {
-                first = Sensor { cut: &mut cut, image, list, point, sensor }.first(watch)?;
+                first = Sensor { cut: &mut cut, image, list, point, sensor }.noise_first(watch)?;
             }
             Ok(first.is_some())
         })?;
         if let Some(first) = first {
             return Ok(first);
         }
-        let mut plain = classed(self.cut, list, plain, false, watch)?;
+        let mut plain = add_classes(self.cut, list, plain, false, watch)?;
         if lacks(&plain) {
             return Ok(plain);
         }
@@ -66,7 +70,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
         blurs.iter().for_each(|index| sharp[*index] = list[*index].off);
         let guess = if blurs.is_empty() { plain.noise } else { self.scatter(&sharp)? };
         let Some(guess) = guess else { return Ok(plain) };
-        let Some(noisy) = self.noisy(guess.value, usize::MAX, watch)? else { return Ok(plain) };
+        let Some(noisy) = self.search_noisy(guess.value, usize::MAX, watch)? else { return Ok(plain) };
         if clear(&noisy.noise) {
             return Ok(noisy);
         }
@@ -77,24 +81,35 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
 
     /// What is found with the noise put right before all else, where the scatter about the nominal model says that it is wrong, and no
     /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
-    fn first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+    fn noise_first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[])?;
         let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
-        let first = self.noisy(early.value, PIPELINE.sensor_few, watch)?;
+        let first = self.search_noisy(early.value, PIPELINE.sensor_few, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
     }
 
     /// What is found with so much noise, and the noise as it is seen to be then; `None` if that is `most` or more. A blur that is found
     /// beside it makes the same scatter one of less noise: all is found again with that, since the noise moves the mean, too.
-    fn noisy(&mut self, guess: f64, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
-        let Some(noisy) = self.noisy_by(guess, most, watch)? else { return Ok(None) };
+    fn search_noisy(
+        &mut self,
+        guess: f64,
+        most: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Part>, Error> {
+        let Some(noisy) = self.search_at_noise(guess, most, watch)? else { return Ok(None) };
         match noisy.noise.filter(|noise| is_other(noise.value, noise.error, guess)) {
-            Some(other) => self.noisy_by(other.value, most, watch),
+            Some(other) => self.search_at_noise(other.value, most, watch),
             None => Ok(Some(noisy)),
         }
     }
 
-    fn noisy_by(&mut self, guess: f64, most: usize, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
+    /// What is found with exactly so much noise; `None` if that is `most` or more.
+    fn search_at_noise(
+        &mut self,
+        guess: f64,
+        most: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Part>, Error> {
         let mut start = self.point.to_vec();
         start[self.sensor] = guess;
         self.cut.reset();
@@ -103,7 +118,7 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
         if study.active.len() >= most {
             return Ok(None);
         }
-        let mut noisy = classed(self.cut, self.list, study, false, watch)?;
+        let mut noisy = add_classes(self.cut, self.list, study, false, watch)?;
         let mut then = noisy.study.last.point.clone();
         then[self.sensor] = self.list[self.sensor].off;
         noisy.noise = self.scatter(&then)?;

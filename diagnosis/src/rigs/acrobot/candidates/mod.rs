@@ -208,39 +208,7 @@ pub fn candidates(
         if entry.is(Attribute::Ground) && pinned(model) {
             continue;
         }
-        let (off, steps, range) = match entry.motion {
-            Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
-            Motion::Load { steps, range } => {
-                let ends = (range.0 * model.inertia_scale(), range.1 * model.inertia_scale());
-                (nominal, steps.iter().map(|step| step * model.inertia_scale()).collect(), ends)
-            }
-            Motion::Share { steps, range } => {
-                if nominal == 0.0 {
-                    continue; // a rig without this part: there is nothing to be wrong about
-                }
-                let ends = (range.0 * nominal, range.1 * nominal);
-                let ordered = (ends.0.min(ends.1), ends.0.max(ends.1));
-                (nominal, steps.iter().map(|step| step * nominal).collect(), ordered)
-            }
-            Motion::Saturation { cuts } => {
-                if nominal > 0.0 {
-                    let x = 1.0 / nominal;
-                    (x, vec![0.1 * x, 0.5 * x], (0.0, f64::INFINITY))
-                } else {
-                    (0.0, saturations(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
-                }
-            }
-            Motion::Count { tried, most } => {
-                let first = nominal as i32 + 1;
-                let more = first..=tried.max(first).min(most);
-                (
-                    nominal,
-                    (0..first - 1).rev().chain(more).map(|n| f64::from(n) - nominal).collect(),
-                    (0.0, f64::from(most)),
-                )
-            }
-            Motion::Switch => (nominal, vec![1.0 - 2.0 * nominal], (0.0, 1.0)),
-        };
+        let Some((off, steps, range)) = extent(entry.motion, nominal, model, saturations) else { continue };
         if steps.is_empty() {
             continue;
         }
@@ -250,6 +218,44 @@ pub fn candidates(
         found.push(Candidate { name, side, phrase, motion, off, steps, range, nonlinear, attributes });
     }
     found
+}
+
+/// The off coordinate of a candidate whose nominal value is `nominal`, the steps that are tried from there, and the range of coordinates;
+/// `None` where the rig has no such part.
+fn extent(
+    motion: Motion,
+    nominal: f64,
+    model: &Model,
+    saturations: &dyn Fn(Cuts) -> Vec<f64>,
+) -> Option<(f64, Vec<f64>, (f64, f64))> {
+    let scaled = |steps: &[f64], by: f64| steps.iter().map(|step| step * by).collect();
+    Some(match motion {
+        Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
+        Motion::Load { steps, range } => {
+            let scale = model.inertia_scale();
+            (nominal, scaled(steps, scale), (range.0 * scale, range.1 * scale))
+        }
+        // a rig without this part: there is nothing to be wrong about
+        Motion::Share { .. } if nominal == 0.0 => return None,
+        Motion::Share { steps, range } => {
+            let ends = (range.0 * nominal, range.1 * nominal);
+            (nominal, scaled(steps, nominal), (ends.0.min(ends.1), ends.0.max(ends.1)))
+        }
+        Motion::Saturation { .. } if nominal > 0.0 => {
+            let x = 1.0 / nominal;
+            (x, vec![0.1 * x, 0.5 * x], (0.0, f64::INFINITY))
+        }
+        Motion::Saturation { cuts } => {
+            (0.0, saturations(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
+        }
+        Motion::Count { tried, most } => {
+            let first = nominal as i32 + 1;
+            let more = first..=tried.max(first).min(most);
+            let steps = (0..first - 1).rev().chain(more).map(|n| f64::from(n) - nominal).collect();
+            (nominal, steps, (0.0, f64::from(most)))
+        }
+        Motion::Switch => (nominal, vec![1.0 - 2.0 * nominal], (0.0, 1.0)),
+    })
 }
 
 /// The arm turns about a fixed pin instead of rolling.

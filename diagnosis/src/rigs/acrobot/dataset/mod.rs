@@ -204,7 +204,7 @@ impl DataSet {
             }
             let none = images::sees_nothing(&run);
             let commanded = run.controller.is_some();
-            let moved = check::run(&mut run, nominal.falling, &mut notices);
+            let moved = check::put_aside(&mut run, nominal.falling, &mut notices);
             if stated.gaps_known != Some(true) {
                 lost::mark(&mut run, if commanded { "controller.csv" } else { "plant.csv" }, &mut notices);
             }

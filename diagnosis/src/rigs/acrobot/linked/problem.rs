@@ -47,35 +47,8 @@ pub(super) fn stretches(
         TORQUES.into_iter().filter(|name| logs().any(|(_, torque)| torque.column(name).is_some())).collect();
     let nominal = nominal(model)?;
     let find = |name: &str| id(&nominal, name);
-    let channel = |name: &str, role: Role, noise: Option<f64>| {
-        Ok::<_, Error>(Channel {
-            name: format!("plant.{name}"),
-            variable: find(name)?,
-            role,
-            noise,
-            column: name.to_owned(),
-            conversion: Affine::SAME,
-            line: 0,
-        })
-    };
-    let mut channels = Vec::new();
-    for place in &motion {
-        let name = MOTION[*place].0;
-        let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
-        channels.push(channel(name, Role::Compared, noise)?);
-    }
-    for name in &torques {
-        channels.push(channel(name, Role::Fed(Hold::Zero), None)?);
-    }
-    let mut states = Vec::new();
-    for (place, (shows, start)) in MOTION.into_iter().enumerate() {
-        states.push(State {
-            name: format!("plant.{start}"),
-            start: find(start)?,
-            shows: Some(find(shows)?),
-            channel: motion.iter().position(|logged| *logged == place),
-        });
-    }
+    let channels = channels(data, &motion, &torques, sigma, &find)?;
+    let states = states(&motion, &find)?;
     let (mut runs, mut spans) = (Vec::new(), Vec::new());
     for run in used {
         let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
@@ -111,6 +84,46 @@ pub(super) fn stretches(
         model: nominal,
     };
     Ok(Some(Stretches { problem, spans }))
+}
+
+/// What was logged: the places of `MOTION` that are compared, and the torques that are fed.
+fn channels(
+    data: &DataSet,
+    motion: &[usize],
+    torques: &[&str],
+    sigma: &dyn Fn(&str) -> Option<f64>,
+    find: &dyn Fn(&str) -> Result<VariableId, Error>,
+) -> Result<Vec<Channel>, Error> {
+    let channel = |name: &str, role: Role, noise: Option<f64>| {
+        Ok::<_, Error>(Channel {
+            name: format!("plant.{name}"),
+            variable: find(name)?,
+            role,
+            noise,
+            column: name.to_owned(),
+            conversion: Affine::SAME,
+            line: 0,
+        })
+    };
+    let compared = motion.iter().map(|place| {
+        let name = MOTION[*place].0;
+        let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
+        channel(name, Role::Compared, noise)
+    });
+    compared.chain(torques.iter().map(|name| channel(name, Role::Fed(Hold::Zero), None))).collect()
+}
+
+/// The plant's states: angles and rates. `motion` are the places of those that were logged.
+fn states(motion: &[usize], find: &dyn Fn(&str) -> Result<VariableId, Error>) -> Result<Vec<State>, Error> {
+    let state = |(place, (shows, start)): (usize, (&str, &str))| {
+        Ok(State {
+            name: format!("plant.{start}"),
+            start: find(start)?,
+            shows: Some(find(shows)?),
+            channel: motion.iter().position(|logged| *logged == place),
+        })
+    };
+    MOTION.into_iter().enumerate().map(state).collect()
 }
 
 fn both_angles(run: &Run) -> bool {

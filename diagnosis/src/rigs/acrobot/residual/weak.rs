@@ -177,6 +177,40 @@ impl Weak {
         Ok(given)
     }
 
+    /// The torques that a stretch lacks at a point, N·m, with the columns of the perturbations. `base` and `columns` are what the unit
+    /// gives there and beside it.
+    fn stretch_cell(
+        &self,
+        place: usize,
+        base: &Given,
+        perturbations: &[Perturbation],
+        columns: &[Option<Given>],
+    ) -> Cell {
+        let stretch = &self.stretches[place];
+        let torque = stretch.inertia * (stretch.measured - base[place]);
+        let mut matrix = DMatrix::zeros(2, perturbations.len());
+        for (column, (perturbation, moved)) in perturbations.iter().zip(columns).enumerate() {
+            let Some(moved) = moved else { continue };
+            let change = stretch.inertia * (moved[place] - base[place]) / perturbation.by;
+            (0..2).for_each(|row| matrix[(row, column)] = change[row]);
+        }
+        Cell {
+            residual: vec![torque[0], torque[1]],
+            sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
+            signal: vec![0, 1],
+            time: vec![self.nodes[stretch.middle()].time; 2],
+            hard: DMatrix::zeros(2, 0),
+            soft: DMatrix::zeros(2, 0),
+            discrepancy: 0,
+            inertia_scale: 1.0,
+            columns: matrix,
+            floor: stretch.floor().to_vec(),
+            state: Vec::new(),
+            lattice: Vec::new(),
+        }
+    }
+
+    /// For each stretch ∫φ q̈ dt, by the unit with all these settings and with encoders' zeros off by `zeros`, rad.
     fn ask(
         &self,
         all: Vec<Setting>,
@@ -254,27 +288,7 @@ impl Cut for Weak {
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
         let length = (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block);
         for (place, stretch) in self.stretches.iter().enumerate() {
-            let torque = stretch.inertia * (stretch.measured - base[place]);
-            let mut matrix = DMatrix::zeros(2, perturbations.len());
-            for (column, (perturbation, moved)) in perturbations.iter().zip(&columns).enumerate() {
-                let Some(moved) = moved else { continue };
-                let change = stretch.inertia * (moved[place] - base[place]) / perturbation.by;
-                (0..2).for_each(|row| matrix[(row, column)] = change[row]);
-            }
-            let cell = Cell {
-                residual: vec![torque[0], torque[1]],
-                sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
-                signal: vec![0, 1],
-                time: vec![self.nodes[stretch.middle()].time; 2],
-                hard: DMatrix::zeros(2, 0),
-                soft: DMatrix::zeros(2, 0),
-                discrepancy: 0,
-                inertia_scale: 1.0,
-                columns: matrix,
-                floor: stretch.floor().to_vec(),
-                state: Vec::new(),
-                lattice: Vec::new(),
-            };
+            let cell = self.stretch_cell(place, &base, perturbations, &columns);
             match blocks.last_mut() {
                 Some(block) if block.run == stretch.run && stretch.from - block.from < length - 1e-9 => {
                     block.to = stretch.to;

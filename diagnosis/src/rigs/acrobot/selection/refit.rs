@@ -50,6 +50,33 @@ pub(super) fn refit_towards(
     fitted(cut, candidates, start, active, enough, |_, best| some_ran_away(best))
 }
 
+/// By how much the next step of a fit is damped, and by how much it goes beyond what columns predict.
+struct StepSize {
+    damping: f64,
+    stride: f64,
+    /// Damping of the first step after a refused one.
+    shorter: f64,
+}
+
+impl StepSize {
+    /// A step was taken that brought more than its columns predict, if `straight`.
+    fn taken(&mut self, straight: bool) {
+        self.stride = if straight && self.damping == 0.0 { SELECTION.stretch * self.stride } else { 1.0 };
+        self.damping *= 0.1;
+    }
+
+    /// A step was refused: the next one is shorter. Whether there is a next one.
+    fn refused(&mut self) -> bool {
+        if self.stride > 1.0 {
+            self.stride = 1.0;
+            return true;
+        }
+        self.damping = (10.0 * self.damping).max(self.shorter);
+        self.damping <= 1e4
+    }
+}
+
+/// Fits `active` from `start`, by chord steps; where the arm sticks and the first evaluation is `doubted`, by a linearisation at each.
 fn fitted(
     cut: &mut Tracked,
     candidates: &[Candidate],
@@ -71,10 +98,10 @@ fn fitted(
     // where each step settles them anew, a refused one must leave no trace
     let mut settled = cut.nuisances.clone();
     let shorter = if cut.policy().lattice { SELECTION.shorter_seen } else { SELECTION.shorter };
-    let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
+    let mut step = StepSize { damping: 0.0, stride: 1.0, shorter };
     for _ in 0..SELECTION.rounds {
-        let Some((next, predicted)) = propose(&best, candidates, &free, damping, stride) else { break };
-        let least = if damping < shorter { SELECTION.settled } else { SELECTION.refused };
+        let Some((next, predicted)) = propose(&best, candidates, &free, &step) else { break };
+        let least = if step.damping < shorter { SELECTION.settled } else { SELECTION.refused };
         if predicted < least || best.deviance() - SELECTION.reach * predicted > enough {
             break;
         }
@@ -82,32 +109,24 @@ fn fitted(
         let lower = |bare: Evaluation| bare.deviance() < best.deviance();
         let taken = !cut.policy().steady || judge(cut, candidates, &next, &[]).is_ok_and(lower);
         let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
-        match trial {
-            Some(trial) if trial.deviance() < best.deviance() => {
-                let straight =
-                    best.deviance() - trial.deviance() > SELECTION.refit_straight * stride * predicted;
-                stride = if straight && damping == 0.0 { SELECTION.stretch * stride } else { 1.0 };
-                best = trial;
-                damping *= 0.1;
-                settled = cut.nuisances.clone();
-            }
-            _ if predicted < SELECTION.refused && stride == 1.0 => break,
-            _ => {
-                // what the refused step did to nuisances is no beginning for the next one
-                if chords {
-                    cut.restore_linearised();
-                } else {
-                    cut.restore(&settled);
-                }
-                if stride > 1.0 {
-                    stride = 1.0;
-                    continue;
-                }
-                damping = (10.0 * damping).max(shorter);
-                if damping > 1e4 {
-                    break;
-                }
-            }
+        if let Some(trial) = trial.filter(|trial| trial.deviance() < best.deviance()) {
+            let decrease = best.deviance() - trial.deviance();
+            step.taken(decrease > SELECTION.refit_straight * step.stride * predicted);
+            best = trial;
+            settled = cut.nuisances.clone();
+            continue;
+        }
+        if predicted < SELECTION.refused && step.stride == 1.0 {
+            break;
+        }
+        // what the refused step did to nuisances is no beginning for the next one
+        if chords {
+            cut.restore_linearised();
+        } else {
+            cut.restore(&settled);
+        }
+        if !step.refused() {
+            break;
         }
     }
     if !chords {
@@ -172,8 +191,7 @@ fn propose(
     best: &Evaluation,
     candidates: &[Candidate],
     free: &[usize],
-    damping: f64,
-    stride: f64,
+    step: &StepSize,
 ) -> Option<(Vec<f64>, f64)> {
     let total = followed(best, candidates, free);
     let mut moving: Vec<usize> = (0..free.len()).collect();
@@ -184,7 +202,7 @@ fn propose(
         }
         let mut gram = submatrix(&total.gram, &moving);
         for i in 0..moving.len() {
-            gram[(i, i)] *= 1.0 + damping;
+            gram[(i, i)] *= 1.0 + step.damping;
         }
         let score = subvector(&total.score, &moving);
         let shift = solve(&gram, &score)?;
@@ -193,9 +211,9 @@ fn propose(
         for (i, place) in moving.iter().enumerate() {
             let candidate = &candidates[free[*place]];
             let x = best.point[free[*place]];
-            let wanted = limited(candidate, x, x + stride * shift[i]);
-            let within = wanted.clamp(candidate.range.0, candidate.range.1);
-            if within != wanted && within == x {
+            let target = limited(candidate, x, x + step.stride * shift[i]);
+            let within = target.clamp(candidate.range.0, candidate.range.1);
+            if within != target && within == x {
                 stopped.push(*place);
             }
             next[free[*place]] = within;

@@ -14,7 +14,7 @@ use super::{Block, Cut, Linearised, Nuisances, Perturbation, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
-use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::channels::{Channel, Measures};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -117,6 +117,21 @@ pub struct ImageCut {
     first: Arc<ImageState>,
 }
 
+/// The camera's signals. Where vision angles are all that was `read`, their circles' places on the lattice aren't known.
+fn signals_of(data: &DataSet, read: bool) -> Vec<Signal> {
+    let signal = |(channel, column): (&Channel, &str)| {
+        let name = format!("camera.{column}");
+        let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+        let noise = channel.noise.unwrap_or_default();
+        let unplaced = read && channel.measures == Measures::VisionAngle;
+        // a threshold puts circles off by 0.03 px
+        let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
+        let sigma = known.unwrap_or(noise.guess);
+        Signal { name, unit: channel.unit, known, sigma, least: noise.least, tolerance }
+    };
+    CHANNELS.iter().zip(COLUMNS).map(signal).collect()
+}
+
 impl ImageCut {
     /// All frames that say something, at most `most` of them, evenly thinned; `None` if there are none.
     ///
@@ -143,30 +158,7 @@ impl ImageCut {
         if model.interlaced() {
             every |= 1; // fields of both kinds
         }
-        let frames: Vec<Frame> = frames
-            .into_iter()
-            .enumerate()
-            .filter(|(place, _)| place % every == 0)
-            .map(|(_, frame)| frame)
-            .collect();
-        let signals = (CHANNELS.iter().zip(COLUMNS))
-            .map(|(channel, column)| {
-                let name = format!("camera.{column}");
-                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let noise = channel.noise.unwrap_or_default();
-                let unplaced = read && channel.measures == Measures::VisionAngle;
-                // nobody knows the circles' places on the lattice then, and a threshold puts them off by 0.03 px
-                let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
-                Signal {
-                    name,
-                    unit: channel.unit,
-                    known,
-                    sigma: known.unwrap_or(noise.guess),
-                    least: noise.least,
-                    tolerance,
-                }
-            })
-            .collect();
+        let frames: Vec<Frame> = frames.into_iter().step_by(every).collect();
         let delay = place(&candidates, Attribute::ImageDelay);
         let exposure = place(&candidates, Attribute::Exposure);
         let nominal_delay = model.number(name(Attribute::ImageDelay)).unwrap_or(0.0);
@@ -179,7 +171,7 @@ impl ImageCut {
             exposure,
             nominal_delay,
             zeros: None,
-            signals,
+            signals: signals_of(data, read),
             turns: None,
             kept: BTreeMap::new(),
             laws: Laws::default(),
@@ -291,22 +283,90 @@ impl ImageCut {
         self.compare(point, perturbations)
     }
 
+    /// What each candidate's step does to the image; `None` for what moves no image, or only its pose.
+    fn image_columns(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+    ) -> Result<Vec<Option<Column>>, Error> {
+        let mut columns = Vec::with_capacity(perturbations.len());
+        for perturbation in perturbations {
+            let candidate = &self.candidates[perturbation.candidate];
+            let seen = self.sees(candidate);
+            let posed = Some(perturbation.candidate) == self.delay || zero(candidate).is_some();
+            columns.push(if !seen || posed { None } else { Some(self.column(point, *perturbation)?) });
+        }
+        Ok(columns)
+    }
+
+    /// What a candidate that moves only the pose does to the image of a frame, by its changes with the two angles.
+    fn pose_column(&self, candidate: usize, frame: &Frame, turns: [&Seen; 2]) -> Seen {
+        let ([one, two], [.., dq1, dq2]) = (turns, frame.shot.end);
+        let logged = matches!(self.pose, Pose::Logged(..));
+        if Some(candidate) == self.delay && logged {
+            return std::array::from_fn(|s| -(one[s] * dq1 + two[s] * dq2));
+        }
+        if !self.sees(&self.candidates[candidate]) {
+            return [0.0; COLUMNS.len()];
+        }
+        // a reading that is too large has the arm nearer to the upright
+        match zero(&self.candidates[candidate]) {
+            Some(0) => one.map(|slope| -slope),
+            Some(_) => two.map(|slope| -slope),
+            None => [0.0; COLUMNS.len()],
+        }
+    }
+
+    /// The rows of one frame, which the model's camera makes as `here`: residuals, with the columns of its pose and of the perturbations.
+    fn frame_cell(
+        &self,
+        index: usize,
+        here: &Seen,
+        [one, two]: [&Seen; 2],
+        perturbations: &[Perturbation],
+        columns: &[Option<Column>],
+    ) -> Cell {
+        let frame = &self.frames[index];
+        let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
+        let pose = DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
+        let mut matrix = DMatrix::zeros(rows.len(), perturbations.len());
+        for (place, (column, perturbation)) in columns.iter().zip(perturbations).enumerate() {
+            let slopes = match column {
+                Some(column) => column[index].unwrap_or([0.0; COLUMNS.len()]),
+                None => self.pose_column(perturbation.candidate, frame, [one, two]),
+            };
+            rows.iter().enumerate().for_each(|(r, s)| matrix[(r, place)] = slopes[*s]);
+        }
+        let none = DMatrix::zeros(rows.len(), 0);
+        let (hard, soft, discrepancy) = match self.pose {
+            Pose::Logged(_, sigma) => (none, pose * sigma, 2),
+            Pose::Chained | Pose::Free => (pose, none, 0),
+        };
+        Cell {
+            residual: rows.iter().map(|s| frames::residual(*s, &frame.seen, here)).collect(),
+            sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
+            time: vec![frame.time; rows.len()],
+            hard,
+            soft,
+            discrepancy,
+            inertia_scale: 1.0,
+            columns: matrix,
+            floor: Vec::new(),
+            state: frame.shot.end.to_vec(),
+            lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
+            signal: rows,
+        }
+    }
+
     /// Residuals and sensitivities at the poses as they are.
     fn compare(&mut self, point: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
         let made = self.base(point)?;
         let base = &made.seen;
-        let mut columns = Vec::with_capacity(perturbations.len());
-        for perturbation in perturbations {
-            let seen = self.sees(&self.candidates[perturbation.candidate]);
-            let posed = Some(perturbation.candidate) == self.delay
-                || zero(&self.candidates[perturbation.candidate]).is_some();
-            columns.push(if !seen || posed { None } else { Some(self.column(point, *perturbation)?) });
-        }
-        let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
+        let columns = self.image_columns(point, perturbations)?;
+        let free = !matches!(self.pose, Pose::Logged(..));
         self.unseen = (self.frames.iter().zip(base))
             .filter(|(frame, here)| (free || frame.known) && here.is_none())
             .count();
-        let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };
         let turns = self.turns.as_deref().unwrap_or(&[]);
         let mut blocks: Vec<Block> = Vec::new();
         for (index, frame) in self.frames.iter().enumerate() {
@@ -314,44 +374,7 @@ impl ImageCut {
             if !free && !frame.known {
                 continue;
             }
-            let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
-            let pose =
-                DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
-            let none = DMatrix::zeros(rows.len(), 0);
-            let mut matrix = DMatrix::zeros(rows.len(), perturbations.len());
-            for (place, column) in columns.iter().enumerate() {
-                for (r, s) in rows.iter().enumerate() {
-                    matrix[(r, place)] = match column {
-                        Some(column) => column[index].map_or(0.0, |slope| slope[*s]),
-                        None if Some(perturbations[place].candidate) == delay && !free => {
-                            -(one[*s] * frame.shot.end[2] + two[*s] * frame.shot.end[3])
-                        }
-                        // a reading that is too large has the arm nearer to the upright
-                        None if self.sees(&self.candidates[perturbations[place].candidate]) => {
-                            match zero(&self.candidates[perturbations[place].candidate]) {
-                                Some(0) => -one[*s],
-                                Some(_) => -two[*s],
-                                None => 0.0,
-                            }
-                        }
-                        None => 0.0,
-                    };
-                }
-            }
-            let cell = Cell {
-                residual: rows.iter().map(|s| frames::residual(*s, &frame.seen, here)).collect(),
-                sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
-                time: vec![frame.time; rows.len()],
-                hard: if free { pose.clone() } else { none.clone() },
-                soft: if free { none } else { pose * uncertain },
-                discrepancy: if free { 0 } else { 2 },
-                inertia_scale: 1.0,
-                columns: matrix,
-                floor: Vec::new(),
-                state: frame.shot.end.to_vec(),
-                lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
-                signal: rows,
-            };
+            let cell = self.frame_cell(index, here, [one, two], perturbations, &columns);
             match blocks.last_mut() {
                 Some(block) if block.run == frame.run && frame.time - block.from < IMAGES.image_block => {
                     block.to = frame.time;

@@ -25,14 +25,27 @@ impl PlantCut {
         let unit = self.settle_all(point, &[], from.in_vain);
         self.jitter = 0.0;
         let (unit, mut in_vain) = unit?;
-        let runs = self.runs.clone();
+        self.jitter = self.likeliest_jitter(point, &unit, uneven);
+        if uneven <= WINDOWS.jitter && self.jitter > WINDOWS.evenly * self.spacing() {
+            self.jitter = 0.0;
+        }
+        if self.jitter > 0.0 || uneven > WINDOWS.jitter {
+            in_vain = self.slacken_again(point, in_vain)?;
+        }
+        self.windows.iter_mut().for_each(|window| window.free = None);
+        Ok(self.nuisances(in_vain))
+    }
+
+    /// The most likely scatter of the timestamps, s, by a linearisation whose timestamps' columns are those of a scatter of `unit_size` s; 0
+    /// where no other is much more likely.
+    fn likeliest_jitter(&self, point: &[f64], unit: &[Block], unit_size: f64) -> f64 {
         let judged = |size: f64| {
-            let mut blocks = unit.clone();
+            let mut blocks = unit.to_vec();
             for block in &mut blocks {
-                let ticks = usize::from(runs[block.run].tick_error() > 0.0);
+                let ticks = usize::from(self.runs[block.run].tick_error() > 0.0);
                 for cell in &mut block.cells {
                     for place in ticks..cell.discrepancy {
-                        cell.soft.column_mut(place).scale_mut(size / uneven);
+                        cell.soft.column_mut(place).scale_mut(size / unit_size);
                     }
                 }
             }
@@ -47,27 +60,21 @@ impl PlantCut {
             }
             best.1
         };
+        let mut jitter = 0.0;
         let twice = std::iter::successors(Some(WINDOWS.smallest), |size| Some(2.0 * size));
         for size in twice.take_while(|size| *size < POLICY.motion_step) {
-            self.jitter = more_likely(size);
+            jitter = more_likely(size);
         }
         // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
         let mut finer = 2.0_f64;
         for _ in 0..2 {
             finer = finer.sqrt();
-            let coarse = self.jitter;
+            let coarse = jitter;
             for size in [coarse / finer, coarse * finer].into_iter().filter(|size| *size > 0.0) {
-                self.jitter = more_likely(size);
+                jitter = more_likely(size);
             }
         }
-        if uneven <= WINDOWS.jitter && self.jitter > WINDOWS.evenly * self.spacing() {
-            self.jitter = 0.0;
-        }
-        if self.jitter > 0.0 || uneven > WINDOWS.jitter {
-            in_vain = self.slacken_again(point, in_vain)?;
-        }
-        self.windows.iter_mut().for_each(|window| window.free = None);
-        Ok(self.nuisances(in_vain))
+        jitter
     }
 
     /// By how much the timestamps scatter, s: found by `find_jitter`.

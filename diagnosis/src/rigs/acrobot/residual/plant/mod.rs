@@ -7,7 +7,7 @@ use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tra
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::channels::{Channel, Measures};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -76,6 +76,19 @@ pub struct PlantCut {
     inertia_scale: f64,
 }
 
+/// The plant's signals; torques of an arm of this inertia scale.
+fn signals_of(data: &DataSet, inertia_scale: f64) -> Vec<Signal> {
+    let signal = |channel: &Channel| {
+        let name = format!("plant.{}", channel.column);
+        let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+        let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
+        let noise = channel.noise.unwrap_or_default();
+        let sigma = known.unwrap_or(scale * noise.guess);
+        Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, tolerance: 0.0 }
+    };
+    CHANNELS.iter().map(signal).collect()
+}
+
 impl PlantCut {
     /// Windows over all runs that have a torque and a motion; `None` if there is none.
     ///
@@ -103,16 +116,6 @@ impl PlantCut {
         if windows.is_empty() {
             return Ok(None);
         }
-        let signals = (CHANNELS.iter())
-            .map(|channel| {
-                let name = format!("plant.{}", channel.column);
-                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
-                let noise = channel.noise.unwrap_or_default();
-                let sigma = known.unwrap_or(scale * noise.guess);
-                Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, tolerance: 0.0 }
-            })
-            .collect();
         let runs = Arc::new(data.runs.clone());
         // without a torque that changes there is no other log that this one could be late against
         let clock = candidates
@@ -130,7 +133,7 @@ impl PlantCut {
             candidates,
             runs,
             windows,
-            signals,
+            signals: signals_of(data, inertia_scale),
             through,
             clock,
             zeros: [0.0; 2],

@@ -31,9 +31,9 @@ const OTHER: [(&str, &str, &str); 18] = [
     ("observe/log.rs", "EPOCH", "what a format of time is"),
     ("rigs/acrobot/plausibility/time.rs", "EPOCH", "what a format of time is"),
     ("rigs/acrobot/dataset/table.rs", "DAY", "seconds"),
-    ("rigs/acrobot/dataset/stated.rs", "KEYS", "units of measurement"),
+    ("rigs/acrobot/dataset/stated_log.rs", "KEYS", "units of measurement"),
     ("rigs/acrobot/plausibility/motion.rs", "WAYS", "units of measurement"),
-    ("rigs/acrobot/places.rs", "SHOWN", "an order of columns"),
+    ("rigs/acrobot/residual_places.rs", "SHOWN", "an order of columns"),
     ("rigs/acrobot/selection/examples.rs", "", "compiled for tests only"),
     ("rigs/acrobot/check/examples.rs", "", "compiled for tests only"),
 ];

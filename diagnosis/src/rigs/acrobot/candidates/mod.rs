@@ -153,7 +153,7 @@ impl Candidate {
     }
 
     /// The whole number after the largest that is tried, or after one beyond it.
-    pub fn after(&self, x: f64) -> Option<f64> {
+    pub fn count_after(&self, x: f64) -> Option<f64> {
         let tried = self.steps.last().map_or(f64::INFINITY, |step| self.off + step);
         let counts = matches!(self.motion, Motion::Count { .. });
         (counts && x >= tried && x < self.range.1).then_some(x + 1.0)
@@ -321,7 +321,7 @@ mod tests {
         let set = names.into_iter().zip(theta).map(|(name, value)| (name, Value::Float(scale * value)));
         let more = more.iter().map(|(name, value)| ((*name).to_owned(), Value::Float(*value)));
         let manifest = Manifest {
-            stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
+            stated: crate::rigs::acrobot::dataset::stated_log::Stated::default(),
             scenario: "visual-servo".into(),
             set: set.chain(more).collect(),
             noise: BTreeMap::new(),

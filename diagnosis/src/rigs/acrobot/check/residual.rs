@@ -1,12 +1,12 @@
 //! Is what is left noise?
 
-use super::images::image_shape;
-use super::shape::{nearest, torque_shape, widest};
+use super::image_shape::image_shape;
+use super::torque_shape::{nearest, torque_shape, widest};
 use super::{Found, Judgement};
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::{chained, of_pictures};
-use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
 use crate::rigs::acrobot::selection::policy::SELECTION;

@@ -19,7 +19,7 @@ use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
-use crate::rigs::acrobot::residual::forced::Forced;
+use crate::rigs::acrobot::residual::forced_torques::Forced;
 use crate::rigs::acrobot::residual::torque::{Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::WITHIN;
@@ -37,7 +37,7 @@ impl Correction {
     }
 
     /// The residual in words: where effects were withdrawn, what they had left says little of it.
-    pub fn told(&self, unknown: Unknown) -> Unknown {
+    pub fn name_in(&self, unknown: Unknown) -> Unknown {
         let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
         let entries = dictionary::entries();
         let entry =

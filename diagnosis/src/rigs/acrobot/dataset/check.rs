@@ -2,7 +2,7 @@
 
 use super::angles::{far_apart, glitches, typical_gap, unwrapped};
 use super::images::{pictures, tells_poses};
-use super::impossible;
+use super::impossible_cells;
 use super::timestamps::{self, Moved};
 use super::{Nominal, Run, Table};
 use super::{rates, rounded};
@@ -27,7 +27,7 @@ pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
         let file = format!("{}/plant.csv", run.name);
         notices.push(Notice { file, line: plant.line[row], message });
     }
-    impossible::exclude(run, nominal, notices);
+    impossible_cells::exclude(run, nominal, notices);
     rounded::unround(run, notices);
 }
 

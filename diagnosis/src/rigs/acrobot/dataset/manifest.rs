@@ -1,6 +1,6 @@
 //! `dataset.toml`: which nominal model, what is known of the noise, how the logs count, which runs.
 
-use super::stated::Stated;
+use super::stated_log::Stated;
 use crate::error::Error;
 use crate::rigs::acrobot::channels::CHANNELS;
 use orchestrator::suggest::nearest;

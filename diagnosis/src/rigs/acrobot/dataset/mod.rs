@@ -7,14 +7,14 @@ mod angles;
 mod check;
 mod clock_ticks;
 mod images;
-mod impossible;
-mod lost;
+mod impossible_cells;
+mod lost_rows;
 mod manifest;
 pub mod nominal;
 pub(crate) mod policy;
 mod rates;
 mod rounded;
-pub mod stated;
+pub mod stated_log;
 mod table;
 mod timestamps;
 
@@ -206,7 +206,11 @@ impl DataSet {
             let commanded = run.controller.is_some();
             let moved = check::put_aside(&mut run, nominal.falling, &mut notices);
             if stated.gaps_known != Some(true) {
-                lost::mark(&mut run, if commanded { "controller.csv" } else { "plant.csv" }, &mut notices);
+                lost_rows::mark_lost_rows(
+                    &mut run,
+                    if commanded { "controller.csv" } else { "plant.csv" },
+                    &mut notices,
+                );
             }
             if run.camera.is_none() {
                 blind.extend(none.map(|times| (run.name.clone(), times)));

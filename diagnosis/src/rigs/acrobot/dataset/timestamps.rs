@@ -86,7 +86,7 @@ fn span(log: &Table) -> (f64, f64) {
 /// nothing agrees.
 fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let seen = directions(camera);
-    let logged = both(plant, ["q1", "q2"]);
+    let logged = rows_with_both(plant, ["q1", "q2"]);
     if seen.is_empty() || logged.is_empty() {
         return Some(0.0);
     }
@@ -125,10 +125,10 @@ pub fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
     };
     let links = [["u1", "v1", "u2", "v2"], ["u2", "v2", "u3", "v3"]];
     let seen = rows(camera, links.map(|names| (0..camera.len()).map(|row| link(row, names)).collect()));
-    if seen.is_empty() { both(camera, ["q1_est", "q2_est"]) } else { seen }
+    if seen.is_empty() { rows_with_both(camera, ["q1_est", "q2_est"]) } else { seen }
 }
 
-fn both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
+fn rows_with_both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
     rows(log, names.map(|name| log.column(name).map_or_else(|| vec![f64::NAN; log.len()], <[f64]>::to_vec)))
 }
 

@@ -8,7 +8,7 @@ use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{self, DataSet, Manifest, Table};
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::picture::COLUMNS;
+use crate::rigs::acrobot::residual::studio::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use orchestrator::time::Rational;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};

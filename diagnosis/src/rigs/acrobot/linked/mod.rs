@@ -8,7 +8,7 @@ mod classes;
 pub(super) mod policy;
 mod problem;
 
-pub use classes::told_apart;
+pub use classes::weigh_linked_classes;
 
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
@@ -92,7 +92,7 @@ impl<'a> Linked<'a> {
     }
 
     /// Path and noises at a point, before anything is fitted.
-    fn begun(&mut self, point: &[f64]) -> Result<At, Error> {
+    fn first_path(&mut self, point: &[f64]) -> Result<At, Error> {
         let theta = self.theta(point);
         Ok(self.built.begun(&theta, &Trails::default())?.0)
     }

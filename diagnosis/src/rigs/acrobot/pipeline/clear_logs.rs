@@ -34,12 +34,13 @@ pub(super) fn correct_clocks(
     watch: &mut Watch<'_>,
 ) -> Result<(Clocks, Compared), Error> {
     let mut clocks = Clocks::new(&rig.data);
-    while let Some(late) =
-        clocks.late(&rig.list, &compared).filter(|_| !watch.is_over("the search for clocks that are off"))
+    while let Some(late) = clocks
+        .find_late(&rig.list, &compared)
+        .filter(|_| !watch.is_over("the search for clocks that are off"))
     {
         watch.stage("plant: the log's clock is put right");
         late.iter().for_each(|(run, late)| rig.data.set_back(*run, *late));
-        if clocks.apart() {
+        if clocks.differ_by_run() {
             rig.data.clocks_apart = true;
             trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut rig.list));
         }
@@ -56,17 +57,18 @@ pub(super) fn correct_zeros(
     watch: &mut Watch<'_>,
 ) -> Result<(Zeros, Compared), Error> {
     let mut zeros = Zeros::default();
-    while let Some(off) =
-        zeros.seen(&rig.list, &compared).filter(|_| !watch.is_over("the search for zeros that are off"))
+    while let Some(off) = zeros
+        .seen_in_images(&rig.list, &compared)
+        .filter(|_| !watch.is_over("the search for zeros that are off"))
     {
         watch.stage("plant: the log's angles are turned to where images have them");
-        zeros.turn(&mut rig.data, off);
+        zeros.turn_back(&mut rig.data, off);
         let again = compare(rig, &Laws::default(), watch)?;
         if effects_in_all(&again, &rig.list) <= effects_in_all(&compared, &rig.list) {
             compared = again;
             continue;
         }
-        zeros.turn(&mut rig.data, off.map(|off| -off));
+        zeros.turn_back(&mut rig.data, off.map(|off| -off));
         Arc::<Vec<Candidate>>::make_mut(&mut rig.list).retain(|candidate| candidate.side != Side::Zero);
         compared = compare(rig, &Laws::default(), watch)?;
     }

@@ -8,11 +8,11 @@ use crate::error::{Error, Notice};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::linked::policy::LINKED;
-use crate::rigs::acrobot::linked::told_apart;
+use crate::rigs::acrobot::linked::weigh_linked_classes;
 use crate::rigs::acrobot::pipeline::policy::PIPELINE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
-use crate::rigs::acrobot::residual::logged;
+use crate::rigs::acrobot::residual::logged_motion;
 use crate::rigs::acrobot::residual::plant::PlantCut;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use crate::rigs::acrobot::selection::{Hit, study};
@@ -53,7 +53,7 @@ pub(super) fn compare_plant(
     if !rig.has_images() {
         part = weigh_zeros(&mut rows, list, part, watch)?;
     }
-    told_apart(&rig.data, rig.model, list, (&part.study, &part.signals), &mut part.classes, watch);
+    weigh_linked_classes(&rig.data, rig.model, list, (&part.study, &part.signals), &mut part.classes, watch);
     // what compares by torques is not asked: no linked state speaks there
     if !part.study.discrepancy_dominated {
         for (effect, class) in &mut part.classes {
@@ -188,7 +188,7 @@ fn fill_logged(data: &DataSet, motions: &mut [Motion]) -> Option<f64> {
     let undriven = |run: &Run| run.controller.is_none() && run.camera.is_some();
     let mut worst = None;
     for (run, into) in data.runs.iter().zip(motions).filter(|(run, _)| undriven(run)) {
-        let Some((motion, sigma)) = logged::motion(run) else { continue };
+        let Some((motion, sigma)) = logged_motion::motion(run) else { continue };
         *into = motion;
         worst = Some(sigma.max(worst.unwrap_or(0.0)));
     }

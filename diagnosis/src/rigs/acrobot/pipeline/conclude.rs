@@ -14,12 +14,12 @@ use crate::error::{Error, Notice};
 use crate::overlay::Channel;
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, of_angles, torque_shape};
+use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::gap::Measure;
 use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::selection::Study;
-use crate::rigs::acrobot::{amend, experiment, gap, places, story};
+use crate::rigs::acrobot::{amend, experiment, gap, residual_places, story};
 use crate::watch::Watch;
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ pub(super) fn conclude(
         all.add_part(&logs, part, watch);
     }
     let point = all.amended_point(&logs, compared);
-    let gap = all.gaps.iter().cloned().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b)));
+    let gap = all.gaps.iter().cloned().max_by(|a, b| gap::above_floor(a).total_cmp(&gap::above_floor(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
     let next = all.next_experiment(&logs, parts, &point, watch);
     let verdict = all.verdict();
@@ -94,7 +94,8 @@ impl Conclusion {
         let free = part.study.continuous(list);
         let (mut gap, measure) = gap::widest(&part.study, &free, &logs.runs, part.torque, &part.signals);
         self.measures.push(measure);
-        let (own, torque) = (places::places(&part.study, &part.signals), measure == Measure::Torques);
+        let (own, torque) =
+            (residual_places::places(&part.study, &part.signals), measure == Measure::Torques);
         let judged = judged(&Found {
             study: &part.study,
             signals: &part.signals,
@@ -106,7 +107,7 @@ impl Conclusion {
             gap: &gap,
         });
         if part.study.active.is_empty() {
-            gap = gap::unchanged(gap);
+            gap = gap::without_effects(gap);
         }
         // beside a residual without a name nobody knows what would have been found
         if judged.model_stands {
@@ -116,8 +117,8 @@ impl Conclusion {
             self.story.push(story::of_coarse(&part.coarse, list));
         }
         let left = judged.unknown.as_ref();
-        self.story.extend(story::of(&part.study, list, &gap, left));
-        let mut trace = places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
+        self.story.extend(story::of_study(&part.study, list, &gap, left));
+        let mut trace = residual_places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
         self.places.extend(own);
         if judged.withdrawn {
             self.story.push(story::of_widened(&gap));
@@ -134,7 +135,7 @@ impl Conclusion {
         self.gaps.push(gap);
         self.traces.push(trace);
         // torques that seem to lack are those angles'
-        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(of_angles));
+        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(is_of_angles));
         self.unknown = first.or(judged.unknown);
     }
 
@@ -184,7 +185,7 @@ impl Conclusion {
             noises.for_each(|index| point[index] = list[index].off);
         }
         add_lost_frames(rig, &mut self.effects, &mut self.smallest);
-        if self.unknown.as_ref().is_some_and(of_angles) {
+        if self.unknown.as_ref().is_some_and(is_of_angles) {
             self.doubt_plant(list);
         }
         self.notices.extend(late_log_instead(list, &compared.parts, &self.effects));
@@ -196,10 +197,10 @@ impl Conclusion {
         }
         let superseded = |index: &usize| gone.iter().any(|name| name == list[*index].name);
         (0..list.len()).filter(superseded).for_each(|index| point[index] = list[index].off);
-        if !self.unknown.as_ref().is_some_and(of_angles)
+        if !self.unknown.as_ref().is_some_and(is_of_angles)
             && let Some(correction) = &self.correction
         {
-            self.unknown = self.unknown.take().map(|left| correction.told(left));
+            self.unknown = self.unknown.take().map(|left| correction.name_in(left));
         }
         point
     }
@@ -279,7 +280,7 @@ impl Conclusion {
             provenance: Provenance::of(&rig.data),
             units: rig.model.units().clone(),
             // the nominal model misses noise by a little everywhere; that is no place
-            place: places::shares(if verdict == Verdict::None { Vec::new() } else { self.places }),
+            place: residual_places::shares(if verdict == Verdict::None { Vec::new() } else { self.places }),
             verdict,
             effects: self.effects,
             gap,

@@ -146,7 +146,7 @@ pub(super) struct Zeros {
 
 impl Zeros {
     /// How far pictures say that the logs' angles are off still.
-    pub(super) fn seen(&mut self, list: &[Candidate], compared: &Compared) -> Option<[f64; 2]> {
+    pub(super) fn seen_in_images(&mut self, list: &[Candidate], compared: &Compared) -> Option<[f64; 2]> {
         self.rounds += 1;
         let pictured = compared.parts.iter().filter(|part| !part.torque);
         let found = pictured.flat_map(|part| &part.study.active).any(|index| list[*index].side == Side::Zero);
@@ -154,13 +154,13 @@ impl Zeros {
     }
 
     /// Takes them off the logs.
-    pub(super) fn turn(&mut self, data: &mut DataSet, by: [f64; 2]) {
+    pub(super) fn turn_back(&mut self, data: &mut DataSet, by: [f64; 2]) {
         (0..2).for_each(|angle| self.turned[angle] += by[angle]);
         data.turn_back(by);
     }
 
     /// Takes zeros that are off out of what is named.
-    pub(super) fn clear(&self, list: &[Candidate], compared: &mut Compared) -> Vec<Notice> {
+    pub(super) fn remove_from_effects(&self, list: &[Candidate], compared: &mut Compared) -> Vec<Notice> {
         let Compared { parts, point, .. } = compared;
         let left = zeros(list, point, None);
         for index in places(list).filter(|index| point[*index] != 0.0).collect::<Vec<_>>() {

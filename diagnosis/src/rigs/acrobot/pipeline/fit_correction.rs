@@ -8,7 +8,7 @@ use crate::error::{Error, Notice};
 use crate::rigs::acrobot::candidates::{Attribute, Entry, LIST};
 use crate::rigs::acrobot::correction::{Offer, offer, wiring};
 use crate::rigs::acrobot::residual::Tracked;
-use crate::rigs::acrobot::residual::forced::Forced;
+use crate::rigs::acrobot::residual::forced_torques::Forced;
 
 /// The correction that runs left out support, if any. Failing to find one is no failure of the diagnosis.
 pub(super) fn fit_correction(rig: &Rig<'_>, part: &Part, notices: &mut Vec<Notice>) -> Option<Correction> {

@@ -17,10 +17,10 @@ use crate::overlay::Channel;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction;
 use crate::rigs::acrobot::dataset::{DataSet, Span};
-use crate::rigs::acrobot::gap::{Measure, Shifted, Sums, above};
+use crate::rigs::acrobot::gap::{Measure, Shifted, Sums, above_floor};
 use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::residual::Tracked;
-use crate::rigs::acrobot::residual::forced::Forced;
+use crate::rigs::acrobot::residual::forced_torques::Forced;
 use crate::rigs::acrobot::residual::image::Laws;
 use crate::rigs::acrobot::residual::torque::{Torque, shrunk, torques};
 use crate::rigs::acrobot::selection::Evaluation;
@@ -336,7 +336,7 @@ pub(super) fn tell_held_out(diagnosis: &mut Diagnosis, held_out: HeldOut) {
         let named = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
         diagnosis.story.push(format!("Searched again without {runs}: {named}."));
     }
-    let widest = held_out.gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
+    let widest = held_out.gaps.iter().max_by(|a, b| above_floor(a).total_cmp(&above_floor(b)));
     if let Some(gap) = widest.cloned() {
         if let Some(closed) = gap.closed {
             diagnosis.story.push(format!(

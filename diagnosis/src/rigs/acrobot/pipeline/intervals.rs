@@ -88,7 +88,7 @@ pub(super) fn worths(study: &Study, list: &[Candidate], free: &[usize], confound
         .map(|k| {
             // alone: what is lost if it goes and the others are fitted again
             let alone = sizes[k] * sizes[k] / bread[(k, k)].max(f64::MIN_POSITIVE);
-            let share = beside(alone, left);
+            let share = share_beside(alone, left);
             // without another one, this one takes its part over
             let moves = |j: usize| (bread[(k, j)] / bread[(j, j)] * sizes[j]).abs();
             let moves = (0..free.len()).filter(|j| *j != k).map(moves).fold(0.0, f64::max);
@@ -99,7 +99,7 @@ pub(super) fn worths(study: &Study, list: &[Candidate], free: &[usize], confound
 }
 
 /// What a name keeps that alone explains so many squares, beside so many that nothing does.
-fn beside(alone: f64, left: f64) -> f64 {
+fn share_beside(alone: f64, left: f64) -> f64 {
     PIPELINE.beside * alone / (alone + left).max(f64::MIN_POSITIVE)
 }
 
@@ -121,7 +121,7 @@ pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index
     let blocks = all * all / told().map(|own| own * own).sum::<f64>();
     let cases = match list[index].motion {
         Motion::Saturation { cuts: Cuts::Torque } => {
-            blocks.max(cut(data, list[index].value(last.point[index])))
+            blocks.max(count_commands_beyond(data, list[index].value(last.point[index])))
         }
         _ => blocks,
     };
@@ -129,7 +129,7 @@ pub(super) fn confirmed(study: &Study, data: &DataSet, list: &[Candidate], index
 }
 
 /// Commands beyond a level.
-fn cut(data: &DataSet, level: f64) -> f64 {
+fn count_commands_beyond(data: &DataSet, level: f64) -> f64 {
     let logs = data.runs.iter().filter_map(|run| run.controller.as_ref()?.column("tau"));
     logs.flatten().filter(|tau| tau.abs() > level).count() as f64
 }
@@ -162,12 +162,12 @@ mod tests {
     #[test]
     fn value_no_name_beside_something_unnamed_is_sure() {
         // explains all but nothing, as much as is left, next to nothing
-        let shares = [beside(1e6, 1.0), beside(100.0, 100.0), beside(1.0, 1e6)];
+        let shares = [share_beside(1e6, 1.0), share_beside(100.0, 100.0), share_beside(1.0, 1e6)];
         assert!(
             (shares[0] - 0.5).abs() < 1e-6 && (shares[1] - 0.25).abs() < 1e-12 && shares[2] < 1e-6,
             "{shares:?}"
         );
-        assert_eq!(beside(0.0, 0.0), 0.0);
+        assert_eq!(share_beside(0.0, 0.0), 0.0);
     }
 
     #[test]

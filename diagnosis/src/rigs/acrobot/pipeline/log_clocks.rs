@@ -129,12 +129,12 @@ impl Clocks {
     }
 
     /// Runs and the time by which their logs are late still, before anything else can be said.
-    pub(super) fn late(&mut self, list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+    pub(super) fn find_late(&mut self, list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
         self.rounds += 1;
         if self.rounds > PIPELINE.rounds {
             return None;
         }
-        if let Some(late) = apart(list, compared) {
+        if let Some(late) = lateness_by_run(list, compared) {
             late.iter().for_each(|(run, late)| self.own[*run] += late);
             return Some(late);
         }
@@ -145,7 +145,7 @@ impl Clocks {
 
     /// Takes clocks that are off out of what is named. A plant log that is stamped late makes the actuator look slow and the
     /// camera early by the same time; a delay of either does only one of both.
-    pub(super) fn clear(
+    pub(super) fn remove_from_effects(
         &mut self,
         model: &Model,
         list: &[Candidate],
@@ -161,7 +161,7 @@ impl Clocks {
         if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
             gone.push(stamps);
         }
-        if let Some((shown, by)) = early(list, point) {
+        if let Some((shown, by)) = early_images(list, point) {
             // one that was found, that is: nothing is the same as a clock that is off by less than `same`
             let found = |index: &usize| point[*index] != list[*index].off;
             let same = |index: &usize| {
@@ -205,7 +205,7 @@ impl Clocks {
     }
 
     /// Whether runs have clocks of their own.
-    pub(super) fn apart(&self) -> bool {
+    pub(super) fn differ_by_run(&self) -> bool {
         self.own.iter().any(|late| *late != 0.0)
     }
 
@@ -218,7 +218,7 @@ impl Clocks {
             );
             Notice { file, line: 0, message }
         };
-        if self.apart() {
+        if self.differ_by_run() {
             let runs = self.names.iter().zip(&self.own);
             let told = |(name, own): (&Option<String>, &f64)| {
                 name.as_ref().map(|name| notice(format!("{name}/plant.csv"), common + own))
@@ -231,7 +231,7 @@ impl Clocks {
 
 /// Runs whose logs have clocks of their own, and by how much they are late against all: where that explains more than
 /// any effect, and clearly more than one clock for all.
-fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
+fn lateness_by_run(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
     let clock = own_clock(list)?;
     let of_log = |index: usize| list[index].side.is_of_log();
     let study = &compared.parts.iter().find(|part| part.torque && part.study.seen.contains(&clock))?.study;
@@ -255,7 +255,7 @@ fn apart(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize, f64)>> {
 }
 
 /// The delay by which images come early, and by how much, s: below zero there is none.
-fn early(list: &[Candidate], point: &[f64]) -> Option<(usize, f64)> {
+fn early_images(list: &[Candidate], point: &[f64]) -> Option<(usize, f64)> {
     let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
     (point[delay] < 0.0).then(|| (delay, -point[delay]))
 }

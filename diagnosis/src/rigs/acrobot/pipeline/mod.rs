@@ -140,8 +140,8 @@ pub fn diagnose(
     if compared.parts.is_empty() {
         return Err(Error::NothingUsable { path: path.to_owned(), notices });
     }
-    notices.extend(clocks.clear(&model, &rig.list, &mut compared));
-    notices.extend(zeros.clear(&rig.list, &mut compared));
+    notices.extend(clocks.remove_from_effects(&model, &rig.list, &mut compared));
+    notices.extend(zeros.remove_from_effects(&rig.list, &mut compared));
 
     let known = weigh_earlier(options, &rig.list, &mut compared.parts);
     let (mut diagnosis, measures) = conclude(&rig, &compared, notices, watch)?;
@@ -201,10 +201,12 @@ fn remove_gaps_without_effect(diagnosis: &mut Diagnosis, parts: &[Part], list: &
         let signals: Vec<&str> = part.signals.iter().map(|signal| signal.name.as_str()).collect();
         let corrected = part.torque && diagnosis.correction.is_some();
         if !corrected && !gap::is_closed_by(&effects, &own, &signals) {
-            *gap = gap::unchanged(gap.clone());
+            *gap = gap::without_effects(gap.clone());
         }
     }
-    if let Some(widest) = diagnosis.gaps.iter().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b))) {
+    if let Some(widest) =
+        diagnosis.gaps.iter().max_by(|a, b| gap::above_floor(a).total_cmp(&gap::above_floor(b)))
+    {
         diagnosis.gap = widest.clone();
     }
 }

@@ -124,7 +124,7 @@ pub(super) mod tests {
 
     pub(in super::super) fn unlogged() -> DataSet {
         let manifest = crate::rigs::acrobot::dataset::Manifest {
-            stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
+            stated: crate::rigs::acrobot::dataset::stated_log::Stated::default(),
             scenario: "visual-servo".into(),
             set: BTreeMap::new(),
             noise: BTreeMap::new(),

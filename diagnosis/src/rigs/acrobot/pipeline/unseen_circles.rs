@@ -4,7 +4,7 @@ use super::Rig;
 use crate::diagnosis::Unknown;
 use crate::error::Error;
 use crate::rigs::acrobot::dataset::Run;
-use crate::rigs::acrobot::residual::picture::{Shot, Studio};
+use crate::rigs::acrobot::residual::studio::{Shot, Studio};
 use crate::statistics::levels::{HALF, SAMPLE};
 
 /// That runs hold frames without a circle, though the nominal camera finds all of them in most poses that encoders tell.

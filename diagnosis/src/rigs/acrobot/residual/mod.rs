@@ -8,24 +8,24 @@
 //!   their noise.
 //! - [`image`]: motion in, image out, frame by frame.
 //! - [`chain`]: commanded torque in, image out, where no encoder was logged.
-//! - [`logged`]: the motion for an image straight from encoders, where no torque was logged.
+//! - [`logged_motion`]: the motion for an image straight from encoders, where no torque was logged.
 
 mod actuator;
 pub mod chain;
-pub mod forced;
+pub mod forced_torques;
 pub mod image;
-pub mod logged;
+pub mod logged_motion;
 mod nuisances;
-pub mod picture;
 pub mod plant;
 pub(crate) mod policy;
 mod settings;
-mod settled;
-mod smooth;
+mod settled_actuator;
+pub mod studio;
 pub mod torque;
 mod tracked;
 pub mod trajectory;
 pub mod weak;
+mod weak_stretches;
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;

@@ -3,14 +3,14 @@
 //! The plant is unstable (about 7 1/s), so a replay of a whole run leaves the data even with the exact model. A
 //! window of half a second doesn't, once its four start values are free: multiple shooting, Bock 1983. Each window
 //! begins a little before its scored rows, so that the actuator's delay line has filled up by then, from what a slow actuator
-//! holds (`settled.rs`).
+//! holds (`settled_actuator.rs`).
 
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::rigs::acrobot::residual::settled::Settling;
+use crate::rigs::acrobot::residual::settled_actuator::Settling;
 use orchestrator::fmu::Instance;
 use std::sync::Arc;
 

@@ -8,14 +8,14 @@
 //! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
 //! Trans. Control Syst. Technol. 21 (2013) 428.
 
-mod forced;
+mod forced_stretches;
 
 use super::actuator::{Actuator, key, passing, references};
 use super::plant::jitter::torque_jitter;
 use super::plant::zeros;
 use super::settings::settings;
-use super::smooth::{Node, Stretch, stretches};
 use super::trajectory::State;
+use super::weak_stretches::{Node, Stretch, stretches};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
@@ -140,7 +140,7 @@ impl Weak {
     /// What the unit gives at states, in initialization mode: inputs and start values are set, outputs are read.
     fn accelerations(&self, settings: &[Setting], nodes: &[Node]) -> Result<Vec<[f64; 2]>, Error> {
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(&self.apart(settings), |instance| {
+        self.bench.initialising(&self.with_open_limit(settings), |instance| {
             let mut all = Vec::with_capacity(nodes.len());
             for node in nodes {
                 let [q1, q2, dq1, dq2] = node.state;
@@ -154,7 +154,7 @@ impl Weak {
     }
 
     /// Rows at which the links touch are no part of a stretch, so the unit must not hold them.
-    fn apart(&self, settings: &[Setting]) -> Vec<Setting> {
+    fn with_open_limit(&self, settings: &[Setting]) -> Vec<Setting> {
         let open = (self.contact, Value::Real(FAR));
         settings.iter().cloned().chain([open]).collect()
     }
@@ -168,7 +168,7 @@ impl Weak {
         if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let given = Arc::new(self.ask(all, zeros, point, moved)?);
+        let given = Arc::new(self.weigh_accelerations(all, zeros, point, moved)?);
         // a linearisation with all candidates and the fits around it
         if self.known.len() > FEW * self.candidates.len() {
             self.known.pop_front();
@@ -211,7 +211,7 @@ impl Weak {
     }
 
     /// For each stretch ∫φ q̈ dt, by the unit with all these settings and with encoders' zeros off by `zeros`, rad.
-    fn ask(
+    fn weigh_accelerations(
         &self,
         all: Vec<Setting>,
         zeros: [f64; 2],

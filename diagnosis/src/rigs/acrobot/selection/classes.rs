@@ -6,7 +6,7 @@
 use super::Step;
 use super::evaluation::Evaluation;
 use super::refit::{own_fit, refit, refit_towards, settled};
-use super::starts::starts;
+use super::start_points::starts;
 use super::without_effect::WithoutEffect;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, continuous};

@@ -7,17 +7,17 @@ mod evidence;
 #[cfg(test)]
 pub(crate) mod examples;
 mod folds;
-mod follow;
 pub(crate) mod policy;
 mod refit;
 mod replace_effect;
+mod restarted_fit;
 mod screen;
 mod search;
 mod settle;
-mod starts;
-mod steady;
-mod switched;
-mod together;
+mod start_points;
+mod steadiness;
+mod subsets;
+mod switches;
 mod tolerance;
 mod trials;
 mod without_effect;
@@ -30,7 +30,7 @@ pub use refit::refit;
 pub use replace_effect::replace_effect;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
-pub use steady::{Steadiness, steadiness};
+pub use steadiness::{Steadiness, steadiness};
 
 use crate::rigs::acrobot::candidates::{Candidate, continuous};
 

@@ -7,7 +7,7 @@ use crate::rigs::acrobot::selection::{Step, Study};
 pub use crate::text::brief;
 
 /// One study in sentences.
-pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
+pub fn of_study(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: the nominal model leaves {} {} of {} (noise alone: {}).",
         study.name,

@@ -1,12 +1,18 @@
 //! What moving a candidate, or the arm, does to the image: secants over steps of some pixels, smooth over poses.
 
+use super::frame_cache::MadeFrames;
 use super::laws::{Law, powers};
 use super::surface::{Surface, Terms};
-use super::*;
+use super::{Column, ImageCut};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::residual::Perturbation;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS, Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
 /// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
@@ -213,7 +219,7 @@ impl ImageCut {
         phase: (f64, f64),
         shots: Vec<Shot>,
         seed: Option<i32>,
-    ) -> Result<Arc<Made>, Error> {
+    ) -> Result<Arc<MadeFrames>, Error> {
         let camera = self.studio.exposed(&self.shifted(still, phase)?, seed)?;
         let studio = &self.studio;
         self.still.frames(camera, shots, |camera, shots| studio.shoot(camera, shots))

@@ -3,7 +3,7 @@
 
 use super::surface::Surface;
 use super::{COLUMNS, Column, ImageCut};
-use crate::rigs::acrobot::residual::picture::AREAS;
+use crate::rigs::acrobot::residual::studio::AREAS;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::sync::Arc;

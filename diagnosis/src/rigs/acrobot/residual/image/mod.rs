@@ -6,11 +6,11 @@
 //!
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
-use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
 use super::plant::zero;
 use super::settings::settings;
+use super::studio::{CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
 use super::trajectory::Motion;
-use super::{Block, Cut, Linearised, Nuisances, Perturbation, Signal};
+use super::{Block, Cut, Nuisances, Perturbation, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
@@ -25,26 +25,26 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+mod area_level;
 mod columns;
 mod cut;
-mod fields;
+mod frame_cache;
 mod frames;
+mod interlaced_fields;
 mod laws;
-mod level;
 mod noise;
 mod policy;
 mod poses;
-mod reel;
 mod state;
 mod surface;
 
+use area_level::level;
+use frame_cache::{FrameCache, MadeFrames};
 use frames::frames;
 pub use laws::Laws;
-use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses, turned};
-use reel::{Made, Reel};
 pub use state::ImageState;
 
 /// A measured frame.
@@ -102,9 +102,9 @@ pub struct ImageCut {
     laws: Laws,
     /// Frames that were made lately, with what they were made from: a candidate of the plant leaves them as they are, and a search comes back
     /// to where it was.
-    made: Reel,
+    made: FrameCache,
     /// Frames beside the poses, without a candidate moved.
-    still: Reel,
+    still: FrameCache,
     /// Settings of the camera that poses read off the image have followed, and its E_t.
     followed: Option<Followed>,
     /// No circle was logged, only angles that were read off them.
@@ -175,8 +175,8 @@ impl ImageCut {
             turns: None,
             kept: BTreeMap::new(),
             laws: Laws::default(),
-            made: Reel::default(),
-            still: Reel::default(),
+            made: FrameCache::default(),
+            still: FrameCache::default(),
             followed: None,
             read,
             unseen: 0,
@@ -244,7 +244,7 @@ impl ImageCut {
     }
 
     /// Renders at the poses.
-    fn base(&mut self, point: &[f64]) -> Result<Arc<Made>, Error> {
+    fn base(&mut self, point: &[f64]) -> Result<Arc<MadeFrames>, Error> {
         let settings = self.settings(point, None)?;
         let shots = self.frames.iter().map(|frame| frame.shot).collect();
         let studio = &self.studio;

@@ -11,8 +11,8 @@ use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::channels::{AREAS_APART, CENTROIDS_APART};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
-use crate::rigs::acrobot::residual::picture::{Seen, Shot};
+use crate::rigs::acrobot::residual::studio::{AREAS, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::levels::{FINE, HALF, WITHIN};
 use crate::statistics::random::Random;
@@ -289,7 +289,7 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::residual::picture::COLUMNS;
+    use crate::rigs::acrobot::residual::studio::COLUMNS;
 
     #[test]
     fn value_another_light_is_one_from_half_a_pixel_on() {

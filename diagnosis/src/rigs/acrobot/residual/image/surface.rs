@@ -5,7 +5,7 @@
 //! through all frames leaves it out.
 
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS, Seen};
+use crate::rigs::acrobot::residual::studio::{ANGLES, COLUMNS, Seen};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::solve;

@@ -1,13 +1,20 @@
 //! Timestamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
 //! the same time. That is a nuisance with a prior for each row; its size is found by maximum likelihood.
 
+use super::PlantCut;
 use super::fitting::Fit;
-use super::*;
+use super::layout::Layout;
+use super::window::Window;
+use crate::error::Error;
+use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{MOTION, Row};
+use crate::rigs::acrobot::residual::{Block, Nuisances, Tracked};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{MIDDLE, anywhere_in};
-use crate::statistics::linear::Reduced;
+use crate::statistics::linear::{Cell, Reduced};
+use nalgebra::DMatrix;
 
 impl PlantCut {
     /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that. Answers where they are then.
@@ -55,7 +62,7 @@ impl PlantCut {
         let mut best = (steady.deviance() - POLICY.evidence, 0.0);
         let mut more_likely = |size: f64| {
             let there = judged(size);
-            if there.deviance() < best.0 && spread(&steady, &there) >= POLICY.evidence {
+            if there.deviance() < best.0 && gain_all_along(&steady, &there) >= POLICY.evidence {
                 best = (there.deviance(), size);
             }
             best.1
@@ -85,7 +92,7 @@ impl PlantCut {
     /// Usual time between rows, s: the least over runs.
     fn spacing(&self) -> f64 {
         let logs = self.runs.iter().filter_map(|run| run.plant.as_ref());
-        logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
+        logs.filter_map(|log| typical_gaps(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
     }
 
     /// Puts the timestamps' columns before the slack torques: one for all rows, whose ticks are off together, then one for each row.
@@ -172,7 +179,7 @@ impl Tracked<PlantCut> {
 }
 
 /// The gain of deviance without the windows that gain most: timestamps scatter all along, what happens now and then is something else.
-fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
+fn gain_all_along(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     let deviance = |block: &Reduced| block.square + block.log_det;
     let pairs = steady.reduced.iter().zip(&scattering.reduced);
     let mut gains: Vec<f64> = pairs.map(|(before, after)| deviance(before) - deviance(after)).collect();
@@ -216,7 +223,7 @@ pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
 
 /// Standard deviation of timestamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
 pub fn unevenness(time: &[f64]) -> f64 {
-    let Some((typical, gaps)) = typical(time) else { return 0.0 };
+    let Some((typical, gaps)) = typical_gaps(time) else { return 0.0 };
     // neighbours: a clock that drifts, or lost rows, don't count
     let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
     off.sort_by(f64::total_cmp);
@@ -226,7 +233,7 @@ pub fn unevenness(time: &[f64]) -> f64 {
 }
 
 /// Median of the gaps between rows, and all of them, s.
-fn typical(time: &[f64]) -> Option<(f64, Vec<f64>)> {
+fn typical_gaps(time: &[f64]) -> Option<(f64, Vec<f64>)> {
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
     let middle = *gaps.get(gaps.len() / 2)?;

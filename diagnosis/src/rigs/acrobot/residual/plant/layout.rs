@@ -1,7 +1,11 @@
 //! Which simulated row goes into which bin of a window.
 
-use super::*;
+use super::window::Window;
+use super::{PlantCut, applied_torque};
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{COLUMNS, MOTION, Row};
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
 
 /// Which simulated row goes into which bin.
 pub(super) struct Layout {
@@ -29,7 +33,8 @@ impl Layout {
             let reach = if cut.applied(signal) { cut.reach[window.run] } else { 0.0 };
             // scattering stamps may put it on either side of a change, and all rows on the same
             let sure = |place: usize| {
-                applied::in_doubt(run, log.time[window.rows[place]], reach) <= cut.signals[signal].sigma
+                applied_torque::in_doubt(run, log.time[window.rows[place]], reach)
+                    <= cut.signals[signal].sigma
             };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
                 // what arrives as a log begins is of commands before it

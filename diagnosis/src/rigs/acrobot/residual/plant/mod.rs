@@ -2,8 +2,8 @@
 
 use super::settings::settings;
 pub use super::trajectory::MOTION;
-use super::trajectory::{CHANNELS, COLUMNS, Drive, PREROLL, Ports, Push, Row, State, simulate, state_of};
-use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked};
+use super::trajectory::{CHANNELS, Ports, Row, State};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -14,32 +14,30 @@ use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::{FAR, HALF};
-use crate::statistics::linear::{Cell, nuisances};
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-mod applied;
+mod applied_torque;
+mod camera_poses;
+mod fitted_motion;
 mod fitting;
-mod following;
-mod forced;
-mod handed;
+mod follows_log;
+mod forced_windows;
 pub mod jitter;
 mod layout;
-mod log;
-mod motion;
+mod log_correction;
 pub(crate) mod policy;
-mod through;
 mod window;
+mod window_restart;
 
+pub use camera_poses::Poses;
+use camera_poses::Through;
 use fitting::WindowFit;
 use layout::Layout;
-use log::steered;
-pub use log::{zero, zeros};
-pub use through::Poses;
-use through::Through;
+use log_correction::has_changing_torque;
+pub use log_correction::{zero, zeros};
 pub use window::WindowState;
-use window::{Kept, Window, cut_run, lost, most, thin};
+use window::{Kept, Window, cut_run, most_windows, runaway_rate, thin_windows};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = {
@@ -99,7 +97,8 @@ impl PlantCut {
         model: &Model,
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
-        let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
+        let (ports, inertia_scale) =
+            (Ports::of(&model.plant, runaway_rate(data, model))?, model.inertia_scale());
         let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
@@ -110,8 +109,8 @@ impl PlantCut {
         let cut = windows.len();
         // where there are images each window has frames to tell of
         if data.runs.iter().all(|run| run.camera.is_none()) {
-            let most = most(&windows, &data.runs);
-            thin(&mut windows, most);
+            let most = most_windows(&windows, &data.runs);
+            thin_windows(&mut windows, most);
         }
         if windows.is_empty() {
             return Ok(None);
@@ -121,10 +120,10 @@ impl PlantCut {
         let clock = candidates
             .iter()
             .position(|candidate| candidate.side == Side::Clock)
-            .filter(|_| runs.iter().any(steered));
+            .filter(|_| runs.iter().any(has_changing_torque));
         let part = windows.first().map_or(WINDOWS.window, |window| window.edges[1] - window.edges[0]);
         let explained = jitter::torque_jitter(&runs, part);
-        let reach = Arc::new(runs.iter().map(applied::reach).collect());
+        let reach = Arc::new(runs.iter().map(applied_torque::doubt_of_torque).collect());
         let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
@@ -165,7 +164,7 @@ impl PlantCut {
     pub(super) fn begin_from(&mut self, from: &Nuisances) {
         match &from.windows {
             Some(states) => {
-                self.windows.iter_mut().zip(&**states).for_each(|(window, state)| window.put(state))
+                self.windows.iter_mut().zip(&**states).for_each(|(window, state)| window.restore(state))
             }
             None => self.begin_anew(),
         }
@@ -208,7 +207,7 @@ impl PlantCut {
     ) -> Result<(Vec<Block>, bool), Error> {
         let fit = |place: &usize| self.linearised(&self.windows[*place], point, perturbations);
         let mut done: Vec<_> = places.par_iter().map(fit).collect();
-        let in_vain = !self.handed(places, point, perturbations, &mut done, in_vain)? || in_vain;
+        let in_vain = !self.restart_windows(places, point, perturbations, &mut done, in_vain)? || in_vain;
         let settings = self.settings(point, None)?;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {

@@ -1,7 +1,12 @@
 //! What a class is drawn by, on both sides of each of its numbers.
 
-use super::*;
+use super::{OwnFit, Replaced, linear_loss, resembled};
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::residual::Nuisances;
+use crate::rigs::acrobot::selection::Step;
+use crate::rigs::acrobot::selection::evaluation::Evaluation;
 use crate::rigs::acrobot::selection::examples::{candidate, evaluation, hit, toy};
+use nalgebra::DMatrix;
 
 /// The first of two in the place that others are tried in.
 fn own_fit_of<'a>(candidates: &'a [Candidate], last: &'a Evaluation) -> OwnFit<'a> {

@@ -1,7 +1,11 @@
 //! What is corrected in the log itself before it is compared: its clock, and the zeros of its angles.
 
-use super::*;
-use crate::rigs::acrobot::candidates::ZEROS;
+use super::PlantCut;
+use crate::rigs::acrobot::candidates::{Candidate, ZEROS};
+use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::residual::Perturbation;
+use crate::rigs::acrobot::residual::trajectory::Drive;
+use std::sync::Arc;
 
 impl PlantCut {
     /// Corrects the log as a point says.
@@ -72,7 +76,7 @@ pub fn zero(candidate: &Candidate) -> Option<usize> {
 }
 
 /// Whether a run's torque changes.
-pub(super) fn steered(run: &Run) -> bool {
+pub(super) fn has_changing_torque(run: &Run) -> bool {
     let varies = |name| {
         let values = run.controller.as_ref().and_then(|log| log.column(name)).unwrap_or(&[]);
         let mut known = values.iter().filter(|value| value.is_finite());

@@ -6,28 +6,28 @@ use crate::rigs::acrobot::selection::Step;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::rigs::acrobot::selection::screen::screen;
 use crate::rigs::acrobot::selection::settle::settle;
-use crate::rigs::acrobot::selection::together::{Proposal, Together, pays};
+use crate::rigs::acrobot::selection::subsets::{Proposal, Subsets, pays};
 use crate::watch::Watch;
 
 impl Search<'_> {
     /// What no step of one effect finds. Whether anything did. A repeated search begins where the first one had it all.
     pub(super) fn all_at_once(&mut self, watch: &mut Watch<'_>) -> bool {
-        let together = self.together(watch);
-        (watch.known().is_none() && self.one_for_two(watch)) || together
+        let found = self.search_subsets(watch);
+        (watch.known().is_none() && self.one_for_two(watch)) || found
     }
 
     /// Tries in the place of all that were found what linear effects say together. Whether they stay.
-    fn together(&mut self, watch: &mut Watch<'_>) -> bool {
+    fn search_subsets(&mut self, watch: &mut Watch<'_>) -> bool {
         let mut found = false;
         // far from the truth columns bend, and more seems to be needed than is
         for _ in 0..SELECTION.again {
-            let Some(proposal) = self.linear().and_then(|linear| linear.best()) else { break };
+            let Some(proposal) = self.linear_subsets().and_then(|linear| linear.best()) else { break };
             let new = proposal.active.iter().filter(|index| !self.active.contains(index)).count();
             if !found && new < 2 {
                 break;
             }
             watch.stage(&format!("{}: effects that show only together", self.cut.name()));
-            if !self.put(proposal) {
+            if !self.fit_proposal(proposal) {
                 break;
             }
             found = true;
@@ -40,13 +40,13 @@ impl Search<'_> {
     fn one_for_two(&mut self, watch: &mut Watch<'_>) -> bool {
         let mut found = false;
         'again: for _ in 0..SELECTION.again {
-            let proposals = self.linear().map_or_else(Vec::new, |linear| linear.one_for_two());
+            let proposals = self.linear_subsets().map_or_else(Vec::new, |linear| linear.one_for_two());
             for proposal in proposals.into_iter().take(SELECTION.sparse_trials) {
                 if watch.is_over(SEARCH) {
                     break 'again;
                 }
                 watch.stage(&format!("{}: one effect in the place of two", self.cut.name()));
-                if self.put(proposal) {
+                if self.fit_proposal(proposal) {
                     found = true;
                     continue 'again;
                 }
@@ -57,16 +57,16 @@ impl Search<'_> {
     }
 
     /// What the linear effects of the image say together, where there are several and the image is all that is compared.
-    fn linear(&self) -> Option<Together<'_>> {
+    fn linear_subsets(&self) -> Option<Subsets<'_>> {
         let policy = self.cut.policy();
         if !policy.lattice || policy.free_pose || self.active.len() < 2 {
             return None;
         }
-        Together::of(&self.last, self.candidates, &self.active, self.cut.signals())
+        Subsets::of(&self.last, self.candidates, &self.active, self.cut.signals())
     }
 
     /// Fits a proposal through the units and puts it in the place of all that were found, if it pays.
-    fn put(&mut self, Proposal { mut active, mut point }: Proposal) -> bool {
+    fn fit_proposal(&mut self, Proposal { mut active, mut point }: Proposal) -> bool {
         let kept = self.cut.nuisances.clone();
         let fitted = settle(self.cut, self.candidates, &mut active, &mut point)
             .and_then(|dropped| Ok((dropped, linearise(self.cut, self.candidates, &point, &active)?)));

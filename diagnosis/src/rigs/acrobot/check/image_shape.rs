@@ -2,11 +2,11 @@
 //! a simple law of place, motion or time.
 
 use super::policy::CHECK;
-use super::shape::Form;
+use super::torque_shape::Form;
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::ANGLES;
+use crate::rigs::acrobot::residual::studio::ANGLES;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{HALF, PART, ROUNDING, SMALL};
 use crate::statistics::linear::{Cell, Reduced, reduce};
@@ -69,7 +69,7 @@ pub(super) fn image_shape(
 const ANGLES_OF_LOG: [&str; 2] = ["plant.q1", "plant.q2"];
 
 /// Whether what has no name is in the angles of the log.
-pub fn of_angles(left: &Unknown) -> bool {
+pub fn is_of_angles(left: &Unknown) -> bool {
     ANGLES_OF_LOG.contains(&left.signal.as_str())
 }
 
@@ -263,9 +263,9 @@ fn swung(run: &[(usize, f64, Reduced)], phases: &[(f64, f64)], column: usize) ->
 #[cfg(test)]
 mod tests {
     use super::super::examples::{Moment, candidates, frames, moved, noise, read, signals};
-    use super::super::shape::widest;
+    use super::super::torque_shape::widest;
     use super::*;
-    use crate::rigs::acrobot::residual::picture::COLUMNS;
+    use crate::rigs::acrobot::residual::studio::COLUMNS;
 
     /// The shape of what is left, signal and text.
     fn told(left: impl Fn(&Moment, usize) -> f64) -> (String, String) {
@@ -318,7 +318,7 @@ mod tests {
         let (signal, text) = told(|moment, signal| read(moment, signal, 0.02 * moment.state[1]));
         assert_eq!(signal, "plant.q2");
         assert!(text.starts_with("the log's q2 is off in proportion to itself"), "{text}");
-        assert!(of_angles(&Unknown { signal, ..Unknown::default() }));
+        assert!(is_of_angles(&Unknown { signal, ..Unknown::default() }));
     }
 
     #[test]

@@ -1,8 +1,15 @@
 //! Torques along a stretch, through the plant unit's own sensitivity at each state.
 
-use super::*;
-use crate::rigs::acrobot::residual::forced::{Forced, Pair};
+use super::{PUSH, Weak};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::candidates::Side;
+use crate::rigs::acrobot::residual::Nuisances;
+use crate::rigs::acrobot::residual::forced_torques::{Forced, Pair};
+use crate::rigs::acrobot::residual::settings::settings;
 use crate::rigs::acrobot::residual::trajectory::State;
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use rayon::prelude::*;
 
 impl Weak {
     /// Accelerations per torque on link 1 and on link 2, at each state: the unit is linear in them.
@@ -11,7 +18,7 @@ impl Weak {
         let starts = [reference("q1_0")?, reference("q2_0")?, reference("dq1_0")?, reference("dq2_0")?];
         let external = [reference("tau_1")?, reference("tau_2")?];
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(&self.apart(settings), |instance| {
+        self.bench.initialising(&self.with_open_limit(settings), |instance| {
             let mut all = Vec::with_capacity(states.len());
             for state in states {
                 instance.set_real(&starts, state).map_err(failed)?;

@@ -1,7 +1,9 @@
 //! The level of all areas: no sign of anything, as far as right renderers differ in it.
 
-use super::*;
+use crate::rigs::acrobot::residual::Block;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::studio::AREAS;
+use crate::statistics::linear::Cell;
 use nalgebra::RowDVector;
 
 /// Takes off the areas what they differ by alike, as far as right renderers may: that is no sign of anything.
@@ -39,6 +41,7 @@ pub(super) fn level(blocks: &mut [Block]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DMatrix;
 
     /// What is left of areas that all differ by so much.
     fn left(by: f64) -> f64 {

@@ -1,10 +1,10 @@
-//! What a residual looks like: the simple law of state, place or time that takes most of it away. Torques stand here, images in `images`.
+//! What a residual looks like: the simple law of state, place or time that takes most of it away. Torques stand here, images in `image_shape`.
 
-use super::images::{image_shape, law_of_image};
+use super::image_shape::{image_shape, law_of_image};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::{ANGLES, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 

@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 ///
 /// # Errors
 /// A unit failed at the model that is there.
-pub(super) fn switched(
+pub(super) fn best_switch(
     cut: &mut Tracked,
     candidates: &[Candidate],
     last: &Evaluation,
@@ -43,7 +43,7 @@ pub(super) fn switched(
         if !open || !cut.sees(candidate) || last.point[index] != candidate.off {
             continue;
         }
-        let nearest = tried(cut, candidate, last, index);
+        let nearest = best_value(cut, candidate, last, index);
         cut.reset();
         Evaluation::at(cut, &last.point, &[])?;
         let Some(trial) = nearest.filter(|trial| trial.deviance() < last.deviance()) else {
@@ -61,7 +61,12 @@ pub(super) fn switched(
 }
 
 /// Of all values of a candidate the one with which windows, begun anew, need the least slack torques.
-fn tried(cut: &mut Tracked, candidate: &Candidate, last: &Evaluation, index: usize) -> Option<Evaluation> {
+fn best_value(
+    cut: &mut Tracked,
+    candidate: &Candidate,
+    last: &Evaluation,
+    index: usize,
+) -> Option<Evaluation> {
     let mut evaluated = |x: f64| {
         let mut point = last.point.clone();
         point[index] = x;
@@ -119,7 +124,7 @@ mod tests {
             told.lock().expect("no panic").push(x[0]);
             vec![0.0]
         });
-        tried(&mut cut, &saturation, &evaluation(&[0.0], &[0.0], &[0.0]), 0).expect("the first");
+        best_value(&mut cut, &saturation, &evaluation(&[0.0], &[0.0], &[0.0]), 0).expect("the first");
         tried_at.lock().expect("no panic").clone()
     }
 

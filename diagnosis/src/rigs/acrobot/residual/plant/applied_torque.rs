@@ -1,11 +1,12 @@
 //! Rows of the applied torque about when the command changes: timestamps that scatter put them on either side of the change.
 
 use super::jitter::unevenness;
-use super::*;
-use crate::rigs::acrobot::dataset::Table;
+use crate::rigs::acrobot::dataset::{Run, Table};
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::statistics::levels::FAR;
 
 /// How far a row and a change of the command may lie apart and be stamped in the wrong order, s: as far as no timestamp scatters.
-pub(super) fn reach(run: &Run) -> f64 {
+pub(super) fn doubt_of_torque(run: &Run) -> f64 {
     // rows that were put at ticks scattered before, of which the ticks' own error tells
     let ticks = |log: &Table| log.tick_error * (0.5 * log.len() as f64).sqrt();
     let scatter = |log: &Option<Table>| log.as_ref().map_or(0.0, |log| unevenness(&log.time).max(ticks(log)));
@@ -43,13 +44,13 @@ mod tests {
     #[test]
     fn law_a_torque_is_in_doubt_by_the_changes_that_stamps_may_confuse_it_with() {
         let even = run(0.0);
-        assert_eq!((reach(&even), in_doubt(&even, 0.1, reach(&even))), (0.0, 0.0));
+        assert_eq!((doubt_of_torque(&even), in_doubt(&even, 0.1, doubt_of_torque(&even))), (0.0, 0.0));
         // rows that were put at ticks: 20 of them, of stamps that scattered by 1 ms
         let mut ticks = run(0.0);
         ticks.plant.iter_mut().for_each(|log| log.tick_error = 1e-3 / 10.0_f64.sqrt());
-        assert!((super::reach(&ticks) - 1e-2).abs() < 1e-12);
+        assert!((super::doubt_of_torque(&ticks) - 1e-2).abs() < 1e-12);
         let uneven = run(4e-4);
-        let reach = reach(&uneven);
+        let reach = doubt_of_torque(&uneven);
         // ten times the scatter of both logs, 0.3 ms each
         assert!((4e-3..1e-2).contains(&reach), "{reach}");
         let (doubt, change) =

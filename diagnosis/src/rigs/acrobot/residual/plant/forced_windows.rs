@@ -1,8 +1,16 @@
 //! Torques along the motion of a window, held over short pieces and stepped through the plant unit.
 
-use super::*;
-use crate::rigs::acrobot::residual::forced::{Forced, Pair};
+use super::PlantCut;
+use super::layout::Layout;
+use super::window::Window;
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::residual::Nuisances;
+use crate::rigs::acrobot::residual::forced_torques::{Forced, Pair};
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{Drive, Push, Row, State, simulate, state_of};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 /// Edges of the pieces of a window, s.
 fn edges(window: &Window) -> Vec<f64> {

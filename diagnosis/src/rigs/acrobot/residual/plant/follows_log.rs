@@ -1,8 +1,14 @@
 //! Whether the plant follows the log by itself, or needs slack torques to do so.
 
+use super::PlantCut;
 use super::fitting::Fit;
-use super::*;
+use super::layout::Layout;
+use super::window::Window;
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use rayon::prelude::*;
 
 impl PlantCut {
     /// Whether the share of windows in which the plant needs slack torques stays within `most` at a point, all windows begun

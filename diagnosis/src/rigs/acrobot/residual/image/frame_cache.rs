@@ -3,12 +3,12 @@
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{Seen, Shot};
+use crate::rigs::acrobot::residual::studio::{Seen, Shot};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Frames, with what they were made from.
-pub(super) struct Made {
+pub(super) struct MadeFrames {
     pub(super) settings: Vec<Setting>,
     pub(super) shots: Vec<Shot>,
     pub(super) seen: Vec<Option<Seen>>,
@@ -16,22 +16,22 @@ pub(super) struct Made {
 
 /// The last frames, the newest at the end.
 #[derive(Clone, Default)]
-pub(super) struct Reel(VecDeque<Arc<Made>>);
+pub(super) struct FrameCache(VecDeque<Arc<MadeFrames>>);
 
-impl Reel {
+impl FrameCache {
     /// Those of a camera at some poses, which `make` makes unless they are there.
     pub(super) fn frames(
         &mut self,
         settings: Vec<Setting>,
         shots: Vec<Shot>,
         make: impl FnOnce(&[Setting], &[Shot]) -> Result<Vec<Option<Seen>>, Error>,
-    ) -> Result<Arc<Made>, Error> {
+    ) -> Result<Arc<MadeFrames>, Error> {
         let known = self.0.iter().find(|made| made.settings == settings && made.shots == shots);
         if let Some(known) = known {
             return Ok(known.clone());
         }
         let seen = make(&settings, &shots)?;
-        let made = Arc::new(Made { settings, shots, seen });
+        let made = Arc::new(MadeFrames { settings, shots, seen });
         // what stands beside the poses in all rounds, and as much again
         if self.0.len() >= 4 * IMAGES.more_rounds as usize {
             self.0.pop_front();
@@ -47,11 +47,11 @@ mod tests {
 
     #[test]
     fn every_frame_is_made_once_until_fifty_others_were() {
-        let mut reel = Reel::default();
+        let mut cache = FrameCache::default();
         let mut made = 0;
         let mut ask = |odd: bool, q1: f64| {
             let shot = Shot { before: [q1; 4], end: [q1; 4], odd };
-            let seen = reel.frames(Vec::new(), vec![shot], |_, shots| {
+            let seen = cache.frames(Vec::new(), vec![shot], |_, shots| {
                 made += 1;
                 let seen: Seen = std::array::from_fn(|_| shots[0].end[0]);
                 Ok(vec![Some(seen)])

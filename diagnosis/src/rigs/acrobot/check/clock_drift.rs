@@ -1,6 +1,6 @@
 //! Do clocks drift apart? What that leaves resembles much else.
 
-use super::shape::nearest;
+use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, place};

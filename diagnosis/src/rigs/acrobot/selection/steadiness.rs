@@ -7,7 +7,7 @@ use crate::statistics::linear::{solve, submatrix, subvector};
 use std::collections::BTreeMap;
 
 /// What a block wants of a candidate beside where it is.
-struct Wish {
+struct BlockScore {
     run: usize,
     time: f64,
     score: f64,
@@ -46,9 +46,9 @@ impl Steadiness {
 
 /// Judges one candidate where the active ones are fitted. `None` where its column says nothing.
 pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Steadiness> {
-    let wishes = wishes(evaluation, candidate, active)?;
+    let block_scores = block_scores(evaluation, candidate, active)?;
     let mut sums: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
-    for wish in &wishes {
+    for wish in &block_scores {
         let sum = sums.entry(wish.run).or_default();
         *sum = (sum.0 + wish.score, sum.1 + wish.length, sum.2 + wish.length * wish.time);
     }
@@ -58,16 +58,16 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
         return None;
     }
     // blocks that scatter more than noise makes them count less
-    let known = |wish: &&Wish| sums.contains_key(&wish.run);
-    let own = |wish: &Wish| sums[&wish.run];
-    let scatter: f64 = wishes
+    let known = |wish: &&BlockScore| sums.contains_key(&wish.run);
+    let own = |wish: &BlockScore| sums[&wish.run];
+    let scatter: f64 = block_scores
         .iter()
         .filter(known)
         .map(|wish| (wish.score - wish.length * own(wish).0 / own(wish).1).powi(2))
         .sum();
     let over = (scatter / length).max(1.0);
     let (mut drift, mut spread) = (0.0, 0.0);
-    for wish in wishes.iter().filter(known) {
+    for wish in block_scores.iter().filter(known) {
         let (run_score, run_length, run_time) = own(wish);
         let since = wish.time - run_time / run_length;
         drift += since * (wish.score - wish.length * run_score / run_length);
@@ -78,7 +78,7 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
     let decrease = sums.values().map(|sum| sum.0 * sum.0 / sum.1).sum::<f64>() / over;
     let runs = sums.iter().map(|(run, sum)| (*run, (sum.0 / sum.1, (over / sum.1).sqrt()))).collect();
     let apart = decrease - score * score / length / over;
-    let within = within(&wishes) / over;
+    let within = gain_within_runs(&block_scores) / over;
     Some(Steadiness {
         runs,
         mean: score / length,
@@ -92,14 +92,14 @@ pub fn steadiness(evaluation: &Evaluation, candidate: usize, active: &[usize]) -
 }
 
 /// Decrease of the deviance that a value of its own for each third of a run brings beside one for each run, for each value.
-fn within(wishes: &[Wish]) -> f64 {
+fn gain_within_runs(block_scores: &[BlockScore]) -> f64 {
     let mut spans: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-    for wish in wishes {
+    for wish in block_scores {
         let span = spans.entry(wish.run).or_insert((wish.time, wish.time));
         *span = (span.0.min(wish.time), span.1.max(wish.time));
     }
     let mut sums: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
-    for wish in wishes {
+    for wish in block_scores {
         let (from, to) = spans[&wish.run];
         let share = (wish.time - from) / (to - from).max(f64::MIN_POSITIVE);
         let third = ((FEW as f64 * share) as usize).min(FEW - 1);
@@ -117,7 +117,7 @@ fn within(wishes: &[Wish]) -> f64 {
     own / (sums.len() - runs.len()).max(1) as f64
 }
 
-fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<Wish>> {
+fn block_scores(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<BlockScore>> {
     let column = *evaluation.places(&[candidate]).first()?;
     let others: Vec<usize> = active.iter().copied().filter(|other| *other != candidate).collect();
     let places = evaluation.places(&others);
@@ -128,7 +128,7 @@ fn wishes(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option
         |(block, reduced): (&crate::rigs::acrobot::residual::Block, &crate::statistics::linear::Reduced)| {
             let across = subvector(&reduced.gram.column(column).into_owned(), &places);
             let own = submatrix(&reduced.gram, &places);
-            Wish {
+            BlockScore {
                 run: block.run,
                 time: 0.5 * (block.from + block.to),
                 score: reduced.score[column] - weights.dot(&subvector(&reduced.score, &places)),

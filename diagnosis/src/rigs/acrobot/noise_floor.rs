@@ -9,14 +9,14 @@
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::COLUMNS;
+use crate::rigs::acrobot::residual::studio::COLUMNS;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::bare;
 
 /// For each signal the standard deviation that noise gives a row. `nominal` is the model that nothing was fitted to; of `last` only
 /// the scatter within windows counts, in which everything is free.
-pub fn of(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> Vec<f64> {
+pub fn estimate(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> Vec<f64> {
     let within = |s: usize| nominal.seen[s].min(last.seen[s]).max(signals[s].least);
     (0..signals.len())
         .map(|s| {

@@ -24,7 +24,7 @@ pub(super) fn pays(decrease: f64, more: f64, left: f64) -> bool {
 }
 
 /// The linear effects of an image, beside those that are held, and what the data tell of all.
-pub(super) struct Together<'a> {
+pub(super) struct Subsets<'a> {
     last: &'a Evaluation,
     candidates: &'a [Candidate],
     active: &'a [usize],
@@ -35,7 +35,7 @@ pub(super) struct Together<'a> {
     told: Told,
 }
 
-impl<'a> Together<'a> {
+impl<'a> Subsets<'a> {
     pub(super) fn of(
         last: &'a Evaluation,
         candidates: &'a [Candidate],

@@ -1,7 +1,7 @@
 //! Runs that differ: a residual that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
 //! no effect of the machine, so it is reported with the residual and not named.
 
-use super::shape::common;
+use super::torque_shape::common;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};

@@ -5,7 +5,10 @@
 //! that changes its sign: nothing smooth does, whatever effect is in it. But only where the model has the image on the right
 //! place of the lattice: the question is put at every linearisation.
 
-use super::*;
+use super::ImageCut;
+use crate::error::Error;
+use crate::rigs::acrobot::residual::studio::{CENTROIDS, Seen, Shot};
+use std::collections::BTreeMap;
 
 impl ImageCut {
     /// Finds out, run by run: of both orders the one that leaves less from field to field.

@@ -4,7 +4,7 @@ use crate::diagnosis::{Trace, Where};
 use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS};
+use crate::rigs::acrobot::residual::studio::{ANGLES, COLUMNS};
 use crate::rigs::acrobot::residual::torque::torques;
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 use crate::statistics::linear::bare;

@@ -4,13 +4,13 @@
 use super::evaluation::Evaluation;
 use super::evidence::discrepancy;
 use super::refit::refit;
-use super::trials::{Trials, with};
+use super::trials::{Trials, active_with};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
 
 impl Trials<'_> {
     /// A fit that fled, leaving more than without the candidate, begun anew from where it began or from where it ended.
-    pub(super) fn found_back(
+    pub(super) fn refit_lost_windows(
         &self,
         cut: &mut Tracked,
         candidate: usize,
@@ -21,12 +21,17 @@ impl Trials<'_> {
         if cut.policy().lattice || cut.policy().steady || trial.deviance() <= last {
             return trial;
         }
-        let again = self.begun_anew(cut, candidate, from, last);
-        again.or_else(|| self.begun_anew(cut, candidate, &trial.point, last)).unwrap_or(trial)
+        let again = self.refit_from_data(cut, candidate, from, last);
+        again.or_else(|| self.refit_from_data(cut, candidate, &trial.point, last)).unwrap_or(trial)
     }
 
     /// A fit of what is nonlinear in its size that leaves a torque lacking, begun anew where it ended.
-    pub(super) fn followed(&self, cut: &mut Tracked, candidate: usize, trial: Evaluation) -> Evaluation {
+    pub(super) fn refit_from_end(
+        &self,
+        cut: &mut Tracked,
+        candidate: usize,
+        trial: Evaluation,
+    ) -> Evaluation {
         if cut.policy().lattice
             || cut.policy().steady
             || !self.candidates[candidate].nonlinear
@@ -35,12 +40,12 @@ impl Trials<'_> {
             return trial;
         }
         let enough = trial.deviance() - POLICY.evidence;
-        self.begun_anew(cut, candidate, &trial.point, enough).unwrap_or(trial)
+        self.refit_from_data(cut, candidate, &trial.point, enough).unwrap_or(trial)
     }
 
     /// A fit that begins from the data, if a linearisation there leaves less than `enough`. Windows that slack torques held to the log under a model without
     /// the candidate may not find back by the columns that they had there, and a fit then flees from where the candidate belongs.
-    fn begun_anew(
+    fn refit_from_data(
         &self,
         cut: &mut Tracked,
         candidate: usize,
@@ -53,7 +58,8 @@ impl Trials<'_> {
         cut.reset();
         let there = Evaluation::at(cut, point, &[]).ok();
         let better = there.is_some_and(|there| there.deviance() < enough);
-        let fit = better.then(|| refit(cut, self.candidates, point, &with(self.active, candidate)).ok());
+        let fit =
+            better.then(|| refit(cut, self.candidates, point, &active_with(self.active, candidate)).ok());
         cut.restore(&kept);
         fit.flatten().filter(|fit| fit.deviance() < enough)
     }

@@ -12,9 +12,9 @@ use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::jitter::unevenness;
 
 /// Marks the times of a run, whose torque stands in `file`, at which a row of it was lost as times of which nothing is known.
-pub fn mark(run: &mut Run, file: &str, notices: &mut Vec<Notice>) {
+pub fn mark_lost_rows(run: &mut Run, file: &str, notices: &mut Vec<Notice>) {
     let Some(log) = run.controller.as_ref() else { return };
-    let lost = lost(log, run.camera.as_ref());
+    let lost = lost_rows(log, run.camera.as_ref());
     let Some((first, _)) = lost.first().copied() else { return };
     let rows: usize = lost.iter().map(|(_, rows)| rows).sum();
     let message = format!(
@@ -29,7 +29,7 @@ pub fn mark(run: &mut Run, file: &str, notices: &mut Vec<Notice>) {
 }
 
 /// After which rows some are missing, and how many.
-fn lost(log: &Table, camera: Option<&Table>) -> Vec<(usize, usize)> {
+fn lost_rows(log: &Table, camera: Option<&Table>) -> Vec<(usize, usize)> {
     let even = |usual: &f64| unevenness(&log.time) < LOGS.even * usual;
     let Some(usual) = time::by_a_clock(log).filter(even) else { return Vec::new() };
     let gap = |row: usize| Some(log.time.get(row + 1)? - log.time[row]);
@@ -82,39 +82,39 @@ mod tests {
 
     #[test]
     fn every_row_that_a_clock_would_have_written_is_missed() {
-        assert_eq!(lost(&log(0.03, &[], &anew, &even), None), []);
-        assert_eq!(lost(&log(0.03, &[50, 90, 91], &anew, &even), None), [(49, 1), (88, 2)]);
+        assert_eq!(lost_rows(&log(0.03, &[], &anew, &even), None), []);
+        assert_eq!(lost_rows(&log(0.03, &[50, 90, 91], &anew, &even), None), [(49, 1), (88, 2)]);
     }
 
     #[test]
     fn every_log_without_places_for_rows_is_whole() {
         let gone = [50, 90, 91];
         // held for four rows: the same before and after the first gap
-        assert_eq!(lost(&log(0.03, &gone, &|row| (row / 4) as f64, &even), None), [(88, 2)]);
+        assert_eq!(lost_rows(&log(0.03, &gone, &|row| (row / 4) as f64, &even), None), [(88, 2)]);
         // no row is like the one before, and before each gap stands what stands elsewhere: written where it changes
         let changing = |row: usize| if [49, 89, 120].contains(&row) { 2.0 } else { anew(row) };
-        assert_eq!(lost(&log(0.03, &gone, &changing, &even), None), []);
+        assert_eq!(lost_rows(&log(0.03, &gone, &changing, &even), None), []);
         // one row in 30 is stamped as late as the next one, which comes at its own time
         let late = |row: usize| if row.is_multiple_of(30) { 0.028 } else { 0.0 };
-        assert_eq!(lost(&log(0.03, &[], &anew, &late), None), []);
+        assert_eq!(lost_rows(&log(0.03, &[], &anew, &late), None), []);
         // three rows in ten come early: no clock
         let odd = |row: usize| if row % 10 < 3 { -0.02 } else { 0.0 };
-        assert_eq!(lost(&log(0.03, &gone, &anew, &odd), None), []);
+        assert_eq!(lost_rows(&log(0.03, &gone, &anew, &odd), None), []);
     }
 
     #[test]
     fn every_command_that_no_frame_gave_was_held() {
         let torque = log(0.03, &[50, 90], &anew, &even);
         let frames = |without: &[usize]| log(0.03, without, &anew, &|_| 0.004);
-        assert_eq!(lost(&torque, Some(&frames(&[50]))), [(88, 1)]);
-        assert_eq!(lost(&torque, Some(&frames(&[]))).len(), 2);
+        assert_eq!(lost_rows(&torque, Some(&frames(&[50]))), [(88, 1)]);
+        assert_eq!(lost_rows(&torque, Some(&frames(&[]))).len(), 2);
     }
 
     #[test]
     fn value_a_row_is_missing_at_a_place_of_its_own_to_three_tenths_of_a_period() {
         // all rows after the gap are late by so much of a period
         let found = |late: f64| {
-            lost(&log(0.03, &[50], &anew, &|row| if row > 50 { 0.03 * late } else { 0.0 }), None).len()
+            lost_rows(&log(0.03, &[50], &anew, &|row| if row > 50 { 0.03 * late } else { 0.0 }), None).len()
         };
         assert_eq!([-0.31, -0.29, 0.29, 0.31].map(found), [0, 1, 1, 0]);
     }
@@ -124,7 +124,7 @@ mod tests {
         // one row in three is late by so much: two gaps in three are off by it
         let found = |late: f64| {
             let off = |row: usize| if row % 3 == 1 { 0.03 * late } else { 0.0 };
-            lost(&log(0.03, &[50, 51], &anew, &off), None).len()
+            lost_rows(&log(0.03, &[50, 51], &anew, &off), None).len()
         };
         // the median's share of a normal distribution, of a difference of two: 0.1 · 0.6745 · √2
         assert_eq!([0.095, 0.096].map(found), [1, 0]);
@@ -135,7 +135,7 @@ mod tests {
         // a pause of two periods of the camera that covers so much of the torque's
         let found = |late: f64| {
             let torque = log(0.03, &[50], &anew, &even);
-            lost(&torque, Some(&log(0.03, &[50], &anew, &|_| 0.06 * late))).len()
+            lost_rows(&torque, Some(&log(0.03, &[50], &anew, &|_| 0.06 * late))).len()
         };
         assert_eq!([0.49, 0.51].map(found), [0, 1]);
     }

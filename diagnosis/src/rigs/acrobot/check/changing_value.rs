@@ -2,12 +2,12 @@
 //! that gives way. Whatever has one name all along was named before.
 
 use super::policy::CHECK;
-use super::shape::{common, torque_shape};
+use super::torque_shape::{common, torque_shape};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Motion, Side};
 use crate::rigs::acrobot::gap::chained;
-use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{AREAS, CENTROIDS};
 use crate::rigs::acrobot::selection::{Evaluation, Steadiness, steadiness};
 use crate::rigs::acrobot::story::brief;
 use crate::statistics::levels::HALF;

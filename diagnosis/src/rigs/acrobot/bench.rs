@@ -103,6 +103,7 @@ impl Bench {
         result
     }
 
+    /// An instance as it begins: one of the pool, reset, or a new one.
     fn instance(&self, settings: &[Setting]) -> Result<Instance, Error> {
         let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
         let mut instance = match kept {
@@ -116,6 +117,7 @@ impl Bench {
         Ok(instance)
     }
 
+    /// Puts an instance that has not failed back into the pool.
     fn keep(&self, instance: Instance, sound: bool) {
         if sound && let Ok(mut pool) = self.pool.lock() {
             pool.push(instance);

@@ -73,6 +73,7 @@ pub struct Channel {
     pub noise: Option<Noise>,
 }
 
+/// A column of `camera.csv` that is compared.
 const fn image(column: &'static str, measures: Measures, guess: f64) -> Channel {
     let (unit, tolerance) = match measures {
         Measures::Centroid => ("px", CENTROIDS_APART),
@@ -83,6 +84,7 @@ const fn image(column: &'static str, measures: Measures, guess: f64) -> Channel 
     Channel { file: File::Camera, column, unit, measures, noise }
 }
 
+/// A column of `plant.csv` that is compared.
 const fn motion(
     column: &'static str,
     unit: &'static str,
@@ -94,6 +96,7 @@ const fn motion(
     Channel { file: File::Plant, column, unit, measures, noise }
 }
 
+/// A column that is read, and not compared.
 const fn told(file: File, column: &'static str, unit: &'static str, measures: Measures) -> Channel {
     Channel { file, column, unit, measures, noise: None }
 }

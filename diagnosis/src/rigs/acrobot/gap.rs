@@ -71,6 +71,7 @@ impl Measure {
         if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
     }
 
+    /// What the gap is of, and its unit.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Torques => ("plant: torque that the model lacks, both links", "N·m"),
@@ -167,6 +168,7 @@ pub fn chained(signals: &[Signal]) -> bool {
     ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
 }
 
+/// The gap by cross-validation in one measure.
 fn cross_validated(study: &Study, free: &[usize], runs: &[String], of: Measure) -> Gap {
     let (last, folds) = (&study.last, &study.folds);
     let places = last.places(free);

@@ -22,6 +22,7 @@ pub fn count_losses(data: &DataSet, interval: f64) -> Option<Losses> {
     (sum.expected > 0.0).then_some(sum)
 }
 
+/// Frames that should be there, and those that are missing.
 fn losses_of(camera: &Table, interval: f64) -> (f64, f64) {
     // where rows of the file were excluded, frames are not lost
     let broken: Vec<(f64, f64)> = camera.broken().collect();

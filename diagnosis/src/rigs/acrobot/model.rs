@@ -87,6 +87,7 @@ impl Model {
         self.without_residual(data).into_iter().chain(beyond).collect()
     }
 
+    /// Says that residual units of the scenario are left out, where there are any.
     fn without_residual(&self, data: &DataSet) -> Option<Notice> {
         let message = format!(
             "{} holds the correction of an earlier residual ({}); it is left out of the comparison, and fitted anew if a residual remains",
@@ -136,10 +137,12 @@ impl Model {
     }
 }
 
+/// The file that states `[set]`.
 fn manifest_of(data: &DataSet) -> PathBuf {
     data.path.join("dataset.toml")
 }
 
+/// An error of `[set]`.
 fn set_error(data: &DataSet, name: &str, problem: String) -> Error {
     Error::Set { path: manifest_of(data), name: name.into(), problem }
 }
@@ -178,6 +181,7 @@ fn set_values(unit: &UnitEntry, fmu: &Fmu, data: &DataSet) -> Result<BTreeMap<St
     Ok(values)
 }
 
+/// A value of a scenario in the type of its variable.
 fn read(kind: Kind, given: &Given) -> Option<Value> {
     match given {
         Given::Text(text) => Value::parse(kind, text),

@@ -7,6 +7,7 @@ use Attribute::{
     LostFrames, OverTime, RadialSeries, Retards, Rolls, SensorNoise, Sticks,
 };
 
+/// A candidate that moves by steps in its own unit.
 const fn real(
     name: &'static str,
     side: Side,
@@ -25,6 +26,7 @@ const fn real(
     }
 }
 
+/// A candidate that scales with the arm's inertias.
 const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
     Entry {
         name,
@@ -37,6 +39,7 @@ const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phra
     }
 }
 
+/// A candidate that moves by shares of its nominal value.
 const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
     Entry {
         name,
@@ -49,10 +52,12 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
     }
 }
 
+/// The same, nonlinear in its size.
 const fn bent(entry: Entry) -> Entry {
     Entry { nonlinear: true, ..entry }
 }
 
+/// The same, with attributes.
 const fn is(attributes: &'static [Attribute], entry: Entry) -> Entry {
     Entry { attributes, ..entry }
 }

@@ -80,6 +80,7 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// Asks some doubts, one after the other.
     fn ask(&mut self, doubts: &[Doubt], found: &Found<'_>) {
         for doubt in doubts {
             match doubt(found, self.unknown.as_ref()) {

@@ -35,6 +35,7 @@ fn block_means(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> V
         .collect()
 }
 
+/// The whitened residual of one signal in a block, row by row, its nuisances taken out beside torques of the size `accounted`, N·m.
 fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
@@ -102,7 +103,7 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let means = block_means(&study.last, signals, accounted);
     let means = means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
     let worst = means.map(|(s, mean)| (s, over(s, *mean))).max_by(|a, b| a.1.total_cmp(&b.1));
-    // what comes and goes has no mean, and isn't noise either
+    // a residual that comes and goes has a mean of zero, and isn't noise either
     let comes_and_goes = || open().then(|| widest(&study.last));
     let worst = worst.filter(|(_, size)| *size >= 1.0).map(|(worst, _)| worst).or_else(comes_and_goes)?;
     let (signal, depends_on, shape) = image_shape(&study.last, worst, &study.noise, signals, candidates);

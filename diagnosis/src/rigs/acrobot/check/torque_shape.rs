@@ -77,6 +77,7 @@ struct Held {
     at_once: bool,
 }
 
+/// Finds the law, and whether few windows hold nearly all of it, which is an event.
 fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     let lacking = torques(&at.blocks, &[], &[], &study.folds.of);
     let mut best: Option<(f64, usize, Form)> = None;
@@ -128,6 +129,7 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     Torques { best, squares, event }
 }
 
+/// Which signal is off, in words, on what it depends, and its form in words.
 pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
     let Torques { best, squares, event } = law_of_torques(study, at);
     let link = if squares[0] > squares[1] { 0 } else { 1 };

@@ -127,6 +127,7 @@ pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
     (spread(other) > POLICY.least_motion && times > degree_ratio()).then_some(times)
 }
 
+/// Span that holds nine tenths of the values, in their unit.
 fn spread(values: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);

@@ -100,6 +100,7 @@ impl File<'_> {
         self.text.lines().position(|line| line.contains(words)).map_or(1, |place| place + 1)
     }
 
+    /// The standard deviations that `[noise]` states, by column.
     fn noise(&self, root: &toml::Table) -> Result<BTreeMap<String, f64>, Error> {
         let (mut noise, mut values) = (BTreeMap::new(), BTreeMap::new());
         flatten(root.get("noise"), "", &mut values);

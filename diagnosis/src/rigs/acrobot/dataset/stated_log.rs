@@ -169,6 +169,7 @@ impl Stated {
         }
     }
 
+    /// Counts pixels from the middle of the image and upwards, as the model does.
     fn count(&self, log: &mut Table, (width, height): (f64, f64)) {
         let (from, up) = match self.pixels {
             Pixels::Centre => return,
@@ -185,6 +186,7 @@ impl Stated {
     }
 }
 
+/// Multiplies a column.
 fn scale(log: &mut Table, name: &str, by: f64) {
     if by != 1.0 {
         log.column_mut(name).into_iter().flatten().for_each(|value| *value *= by);

@@ -136,6 +136,7 @@ pub fn load(
     Ok(table)
 }
 
+/// Reads the text of a log: a table of the `known` columns, with a notice for each row and column that is left out.
 fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
     let mut reader = csv::ReaderBuilder::new()
         .flexible(true)
@@ -235,6 +236,7 @@ fn value_of_cell(cell: &str) -> Option<f64> {
     }
 }
 
+/// A clock that leaps, in words; times are in s.
 fn leap(before: f64, time: f64) -> String {
     format!("time leaps ahead (from {before} to {time} s at the first such line); row ignored")
 }
@@ -264,10 +266,12 @@ struct Notes<'a> {
 }
 
 impl Notes<'_> {
+    /// Says something of one line.
     fn add(&mut self, line: usize, message: String) {
         self.into.push(Notice { file: self.file.clone(), line, message });
     }
 
+    /// Counts a complaint that may be made of many lines.
     fn many(&mut self, message: &str, line: usize) {
         // the values belong to the first occurrence only, so compare up to them
         let kind = message.split('(').next().unwrap_or(message);
@@ -277,6 +281,7 @@ impl Notes<'_> {
         }
     }
 
+    /// Hands on all complaints, each with its count.
     fn finish(self) {
         for (message, line, count) in self.counts {
             let message =

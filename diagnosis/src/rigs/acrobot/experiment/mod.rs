@@ -80,7 +80,7 @@ impl Noise {
     }
 }
 
-/// Who is to be told apart, on which machine.
+/// The members of a class that are to be told apart, and the machine.
 pub struct Question<'a> {
     data: &'a DataSet,
     model: &'a Model,

@@ -127,6 +127,7 @@ fn gain_of_process_noise(fit: &Fit, sizes: &Sizes) -> f64 {
     maximise(&fit.runs, &columns, &none, &exact).1 - fit.deviance
 }
 
+/// Whether linked states are asked of a member: a plant's, and not far from the best.
 fn is_asked(effect: usize, other: &Alternative, list: &[Candidate]) -> bool {
     (other.candidate == effect || other.loss < LINKED.near) && list[other.candidate].side == Side::Plant
 }

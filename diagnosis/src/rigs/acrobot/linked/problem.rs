@@ -126,11 +126,13 @@ fn states(motion: &[usize], find: &dyn Fn(&str) -> Result<VariableId, Error>) ->
     MOTION.into_iter().enumerate().map(state).collect()
 }
 
+/// Whether a run holds a torque and both angles.
 fn both_angles(run: &Run) -> bool {
     let angle = |name| run.plant.as_ref().is_some_and(|log| log.column(name).is_some());
     run.controller.is_some() && angle("q1") && angle("q2")
 }
 
+/// Where the plant's unit has a variable.
 fn id(nominal: &Nominal, name: &str) -> Result<VariableId, Error> {
     let place = nominal.description(0).place(name);
     let none = || Error::Model(format!("{} has no variable `{name}`", nominal.fmus[0].path().display()));

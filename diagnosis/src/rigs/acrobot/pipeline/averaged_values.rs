@@ -60,6 +60,7 @@ struct Value {
 }
 
 impl Value {
+    /// A coordinate, kept within the candidate's range.
     fn within(&self, list: &[Candidate], x: f64) -> f64 {
         let (from, to) = list[self.index].range;
         x.clamp(from, to)

@@ -88,6 +88,7 @@ impl Images {
         }
     }
 
+    /// Searches the images; values of the plant that they alone tell are averaged, unless the search is a repeated one.
     fn search(&mut self, list: &[Candidate], point: &[f64], watch: &mut Watch<'_>) -> Result<Part, Error> {
         match self {
             Self::Chained(chain) => {

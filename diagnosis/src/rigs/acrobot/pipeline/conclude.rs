@@ -220,6 +220,7 @@ impl Conclusion {
         self.correction.as_ref().map_or_else(Vec::new, |correction| correction.supersedes.clone())
     }
 
+    /// The verdict of what is concluded so far.
     fn verdict(&self) -> Verdict {
         match &self.unknown {
             Some(_) => Verdict::Unknown,

@@ -56,7 +56,7 @@ impl<'a> PartEffects<'a> {
         Self { rig, part, free, errors, systematic, worths, doubts, early }
     }
 
-    /// Each effect, and who is named in its place.
+    /// Each effect, and the candidate that is named in its place if another one is.
     pub(super) fn effects(&self) -> Vec<(Effect, Option<Alternates>)> {
         let mut taken = self.part.study.active.clone();
         let mut all = Vec::new();
@@ -103,6 +103,7 @@ impl<'a> PartEffects<'a> {
         }
     }
 
+    /// Where a candidate stands among the continuous ones.
     fn place(&self, index: usize) -> Option<usize> {
         self.free.iter().position(|other| *other == index)
     }
@@ -142,7 +143,7 @@ pub(super) fn doubt_of(doubts: &[(usize, f64)], index: usize) -> f64 {
     doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
 }
 
-/// Who is to be named first, if it isn't the effect itself.
+/// The member that is to be named first, if it isn't the effect itself.
 pub(super) fn better_guess<'a>(
     own: usize,
     alternatives: &'a [Alternative],

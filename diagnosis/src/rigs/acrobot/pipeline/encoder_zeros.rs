@@ -35,7 +35,7 @@ pub(super) fn doubted_zeros(parts: &[Part], list: &[Candidate], point: &[f64]) -
     doubted.then(|| zeros(list, point, None))
 }
 
-/// What the zero of an encoder explains as well, one number for one, so that these logs say of either only that it may be so.
+/// An effect that the zero of one encoder explains as well, with as many numbers, so that these logs say of either only that it may be so.
 pub(super) struct Shared {
     pub(super) effect: usize,
     /// The zero, and by how much it would be off.
@@ -47,7 +47,7 @@ pub(super) struct Shared {
 
 /// Puts zeros in the place of effects that the logs can't tell from them. Where the ground lies is seen by no encoder but as angles that
 /// are off, and encoders that are set by eye are off by as much: so ground gives way to zeros that fit nearly as well. But where that
-/// is one number for one, nothing says which: then both are told.
+/// takes as many numbers, nothing says which: then both are told.
 pub(super) fn weigh_zeros(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
@@ -120,7 +120,7 @@ fn effects_of_machine<'a>(list: &'a [Candidate], active: &'a [usize]) -> impl It
 }
 
 /// What is on, settled from a point without what windows have come to on their way there: where an arm sticks, that weighs more than a
-/// zero against the ground. Nobody else takes a place, or what is compared would be the same twice.
+/// zero against the ground. No other candidate takes a place, or the same would be compared twice.
 fn settle_anew(
     rows: &mut Tracked<PlantCut>,
     list: &[Candidate],
@@ -184,6 +184,7 @@ fn notice_of_zero(angle: &str, off: f64) -> Notice {
 }
 
 impl Shared {
+    /// Says that the logs don't tell the effect from the zero.
     fn notice(&self, list: &[Candidate]) -> Notice {
         let (effect, zero, off) = (list[self.effect].name, list[self.zero].phrase, self.off);
         let message = format!(

@@ -52,6 +52,7 @@ pub(super) struct FirstSearch<'a> {
 }
 
 impl FirstSearch<'_> {
+    /// What was found on each cut.
     fn parts(&self) -> &[Part] {
         &self.compared.parts
     }

@@ -122,6 +122,7 @@ pub(super) struct Clocks {
 }
 
 impl Clocks {
+    /// No log was set back yet.
     pub(super) fn new(data: &DataSet) -> Self {
         let name = |run: &Run| run.plant.as_ref().map(|_| run.name.clone());
         let names = data.runs.iter().map(name).collect();

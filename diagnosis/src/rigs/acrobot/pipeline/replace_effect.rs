@@ -1,4 +1,4 @@
-//! Who is named first in each class stands in the model itself, or isn't named first: what columns or linked states prefer is fitted
+//! The member that is named first in each class stands in the model itself, or isn't named first: what columns or linked states prefer is fitted
 //! through the units before it is told, with all that is beside it.
 
 use super::effects::better_guess;

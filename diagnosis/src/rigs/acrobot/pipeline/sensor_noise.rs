@@ -27,6 +27,7 @@ pub(super) fn search_with_noise<C: Cut + Clone + 'static>(
     }
 }
 
+/// A search of an image whose sensor may have another noise than the nominal one.
 struct Sensor<'a, C: Cut> {
     cut: &'a mut Tracked<C>,
     image: fn(&mut C) -> &mut ImageCut,

@@ -48,6 +48,7 @@ fn understated_angles(rig: &Rig<'_>) -> Option<Vec<Understated>> {
     Some(understated(rows.signals(), &there))
 }
 
+/// Those of some signals whose stated noise is too small.
 fn understated(signals: &[Signal], there: &Evaluation) -> Vec<Understated> {
     let clear = |(place, signal): (usize, &Signal)| {
         let (stated, seen) = (signal.known?, there.seen[place]);

@@ -6,32 +6,36 @@ use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SMALL};
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausible {
-    /// Share of a motion that may be left where images and encoders agree, and from which on they surely don't.
+    /// Share of a motion that may be left where images and encoders agree.
     pub agrees: f64,
+    /// Share of a motion that is left from which on they surely don't agree.
     pub differs: f64,
-    /// Frames that are compared at least.
+    /// Fewest frames that are compared.
     pub frames: usize,
-    /// To what share of itself another way of counting must bring the torque that the model lacks, to be beyond doubt; and how far the
-    /// second best must be behind.
+    /// Share of itself to which another way of counting must bring the torque that the model lacks, to be beyond doubt.
     pub better: f64,
+    /// Share of what the second best way leaves, up to which the best one may leave.
     pub clearly: f64,
-    /// And by how much what is lacking must stand above what noise gives before anything is asked.
+    /// Times what noise gives, from which a lacking torque is worth asking about other ways of counting.
     pub noise: f64,
     /// The share of gravity's torque beyond which a torque may be in thousandths.
     pub drives: f64,
-    /// Circle 1 rolls at one height. So near to where it should be it is there, px: lenses and mounts move it by less, and any other
-    /// origin by more.
+    /// Distance from where circle 1 should roll within which it does, px: lenses and mounts move it by less, and any other origin by more.
     pub near: f64,
-    /// Frames so many times as far apart as the nominal camera takes them are stamped in another unit: none is that slow.
+    /// Times as far apart as the nominal camera takes them, from which frames are stamped in another unit: none is that slow.
     pub other_unit: f64,
-    /// Logs pause where none has a row for so long, s, and for so many times what is usual.
+    /// Time without a row in any log, from which logs pause, s.
     pub pause: f64,
+    /// Times the usual time between rows that such a pause lasts, too.
     pub times: f64,
-    /// A torque is missing where it has no row for so long, s, and for so many times what is usual, while others go on by so many rows.
+    /// Time without a row from which a torque is missing, s.
     pub hole: f64,
+    /// Times the usual time between its rows that this lasts, too.
     pub hole_times: f64,
+    /// Rows of other logs meanwhile, from which these go on.
     pub go_on: usize,
-    /// A torque is logged by a clock, not where it changes, if so many of its rows come within half of the usual time between them.
+    /// Share of a torque's rows that come within half of the usual time between them, from which it is logged by a clock and not where it
+    /// changes.
     pub regular: f64,
 }
 

@@ -20,6 +20,7 @@ pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
     facts.runs.iter().find_map(|run| in_other_unit(run, facts))
 }
 
+/// A run whose frames, or whose rows of encoders, are so far apart that time must be in another unit than s.
 fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= POLICY.rows).and_then(typical_gap);
     let fastest = facts.nominal.falling[0].max(facts.nominal.falling[1]);

@@ -178,6 +178,7 @@ impl Studio {
         Ok(chunks.concat())
     }
 
+    /// Takes some shots with one instance of the camera, one after the other; `None` where it finds no circles.
     fn chunk(&self, settings: &[Setting], shots: &[Shot]) -> Result<Vec<Option<Seen>>, Error> {
         let mut all = settings.to_vec();
         all.extend(self.fixed.iter().cloned());

@@ -32,6 +32,7 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
     each.into_iter().flatten().collect()
 }
 
+/// The torques of a cell's parts, N·m: of windows the nuisances that the rows ask for, of the weak form the rows themselves.
 fn parts(block: usize, cell: &Cell, residual: &[f64]) -> Vec<Torque> {
     let (at, solved, floor) = if cell.floor.is_empty() {
         let solved = nuisances(cell, residual, cell.free());

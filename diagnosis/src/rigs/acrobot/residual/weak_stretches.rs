@@ -95,6 +95,7 @@ pub fn stretches(data: &DataSet, contact: f64) -> (Vec<Stretch>, Vec<Node>) {
     (all, nodes)
 }
 
+/// A plant's log: times, s, and angles, rad, of the rows that hold both.
 struct Log {
     time: Vec<f64>,
     angles: [Vec<f64>; 2],
@@ -132,6 +133,7 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
+    /// A grid over the log of a run, with no node yet: as many steps to a stretch as the unit is asked for at most.
     fn new(run: usize, log: &'a Log, controller: &'a Table, all: &'a mut Vec<Node>) -> Self {
         let typical = log.typical();
         let length = RESIDUAL.length.max(POLICY.rows as f64 * typical);
@@ -153,6 +155,7 @@ impl<'a> Grid<'a> {
         made
     }
 
+    /// State and torques at a place of the grid; `None` where too few rows tell the state.
     fn made(&self, number: usize) -> Option<Node> {
         let time = self.log.time[0] + (number as f64 + 0.5) * self.step;
         let (q1, dq1) = local(self.log, 0, time)?;
@@ -167,6 +170,8 @@ impl<'a> Grid<'a> {
     }
 }
 
+/// Adds all stretches of a log, each half a length after the one before, but for those that lack rows. `sigma` are the angles' standard
+/// deviations, rad.
 fn cut(grid: &mut Grid<'_>, sigma: &[f64; 2], into: &mut Vec<Stretch>) {
     let time = &grid.log.time;
     let end = time[time.len() - 1];
@@ -196,6 +201,7 @@ fn torn(time: &[f64], rows: &std::ops::Range<usize>, grid: &Grid<'_>) -> bool {
     time[all].windows(2).any(|pair| pair[1] - pair[0] > most)
 }
 
+/// One stretch from its rows and nodes: the mean acceleration under the test function that the log's angles give, and its noise, rad/s².
 fn stretch(
     grid: &Grid<'_>,
     nodes: Vec<usize>,
@@ -239,6 +245,7 @@ const AREA: f64 = {
     area
 };
 
+/// The test function φ, 0 outside -1 to 1.
 fn bump(s: f64) -> f64 {
     (1.0 - s * s).max(0.0).powi(POWER)
 }

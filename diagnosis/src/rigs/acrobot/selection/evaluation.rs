@@ -121,6 +121,7 @@ impl Evaluation {
         same
     }
 
+    /// Projects nuisances and discrepancy out of each block, and sums up.
     fn reduce(&mut self) {
         let discrepancy_sd = self.discrepancy_sd;
         let p = self.perturbations.len();
@@ -204,6 +205,7 @@ impl Evaluation {
             .collect()
     }
 
+    /// Sum over the blocks of one fold.
     fn fold(&self, folds: &Folds, fold: usize) -> Reduced {
         let mut sum = Reduced::zero(self.perturbations.len());
         for (reduced, of) in self.reduced.iter().zip(&folds.of) {
@@ -280,6 +282,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
         .collect()
 }
 
+/// Puts other standard deviations of the signals in the place of those that rows were weighted by.
 fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
     for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
         for (sigma, signal) in cell.sigma.iter_mut().zip(&cell.signal) {

@@ -177,6 +177,7 @@ fn linearised(
     Evaluation::at(cut, point, &derivatives(candidates, point, free))
 }
 
+/// A small step of each free candidate, for its derivative.
 fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<Perturbation> {
     let derivative = |index: &usize| Perturbation {
         candidate: *index,

@@ -62,6 +62,7 @@ pub fn study_until(
     Ok(search.end())
 }
 
+/// A search on one cut, as far as it has come.
 struct Search<'a> {
     cut: &'a mut Tracked,
     candidates: &'a [Candidate],
@@ -84,6 +85,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
+    /// Linearises the nominal model, and the model with the `known` effects on if there are any.
     fn begin(
         cut: &'a mut Tracked,
         candidates: &'a [Candidate],
@@ -254,6 +256,7 @@ impl<'a> Search<'a> {
         Ok(dropped)
     }
 
+    /// What was found.
     fn end(self) -> Study {
         let cut = self.cut;
         Study {
@@ -274,6 +277,7 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Indices of the candidates that a cut sees.
 fn candidates_seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
     (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect()
 }

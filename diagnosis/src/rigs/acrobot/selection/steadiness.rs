@@ -117,6 +117,7 @@ fn gain_within_runs(block_scores: &[BlockScore]) -> f64 {
     own / (sums.len() - runs.len()).max(1) as f64
 }
 
+/// Score and information of a candidate in each block, the other active ones taken out; `None` where it has no column.
 fn block_scores(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<BlockScore>> {
     let column = *evaluation.places(&[candidate]).first()?;
     let others: Vec<usize> = active.iter().copied().filter(|other| *other != candidate).collect();

@@ -36,6 +36,7 @@ pub(super) struct Subsets<'a> {
 }
 
 impl<'a> Subsets<'a> {
+    /// All linear effects that have a column; `None` where these say nothing.
     pub(super) fn of(
         last: &'a Evaluation,
         candidates: &'a [Candidate],
@@ -93,6 +94,7 @@ impl<'a> Subsets<'a> {
         ranked.into_iter().map(|(_, proposal)| proposal).collect()
     }
 
+    /// Effects at some places with their sizes, in the place of all that are active.
     fn proposal(&self, places: &[usize], sizes: &[f64]) -> Proposal {
         let mut point = self.last.point.clone();
         self.active.iter().for_each(|index| point[*index] = self.candidates[*index].off);

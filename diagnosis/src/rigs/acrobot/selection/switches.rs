@@ -1,4 +1,5 @@
-//! What no column leads to: half a law of motion, and a saturation from which a machine ran away.
+//! Candidates that no column leads to: a switch, which leaves terms out of the equations of motion, and a saturation from which a machine
+//! ran away.
 
 use super::evaluation::Evaluation;
 use super::refit::ran_away;
@@ -9,8 +10,8 @@ use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use std::cmp::Ordering;
 
-/// The best of the switches, if one makes the model fit far better: half a law of motion is too much for a column, and
-/// windows that needed slack torques to follow the log say nothing linear of it. Tried only where more than noise is left, and once for all
+/// The best of the switches, if one makes the model fit far better. A column is too short for terms that are left out of the equations of
+/// motion, and windows that needed slack torques to follow the log say nothing linear of it. Tried only where more than noise is left, and once for all
 /// (`in_vain`) where it makes things worse.
 ///
 /// # Errors
@@ -50,7 +51,7 @@ pub(super) fn best_switch(
             in_vain.push(index);
             continue;
         };
-        // half a law of motion less and every window follows, or it isn't that
+        // with the right switch every window follows the log
         let follows = trial.discrepancy_sd <= SELECTION.follows * last.discrepancy_sd;
         let decrease = last.deviance() - trial.deviance();
         if follows && decrease > best.as_ref().map_or(0.0, |best| best.1) {

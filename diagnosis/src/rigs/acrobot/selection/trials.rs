@@ -1,4 +1,4 @@
-//! Who is fitted, from where, and who of them is accepted.
+//! Trials of the search: which candidates are fitted, from which coordinates, and which of them is accepted.
 
 use super::classes::HOPELESS;
 use super::evaluation::Evaluation;
@@ -44,7 +44,7 @@ impl Trials<'_> {
         refused: &mut Vec<usize>,
         watch: &mut Watch<'_>,
     ) -> Result<Option<Accepted>, Error> {
-        // half a law of motion is a matter of fits, whatever columns say
+        // a switch is judged by fits: columns say nothing of terms that are left out of the equations of motion
         let small = switched.is_none();
         let large = SELECTION.large * self.last.total.square;
         let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
@@ -82,7 +82,7 @@ impl Trials<'_> {
         Ok(None)
     }
 
-    /// The first of a shortlist by columns, best first, that explains the runs left out: nobody behind it needs a fit.
+    /// The first of a shortlist by columns, best first, that explains the runs left out: those behind it need no fit.
     fn first_that_holds(
         &self,
         cut: &mut Tracked,
@@ -239,6 +239,7 @@ impl Trials<'_> {
         if places.len() < 2 { 0.0 } else { gram[(0, 1)].abs() / (gram[(0, 0)] * gram[(1, 1)]).sqrt() }
     }
 
+    /// Decrease of the squares that the screen predicts of a candidate.
     fn gain(&self, index: usize) -> f64 {
         self.found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
     }
@@ -260,7 +261,7 @@ pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
     candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
 }
 
-/// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
+/// Candidates that are worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
 /// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
 /// large it is, so below the threshold it still competes by its gain.
 pub(super) fn shortlist(
@@ -291,6 +292,7 @@ pub(super) fn shortlist(
     hits
 }
 
+/// The active candidates and one more.
 pub(super) fn active_with(active: &[usize], candidate: usize) -> Vec<usize> {
     let mut all = active.to_vec();
     all.push(candidate);
@@ -307,7 +309,7 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
         let near = |at: &f64| (at - wanted).abs() <= 1.0;
         let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
         let some: Vec<f64> = all.iter().copied().filter(near).collect();
-        // who is wanted beyond the largest that is tried begins there
+        // a fit to beyond the largest value that is tried begins there
         let nearest = all.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
         return if some.is_empty() { nearest.into_iter().collect() } else { some };
     }

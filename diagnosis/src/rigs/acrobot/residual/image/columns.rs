@@ -245,6 +245,7 @@ fn sides(rounds: u64) -> impl Iterator<Item = (u64, f64, (f64, f64))> {
     sides.zip(PHASES.into_iter().cycle()).map(|((round, side), phase)| (round, side, phase))
 }
 
+/// Change per unit of each frame between two sides that lie `by` apart; `None` where either shows nothing.
 fn slopes(moved: &[Option<Seen>], base: &[Option<Seen>], by: f64) -> Vec<Option<Seen>> {
     moved
         .iter()

@@ -225,6 +225,7 @@ impl ImageCut {
         Ok(all)
     }
 
+    /// Puts frames at the logged motion, as a camera with this point's delay sees it and angles without their zeros.
     fn place(&mut self, point: &[f64]) {
         let delay = self.delay(point);
         let (interval, off) = (self.studio.interval(), self.turned_back(point));

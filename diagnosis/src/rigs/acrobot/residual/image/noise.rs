@@ -142,6 +142,7 @@ impl ImageCut {
         self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
     }
 
+    /// Whether a frame has a pose.
     fn placed(&self, place: usize) -> bool {
         !matches!(self.pose, super::Pose::Logged(..)) || self.frames[place].known
     }
@@ -273,6 +274,7 @@ fn poses_alone(seen: &mut Scatter, quiet: &Scatter) {
     }
 }
 
+/// How much more what was seen scatters than what was predicted, over the channels weighted by what is known of each.
 fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let each: Vec<(f64, f64)> = seen
         .iter()

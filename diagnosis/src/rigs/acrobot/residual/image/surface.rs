@@ -77,6 +77,7 @@ impl Surface {
         raw.map(|raw| self.at(state).unwrap_or(raw))
     }
 
+    /// The terms of the surface at a state: products of powers of the scaled angles, and of the rates where these count, too.
     fn row(&self, state: &State) -> Vec<f64> {
         let x: State = std::array::from_fn(|i| (state[i] - self.middle[i]) / self.scale[i]);
         let degree = if self.terms == Terms::Poses { IMAGES.degree } else { 2 };

@@ -93,6 +93,7 @@ impl PlantCut {
         Ok(fit)
     }
 
+    /// A window simulated from a start state with slack torques, N·m; no columns yet.
     pub(super) fn fit(
         &self,
         window: &Window,
@@ -107,6 +108,7 @@ impl PlantCut {
         Ok(Fit { start, slack, base, cell, here: [false; 2] })
     }
 
+    /// Puts the columns of the start state into a fit's cell, and those of slack torques if `soft`, unless they were taken here already.
     pub(super) fn nuisance_columns(
         &self,
         window: &Window,

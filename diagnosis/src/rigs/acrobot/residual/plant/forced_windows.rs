@@ -20,6 +20,7 @@ fn edges(window: &Window) -> Vec<f64> {
 }
 
 impl PlantCut {
+    /// Simulates a window with one torque along its motion, scaled to a small root mean square. Answers its rows and the scale.
     fn column(
         &self,
         window: &Window,
@@ -40,6 +41,7 @@ impl PlantCut {
         Ok((simulate(&self.bench, &self.ports, settings, drive, &window.start, &pushes)?, by))
     }
 
+    /// The columns of several torques along a window's motion.
     fn columns(
         &self,
         window: &Window,

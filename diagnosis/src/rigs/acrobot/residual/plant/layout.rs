@@ -21,6 +21,7 @@ fn repeats(values: &[f64]) -> Vec<usize> {
 }
 
 impl Layout {
+    /// The bins of a window, each of some rows in a row of one signal that were measured and aren't in doubt.
     pub(super) fn of(cut: &PlantCut, window: &Window) -> Self {
         let mut layout = Self { bins: Vec::new(), repeats: Vec::new() };
         let run = &cut.runs[window.run];
@@ -53,10 +54,12 @@ impl Layout {
         layout
     }
 
+    /// Number of bins.
     pub(super) fn len(&self) -> usize {
         self.bins.len()
     }
 
+    /// Puts the change of each bin's mean per unit into a column: `moved` are the rows with a value moved by `by`.
     pub(super) fn column(&self, base: &[Row], moved: &[Row], by: f64, into: &mut DMatrix<f64>, place: usize) {
         for (bin, (signal, rows)) in self.bins.iter().enumerate() {
             let sum: f64 = rows.iter().map(|row| moved[*row][*signal] - base[*row][*signal]).sum();
@@ -64,6 +67,7 @@ impl Layout {
         }
     }
 
+    /// Residuals of the bins beside simulated rows, without columns.
     pub(super) fn cell(&self, cut: &PlantCut, window: &Window, base: &[Row]) -> Cell {
         let empty = || DMatrix::zeros(self.len(), 0);
         let mut cell = Cell {

@@ -89,6 +89,7 @@ impl WindowState {
     }
 }
 
+/// A stretch of a run with a free start state.
 #[derive(Clone)]
 pub(super) struct Window {
     pub(super) run: usize,

@@ -16,14 +16,17 @@ use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::trajectory::{Drive, State, simulate, state_of};
 use rayon::prelude::*;
 
+/// Sum of squares of a window's whitened residual.
 fn squares(fit: &WindowFit) -> f64 {
     fit.block.cells.iter().map(square).sum()
 }
 
+/// Number of a window's rows.
 fn rows(fit: &WindowFit) -> f64 {
     fit.block.cells.iter().map(|cell| cell.residual.len() as f64).sum()
 }
 
+/// Whether far more is left in a window than noise leaves.
 fn is_lost(fit: &WindowFit) -> bool {
     squares(fit) > WINDOWS.far * rows(fit)
 }
@@ -36,6 +39,7 @@ fn usual_mean_square(found: &[Result<WindowFit, Error>]) -> f64 {
     each.get(each.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
+/// Whether more is left in a window than in the `usual` one, by more than noise differs from window to window.
 fn is_doubted(fit: &WindowFit, usual: f64) -> bool {
     squares(fit) > usual * (rows(fit) + WINDOWS.doubt * (2.0 * rows(fit)).sqrt())
 }

@@ -29,7 +29,7 @@ const OTHER: [(&str, &str, &str); 18] = [
     ("check/ways.rs", "TIMES", "units of measurement"),
     ("check/ways.rs", "FACTORS", "units of measurement"),
     ("observe/log.rs", "EPOCH", "what a format of time is"),
-    ("rigs/acrobot/plausibility/time.rs", "EPOCH", "what a format of time is"),
+    ("rigs/acrobot/dataset/row_times.rs", "EPOCH", "what a format of time is"),
     ("rigs/acrobot/dataset/table.rs", "DAY", "seconds"),
     ("rigs/acrobot/dataset/stated_log.rs", "KEYS", "units of measurement"),
     ("rigs/acrobot/plausibility/motion.rs", "WAYS", "units of measurement"),

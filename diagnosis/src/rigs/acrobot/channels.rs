@@ -41,6 +41,8 @@ pub enum Measures {
     AppliedTorque,
     /// A torque that was commanded.
     Command,
+    /// A torque that a model lacks: no log holds it.
+    LackingTorque,
     /// Whether a row of the image holds anything: never masked itself.
     Frame,
     /// Nothing that is compared.
@@ -197,6 +199,14 @@ pub const fn places(channels: &[Channel], measures: Measures) -> Range<usize> {
         to += 1;
     }
     from..to
+}
+
+/// Standard deviation to begin with of what measures something, in its unit; of several kinds of columns the first one's.
+pub const fn guess_of(measures: Measures) -> f64 {
+    match CHANNELS[places(CHANNELS, measures).start].noise {
+        Some(noise) => noise.guess,
+        None => 0.0,
+    }
 }
 
 /// Columns of a log that measure something.

@@ -1,7 +1,8 @@
 //! Our own rig: the rolling acrobot that a camera looks at, in the short form of a data set (`format = 1`).
 //!
 //! The way of a diagnosis, a room each:
-//! 1. `dataset` reads a folder and puts aside what can't be used; `plausibility` stops at logs that count otherwise than the model.
+//! 1. `dataset` reads a folder and puts aside what can't be used; `plausibility` stops at logs that count otherwise than the model;
+//!    `load` does both.
 //! 2. `model` loads the nominal scenario; `bench` holds its units, reached through FMI only.
 //! 3. `residual` cuts the loop at every interface and compares, with the columns of all `candidates`.
 //! 4. `selection` names, one effect at a time; `pipeline` goes the whole way.
@@ -27,6 +28,7 @@ mod earlier;
 mod experiment;
 mod gap;
 mod linked;
+mod load;
 mod lost_frames;
 pub mod model;
 mod noise_floor;

@@ -105,7 +105,8 @@ impl Model {
         if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }
     }
 
-    /// Fastest unstable pole at the upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12). `None` where there is none.
+    /// Fastest unstable pole at the upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12). `None` where there is none. Written
+    /// out here since `mechanics` linearises on the balance manifold of an arm with all its θ, which a scenario need not have.
     pub fn growth(&self) -> Option<f64> {
         let theta = |k: usize| self.number(&format!("plant.theta_{k}"));
         let (m11, m12, m22) = (theta(1)? + theta(2)?, theta(7)? + theta(8)?, theta(5)?);

@@ -118,6 +118,7 @@ fn take_out(direction: &[f64], column: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::channels::Measures;
     use crate::rigs::acrobot::residual::Block;
     use crate::statistics::linear::Cell;
     use crate::statistics::random::Random;
@@ -150,6 +151,7 @@ mod tests {
         let signal = |name: &str| Signal {
             name: format!("camera.{name}"),
             unit: "px",
+            measures: Measures::Centroid,
             known: None,
             sigma: 1.0,
             least: 0.0,

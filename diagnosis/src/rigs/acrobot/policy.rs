@@ -1,6 +1,6 @@
 //! Numbers that several rooms share, each with its reason. What one file alone decides by stands in that file.
 
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::rigs::acrobot::channels::{Measures, guess_of};
 use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, MORE, ROWS, SLIGHT, SMALL};
 
 /// How much is enough.
@@ -79,7 +79,7 @@ pub const POLICY: Policy = Policy {
     around: 0.03,
     small_angle: 0.1,
     read: 2e-4,
-    guess: 1e-3,
+    guess: guess_of(Measures::Angle),
     curved: 7,
     most: 640,
     motion_step: 0.008,
@@ -94,6 +94,6 @@ pub const POLICY: Policy = Policy {
     gap_widened: SMALL,
     gap_clearly: 2.0,
     excluded: DOUBTED * DOUBTED,
-    replay_first: PREROLL,
+    replay_first: 0.1,
     replay_rows: FEW,
 };

@@ -1,6 +1,7 @@
 //! Where simulation and data disagree: in which signals, when, in which states; and the residual over time for the report.
 
 use crate::diagnosis::{Trace, Where};
+use crate::rigs::acrobot::check::link_of;
 use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
@@ -86,7 +87,7 @@ pub fn trace(study: &Study, torque: bool, blamed: &str) -> Trace {
     let measured = |signal: &usize| measures(&study.last.blocks, &(*signal..*signal + 1));
     let named = COLUMNS.iter().position(|name| blamed.ends_with(&format!(".{name}"))).filter(measured);
     let shown = named.or_else(|| SHOWN.into_iter().find(measured)).unwrap_or(SHOWN[0]);
-    let link = usize::from(!blamed.contains("link 1"));
+    let link = link_of(blamed).unwrap_or(1);
     let of = |evaluation: &Evaluation| -> Vec<(f64, f64)> {
         let mut base = 0.0;
         let mut run = usize::MAX;

@@ -1,7 +1,8 @@
 //! Runs that differ: a residual that goes if one parameter may have a value of its own in each run, a payload in one of them, say. That is
 //! no effect of the machine, so it is reported with the residual and not named.
 
-use super::torque_shape::common;
+use super::image_shape::is_of_angles;
+use super::torque_shape::{common, link_of};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -13,7 +14,8 @@ use crate::rigs::acrobot::story::brief;
 /// A residual that runs differ by is told so, where no clock drifts, and no law that all runs share says as much of it.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     let Some(left) = so_far.filter(|_| found.drift.is_none()) else { return Judgement::Keep };
-    let torques = found.torque || chained(found.signals) && left.signal.starts_with("plant");
+    let of_plant = link_of(&left.signal).is_some() || is_of_angles(left);
+    let torques = found.torque || chained(found.signals) && of_plant;
     let study = found.study;
     let law = |at: &Evaluation| common(study, at, torques);
     let laws = Laws {
@@ -78,6 +80,7 @@ fn differing(
 mod tests {
     use super::*;
     use crate::rigs::acrobot::candidates::Motion;
+    use crate::rigs::acrobot::channels::Measures;
     use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
     use crate::statistics::linear::Cell;
     use crate::statistics::random::Random;
@@ -129,6 +132,7 @@ mod tests {
         Signal {
             name: "plant.q1".into(),
             unit: "rad",
+            measures: Measures::Angle,
             known: Some(0.01),
             sigma: 0.01,
             least: 0.0,

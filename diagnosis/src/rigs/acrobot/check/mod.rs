@@ -19,7 +19,7 @@ use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 pub use clock_drift::drifting;
 pub use image_shape::is_of_angles;
-pub use torque_shape::torque_shape;
+pub use torque_shape::{link_of, torque_shape};
 
 /// What a cut shows.
 pub struct Found<'a> {

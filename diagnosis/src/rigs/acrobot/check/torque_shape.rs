@@ -5,7 +5,7 @@ use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
-use crate::rigs::acrobot::residual::torque::torques;
+use crate::rigs::acrobot::residual::torque::{LACKING, torques};
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 
 /// What of the list comes nearest to it.
@@ -55,6 +55,11 @@ fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'st
 
 /// Names of what a law depends on, and its form.
 pub(super) type Form = (&'static [&'static str], &'static str);
+
+/// Which of the lacking torques a signal is.
+pub fn link_of(signal: &str) -> Option<usize> {
+    LACKING.iter().position(|name| *name == signal)
+}
 
 /// What torques that lack look like.
 struct Torques {
@@ -133,8 +138,7 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
 pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
     let Torques { best, squares, event } = law_of_torques(study, at);
     let link = if squares[0] > squares[1] { 0 } else { 1 };
-    let signal =
-        |link: usize| format!("plant torque {}", if link == 0 { "on link 1" } else { "at the joint" });
+    let signal = |link: usize| LACKING[link].to_owned();
     match (event, best) {
         (Some(held), _) => {
             let largest = held.largest;

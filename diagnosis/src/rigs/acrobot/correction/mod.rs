@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced_torques::Forced;
-use crate::rigs::acrobot::residual::torque::{Torque, torques};
+use crate::rigs::acrobot::residual::torque::{LACKING, Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::WITHIN;
 use dictionary::Follows;
@@ -54,7 +54,7 @@ impl Correction {
         }
         let phrases: Vec<&str> = self.terms.iter().map(|term| term.phrase.as_str()).collect();
         let shape = format!("{} ({:.0} % of it)", phrases.join("; "), 100.0 * self.gap.closed);
-        let signal = if joint { "plant torque at the joint" } else { "plant torque on link 1" };
+        let signal = LACKING[usize::from(joint)];
         Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
 

@@ -1,8 +1,9 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
-use super::angles::{far_apart, glitches, typical_gap, unwrapped};
+use super::angles::{far_apart, glitches, unwrapped};
 use super::images::{pictures, tells_poses};
 use super::impossible_cells;
+use super::row_times::typical_gap;
 use super::timestamps::{self, Moved};
 use super::{Nominal, Run, Table};
 use super::{rates, rounded};
@@ -10,7 +11,7 @@ use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 
 /// Takes out what is no measurement, whatever the logs mean by it.
 pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {

@@ -5,7 +5,7 @@ use super::{Nominal, Run};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 
 /// The most that a column can hold, the reason for people, and whether a column full of more is taken out, too. Where it isn't,
 /// most rows are beyond the limit by a mistake in the units, which the plausibility checks tell.

@@ -3,13 +3,11 @@
 //! Only a log that a clock wrote has places for rows. One that is written where the torque changes lacks rows where it was held, and a
 //! frame that was lost gave no command: nothing is missing there.
 
-use super::angles::typical_gap;
+use super::row_times::{by_a_clock, typical_gap, unevenness};
 use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::rigs::acrobot::plausibility::time;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::plant::jitter::unevenness;
 
 /// Marks the times of a run, whose torque stands in `file`, at which a row of it was lost as times of which nothing is known.
 pub fn mark_lost_rows(run: &mut Run, file: &str, notices: &mut Vec<Notice>) {
@@ -31,7 +29,7 @@ pub fn mark_lost_rows(run: &mut Run, file: &str, notices: &mut Vec<Notice>) {
 /// After which rows some are missing, and how many.
 fn lost_rows(log: &Table, camera: Option<&Table>) -> Vec<(usize, usize)> {
     let even = |usual: &f64| unevenness(&log.time) < LOGS.even * usual;
-    let Some(usual) = time::by_a_clock(log).filter(even) else { return Vec::new() };
+    let Some(usual) = by_a_clock(log).filter(even) else { return Vec::new() };
     let gap = |row: usize| Some(log.time.get(row + 1)? - log.time[row]);
     // a row that is stamped late is followed by one that seems early
     let on_time =

@@ -1,9 +1,7 @@
 //! Numbers that the reading of logs decides by, each with its reason.
 
-use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
-use crate::rigs::acrobot::plausibility::time::EPOCH;
+use crate::rigs::acrobot::dataset::row_times::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
@@ -86,7 +84,23 @@ pub struct Logs {
     pub torn: f64,
     /// Images that are late by this much against the encoders are late, and not stamped by another clock, s.
     pub late: (f64, f64),
+    /// Time without a row in any log, from which logs pause, s.
+    pub pause: f64,
+    /// Times the usual time between rows that such a pause lasts, too.
+    pub times: f64,
+    /// Time without a row from which a torque is missing, s.
+    pub hole: f64,
+    /// Times the usual time between its rows that this lasts, too.
+    pub hole_times: f64,
+    /// Rows of other logs meanwhile, from which these go on.
+    pub go_on: usize,
+    /// Share of a torque's rows that come within half of the usual time between them, from which it is logged by a clock and not where it
+    /// changes.
+    pub regular: f64,
 }
+
+/// Distance from its line beyond which circle 1 isn't on it, px; see `off_line`.
+const OFF_LINE: f64 = 60.0;
 
 /// Those in force.
 pub const LOGS: Logs = Logs {
@@ -112,12 +126,12 @@ pub const LOGS: Logs = Logs {
     other_scale: PART,
     below: PART,
     even_rows: SAMPLE,
-    known: WINDOWS.smallest,
+    known: 2e-5,
     wanders: PART,
     turned: POLICY.small_angle,
     first: ROWS,
-    on_line: SMALL * PLAUSIBLE.near,
-    off_line: PLAUSIBLE.near,
+    on_line: SMALL * OFF_LINE,
+    off_line: OFF_LINE,
     step: 0.02,
     longest: 7200.0,
     stamps_rows: POLICY.most,
@@ -127,4 +141,10 @@ pub const LOGS: Logs = Logs {
     tick_scatter: (SLIGHT, PART),
     torn: FAR * POLICY.motion_step,
     late: (-0.05, 1.0),
+    pause: 1.0,
+    times: FAR,
+    hole: 0.3,
+    hole_times: FAR,
+    go_on: FEW,
+    regular: 1.0 - SMALL,
 };

@@ -1,7 +1,7 @@
 //! Numbers that the next experiment is chosen by, each with its reason.
 
+use crate::rigs::acrobot::channels::{Measures, guess_of};
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::rigs::acrobot::selection::CLASS;
 use crate::statistics::levels::{DOUBTED, FEW, MORE, SEVERAL, SMALL, STEP};
 use std::f64::consts::FRAC_PI_2;
@@ -58,9 +58,9 @@ pub const DESIGN: Design = Design {
     finalists: 2,
     truths: FEW,
     encoder: POLICY.read,
-    torque: 0.01,
+    torque: guess_of(Measures::AppliedTorque),
     short: 10.0,
-    thinned: PREROLL,
+    thinned: SMALL,
     held: POLICY.motion_step,
     hanging: FRAC_PI_2,
     frames: 100,

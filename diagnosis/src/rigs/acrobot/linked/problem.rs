@@ -9,7 +9,7 @@ use crate::observe::{
     Affine, Candidate as Listed, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading,
     Role, Run as Logged, Scale, Series, State, VariableId,
 };
-use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side, actuator};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::model::Model;
@@ -49,17 +49,7 @@ pub(super) fn stretches(
     let find = |name: &str| id(&nominal, name);
     let channels = channels(data, &motion, &torques, sigma, &find)?;
     let states = states(&motion, &find)?;
-    let (mut runs, mut spans) = (Vec::new(), Vec::new());
-    for run in used {
-        let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
-        let rows = usable(run, plant, contact);
-        pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
-        let mut series: Vec<Series> =
-            motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
-        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
-        runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
-    }
-    shortened(&mut spans, &runs);
+    let (runs, spans) = logged_runs(&used, &motion, &torques, contact);
     if spans.is_empty() {
         return Ok(None);
     }
@@ -84,6 +74,27 @@ pub(super) fn stretches(
         model: nominal,
     };
     Ok(Some(Stretches { problem, spans }))
+}
+
+/// The logs of the runs, and the stretches of them that are linked: each a run and its times, s.
+fn logged_runs(
+    used: &[&Run],
+    motion: &[usize],
+    torques: &[&str],
+    contact: f64,
+) -> (Vec<Logged>, Vec<(usize, Span)>) {
+    let (mut runs, mut spans) = (Vec::new(), Vec::new());
+    for run in used {
+        let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
+        let rows = usable(run, plant, contact);
+        pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
+        let mut series: Vec<Series> =
+            motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
+        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
+        runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
+    }
+    shortened(&mut spans, &runs);
+    (runs, spans)
 }
 
 /// What was logged: the places of `MOTION` that are compared, and the torques that are fed.
@@ -150,8 +161,7 @@ fn nominal(model: &Model) -> Result<Nominal, Error> {
     let set =
         model.plant.given().map(|(place, value)| (VariableId { unit: 0, place }, value.clone())).collect();
     let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
-    let off =
-        ACTUATOR.iter().map(|(name, effect)| (*name, if *effect == InputEffect::Gain { 1.0 } else { 0.0 }));
+    let off = actuator().map(|(name, effect)| (name, if effect == InputEffect::Gain { 1.0 } else { 0.0 }));
     for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", RESIDUAL.integrator)]) {
         let own = name.split_once('.').map_or(name, |(_, own)| own);
         if let Some(place) = nominal.description(0).place(own) {
@@ -167,9 +177,7 @@ fn listed(
     model: &Model,
     find: &dyn Fn(&str) -> Result<VariableId, Error>,
 ) -> Result<Vec<Listed>, Error> {
-    let own = |candidate: &&Candidate| {
-        candidate.side == Side::Plant && ACTUATOR.iter().all(|(name, _)| *name != candidate.name)
-    };
+    let own = |candidate: &&Candidate| candidate.side == Side::Plant && candidate.at_port().is_none();
     let mut all = Vec::new();
     for candidate in list.iter().filter(own) {
         all.push(Listed {

@@ -1,7 +1,6 @@
 //! Numbers that the workflow decides by, each with its reason.
 
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, MORE, PART, SEVERAL, SLIGHT, SMALL, WITHIN};
 
 /// How much is enough.
@@ -76,7 +75,7 @@ pub struct Pipeline {
 
 /// Those in force.
 pub const PIPELINE: Pipeline = Pipeline {
-    any: PREROLL,
+    any: 0.1,
     late_by_hand: 2.0,
     mostly_slack: HALF,
     hints: FEW,

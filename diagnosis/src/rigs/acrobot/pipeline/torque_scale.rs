@@ -81,7 +81,7 @@ fn tells_torques(run: &Run) -> bool {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::rigs::acrobot::candidates::{GAIN, Side};
+    use crate::rigs::acrobot::candidates::{Side, name};
     use std::collections::BTreeMap;
 
     fn effect(name: &str, off: f64, value: f64) -> Effect {
@@ -102,6 +102,7 @@ pub(super) mod tests {
     }
 
     fn inertias() -> Vec<Candidate> {
+        let gain = name(Attribute::Gain);
         let share = |(name, off): (&'static str, f64)| {
             let motion = Motion::Share { steps: &[0.001], range: (0.25, 4.0) };
             let (side, phrase) = (Side::Plant, "");
@@ -114,12 +115,17 @@ pub(super) mod tests {
                 steps: vec![0.001],
                 range: (0.25, 4.0),
                 nonlinear: false,
-                attributes: if name == GAIN { &[Attribute::Gain] } else { &[] },
+                attributes: if name == gain { &[Attribute::Gain] } else { &[] },
             }
         };
-        [(GAIN, 1.0), ("plant.theta_1", 0.2), ("plant.theta_5", 0.11), ("plant.theta_9", 4.8)]
-            .map(share)
-            .to_vec()
+        [
+            (name(Attribute::Gain), 1.0),
+            ("plant.theta_1", 0.2),
+            ("plant.theta_5", 0.11),
+            ("plant.theta_9", 4.8),
+        ]
+        .map(share)
+        .to_vec()
     }
 
     pub(in super::super) fn unlogged() -> DataSet {
@@ -147,20 +153,20 @@ pub(super) mod tests {
     fn value_a_second_link_heavier_by_half_is_one_of_two_readings() {
         // theta_5 alone is 1.5 times what it was; said by the gain and by what is not heavier
         let mut found = [
-            effect(GAIN, 1.0, 1.0 / 1.5),
+            effect(name(Attribute::Gain), 1.0, 1.0 / 1.5),
             effect("plant.theta_1", 0.2, 0.2 / 1.5),
             effect("plant.theta_9", 4.8, 4.0),
         ];
         let told = tell_torque_scale(&unlogged(), &inertias(), &mut found).expect("two readings");
         assert!(told.contains("plant.theta_5 = 0.165") && told.contains("plant.theta_9 = 6"), "{told}");
         assert!(!told.contains("plant.theta_1 ="), "it is nominal in the other reading: {told}");
-        assert_eq!(found[0].class, [GAIN, "plant.theta_5"]);
+        assert_eq!(found[0].class, [name(Attribute::Gain), "plant.theta_5"]);
         assert!(found[0].members.iter().all(|member| (member.probability - 0.4975).abs() < 1e-12));
         assert!((found[1].probability - 0.4975).abs() < 1e-12 && found[2].probability == 0.995);
         // 4 here and 6 there, each within a hundredth
         assert!(found[2].ci95.iter().zip([3.96, 6.06]).all(|(end, wanted)| (end - wanted).abs() < 1e-12));
         // a gain alone is one
-        let mut alone = [effect(GAIN, 1.0, 0.8)];
+        let mut alone = [effect(name(Attribute::Gain), 1.0, 0.8)];
         assert_eq!(tell_torque_scale(&unlogged(), &inertias(), &mut alone), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers by which logs are doubted before any fit, each with its reason.
 
-use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SMALL};
+use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::statistics::levels::{DOUBTED, FAR, HALF, PART, SAMPLE};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,19 +24,6 @@ pub struct Plausible {
     pub near: f64,
     /// Times as far apart as the nominal camera takes them, from which frames are stamped in another unit: none is that slow.
     pub other_unit: f64,
-    /// Time without a row in any log, from which logs pause, s.
-    pub pause: f64,
-    /// Times the usual time between rows that such a pause lasts, too.
-    pub times: f64,
-    /// Time without a row from which a torque is missing, s.
-    pub hole: f64,
-    /// Times the usual time between its rows that this lasts, too.
-    pub hole_times: f64,
-    /// Rows of other logs meanwhile, from which these go on.
-    pub go_on: usize,
-    /// Share of a torque's rows that come within half of the usual time between them, from which it is logged by a clock and not where it
-    /// changes.
-    pub regular: f64,
 }
 
 /// Those in force.
@@ -48,12 +35,6 @@ pub const PLAUSIBLE: Plausible = Plausible {
     clearly: 1.0 - PART,
     noise: DOUBTED,
     drives: HALF,
-    near: 60.0,
+    near: LOGS.off_line,
     other_unit: FAR * FAR,
-    pause: 1.0,
-    times: FAR,
-    hole: RESIDUAL.length,
-    hole_times: FAR,
-    go_on: FEW,
-    regular: 1.0 - SMALL,
 };

@@ -29,6 +29,7 @@ mod weak_stretches;
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::channels::Measures;
 use crate::statistics::linear::Cell;
 pub use nuisances::Nuisances;
 pub use tracked::Tracked;
@@ -49,6 +50,8 @@ pub struct Signal {
     pub name: String,
     /// Unit for people.
     pub unit: &'static str,
+    /// What it measures.
+    pub measures: Measures,
     /// Standard deviation as the data set states it.
     pub known: Option<f64>,
     /// Standard deviation in use.

@@ -1,5 +1,6 @@
 //! Numbers by which torques and poses are read off logs, each with its reason.
 
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::statistics::levels::{DOUBTED, FAR, FINE, HALF, SAMPLE, SEVERAL, SMALL};
@@ -11,7 +12,7 @@ pub struct Residual {
     pub near: f64,
     /// Tolerance of such an angle by its place on the pixel lattice, rad: a thirtieth of a pixel over the length of a link.
     pub place: f64,
-    /// Length of a stretch, s; the next one begins half of it later.
+    /// Length of a stretch, s: no longer than a torque may be missing unseen. The next one begins half of it later.
     pub length: f64,
     /// Most time between states at which the unit is asked, s.
     pub grid: f64,
@@ -49,7 +50,7 @@ pub struct Residual {
 pub const RESIDUAL: Residual = Residual {
     near: DOUBTED * POLICY.guess,
     place: POLICY.read,
-    length: 0.3,
+    length: LOGS.hole,
     grid: POLICY.motion_step,
     around_rows: POLICY.curved,
     seen: 1.0 + SMALL,

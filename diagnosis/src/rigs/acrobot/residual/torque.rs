@@ -9,6 +9,9 @@ use crate::statistics::linear::{Cell, inverse, moved, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+/// The torques that a model lacks, as signals: on link 1, and at the joint.
+pub const LACKING: [&str; 2] = ["plant torque on link 1", "plant torque at the joint"];
+
 /// The torques of one part of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Torque {

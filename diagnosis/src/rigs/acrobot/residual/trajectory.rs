@@ -14,7 +14,7 @@ use crate::rigs::acrobot::residual::settled_actuator::Settling;
 use orchestrator::fmu::Instance;
 use std::sync::Arc;
 
-/// Time before the scored rows of a window, s: longest delay that can be told.
+/// Time before the scored rows of a window, s: an actuator's delay line fills up in it, so that it is the longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
 
 /// q1, q2, dq1, dq2.
@@ -344,7 +344,7 @@ impl Motion {
 }
 
 /// Cubic Hermite interpolation of angles between two states; the rates are those of the cubic.
-pub fn hermite(t0: f64, a: &State, t1: f64, b: &State, time: f64) -> State {
+fn hermite(t0: f64, a: &State, t1: f64, b: &State, time: f64) -> State {
     let h = t1 - t0;
     let s = (time - t0) / h;
     let mut state = [0.0; 4];

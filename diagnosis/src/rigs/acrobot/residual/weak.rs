@@ -20,6 +20,7 @@ use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -59,6 +60,19 @@ pub struct Weak {
     contact: u32,
 }
 
+/// A torque as a signal, with a standard deviation to begin with.
+fn torque(name: &str) -> Signal {
+    Signal {
+        name: name.into(),
+        unit: "N·m",
+        measures: Measures::LackingTorque,
+        known: None,
+        sigma: 0.1,
+        least: 0.0,
+        tolerance: 0.0,
+    }
+}
+
 impl Weak {
     /// All stretches of all runs with motion and torque; `None` if there are none.
     ///
@@ -86,15 +100,6 @@ impl Weak {
         if found.is_empty() {
             return Ok(None);
         }
-        let signal = |name: &str| Signal {
-            name: name.into(),
-            unit: "N·m",
-            known: None,
-            sigma: 0.1,
-            least: 0.0,
-            tolerance: 0.0,
-        };
-        let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
         let length = found[0].to - found[0].from;
         let explained = torque_jitter(&data.runs, 0.5 * length);
@@ -105,7 +110,7 @@ impl Weak {
             stretches: found,
             nodes,
             known: VecDeque::new(),
-            signals,
+            signals: ["plant.tau_1", "plant.tau"].map(torque).to_vec(),
             inputs,
             outputs,
             explained,

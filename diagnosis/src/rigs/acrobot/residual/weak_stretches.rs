@@ -1,7 +1,7 @@
 //! Stretches of a log for the weak form: states on a grid, a test function, and what the log gives against it.
 
-use super::plant::jitter::unevenness;
 use super::trajectory::{State, average};
+use crate::rigs::acrobot::dataset::row_times::unevenness;
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;

@@ -4,6 +4,7 @@
 use super::folds::Folds;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -251,6 +252,7 @@ impl Evaluation {
 /// say nothing of noise.
 fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
     let count = sigmas.len();
+    let pixels = |measures| matches!(measures, Measures::Centroid | Measures::Area);
     let each: Vec<Vec<(f64, f64)>> = blocks
         .par_iter()
         .map(|block| {
@@ -271,7 +273,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
                 each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
             ratios.sort_by(f64::total_cmp);
             let most = match ratios.get(ratios.len() / 2) {
-                Some(median) if signals[s].unit != "px" => POLICY.wild * median,
+                Some(median) if !pixels(signals[s].measures) => POLICY.wild * median,
                 // areas in whole pixels may not scatter at all in most blocks
                 _ => f64::INFINITY,
             };

@@ -2,6 +2,7 @@
 //! bootstrap and the runs left out, drop what became superfluous, linearise again.
 
 mod classes;
+mod column_loss;
 mod evaluation;
 mod evidence;
 #[cfg(test)]

@@ -4,7 +4,8 @@ use super::Questioned;
 use super::evaluation::Evaluation;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, continuous};
-use crate::rigs::acrobot::residual::{Perturbation, Tracked};
+use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::residual::{Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
@@ -86,15 +87,8 @@ fn fitted(
     doubted: fn(&Tracked, &Evaluation) -> bool,
 ) -> Result<Evaluation, Error> {
     let free = continuous(candidates, active);
-    cut.restore_linearised();
-    let mut best = chord(cut, candidates, start, &free)?;
-    let sticks = free.iter().any(|index| candidates[*index].sticks());
-    // columns and start states of another friction hold for no window in which the arm sticks
-    let chords = cut.policy().lattice || !sticks || !doubted(cut, &best);
+    let (mut best, chords) = first_evaluation(cut, candidates, start, &free, doubted)?;
     let judge = if chords { chord } else { linearised };
-    if !chords {
-        best = linearised(cut, candidates, start, &free)?;
-    }
     // where each step settles them anew, a refused one must leave no trace
     let mut settled = cut.nuisances.clone();
     let shorter = if cut.policy().lattice { SELECTION.shorter_seen } else { SELECTION.shorter };
@@ -133,6 +127,22 @@ fn fitted(
         cut.restore(&settled);
     }
     Ok(best)
+}
+
+/// Where a fit begins, and whether it goes on by chord steps: columns and start states of another friction hold for no window in which the
+/// arm sticks.
+fn first_evaluation(
+    cut: &mut Tracked,
+    candidates: &[Candidate],
+    start: &[f64],
+    free: &[usize],
+    doubted: fn(&Tracked, &Evaluation) -> bool,
+) -> Result<(Evaluation, bool), Error> {
+    cut.restore_linearised();
+    let first = chord(cut, candidates, start, free)?;
+    let sticks = free.iter().any(|index| candidates[*index].sticks());
+    let chords = cut.policy().lattice || !sticks || !doubted(cut, &first);
+    Ok((if chords { first } else { linearised(cut, candidates, start, free)? }, chords))
 }
 
 /// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
@@ -239,9 +249,9 @@ fn some_ran_away(best: &Evaluation) -> bool {
 
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves.
 fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
+    let angle = |signal: &Signal| matches!(signal.measures, Measures::Angle | Measures::VisionAngle);
     let mut sigmas = cut.signals().iter().zip(&best.sigmas);
-    let fine =
-        sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < SELECTION.fine);
+    let fine = sigmas.any(|(signal, sigma)| angle(signal) && signal.known.unwrap_or(*sigma) < SELECTION.fine);
     if !fine || cut.nuisances.in_vain {
         return false;
     }

@@ -333,7 +333,7 @@ mod tests {
     #[test]
     fn a_clock_is_doubted_only_where_stamps_scatter() {
         let clock = Candidate {
-            name: crate::rigs::acrobot::candidates::CLOCK,
+            name: "a clock",
             side: Side::Clock,
             phrase: "",
             motion: Motion::Switch,

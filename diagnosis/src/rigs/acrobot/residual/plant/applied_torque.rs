@@ -1,6 +1,6 @@
 //! Rows of the applied torque about when the command changes: timestamps that scatter put them on either side of the change.
 
-use super::jitter::unevenness;
+use crate::rigs::acrobot::dataset::row_times::unevenness;
 use crate::rigs::acrobot::dataset::{Run, Table};
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::FAR;

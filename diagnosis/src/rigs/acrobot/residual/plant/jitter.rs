@@ -7,12 +7,13 @@ use super::layout::Layout;
 use super::window::Window;
 use crate::error::Error;
 use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::dataset::row_times::{typical_gaps, unevenness};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::trajectory::{MOTION, Row};
 use crate::rigs::acrobot::residual::{Block, Nuisances, Tracked};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::{MIDDLE, anywhere_in};
+use crate::statistics::levels::anywhere_in;
 use crate::statistics::linear::{Cell, Reduced};
 use nalgebra::DMatrix;
 
@@ -219,25 +220,6 @@ pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
         }
     }
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
-}
-
-/// Standard deviation of timestamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
-pub fn unevenness(time: &[f64]) -> f64 {
-    let Some((typical, gaps)) = typical_gaps(time) else { return 0.0 };
-    // neighbours: a clock that drifts, or lost rows, don't count
-    let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
-    off.sort_by(f64::total_cmp);
-    let median = off[off.len() / 2];
-    let sigma = median / MIDDLE / std::f64::consts::SQRT_2;
-    if sigma < 0.5 * typical { sigma } else { 0.0 }
-}
-
-/// Median of the gaps between rows, and all of them, s.
-fn typical_gaps(time: &[f64]) -> Option<(f64, Vec<f64>)> {
-    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    let middle = *gaps.get(gaps.len() / 2)?;
-    Some((middle, gaps))
 }
 
 /// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.

@@ -1,7 +1,7 @@
 //! What is corrected in the log itself before it is compared: its clock, and the zeros of its angles.
 
 use super::PlantCut;
-use crate::rigs::acrobot::candidates::{Candidate, ZEROS};
+use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::residual::Perturbation;
 use crate::rigs::acrobot::residual::trajectory::Drive;
@@ -60,7 +60,7 @@ impl PlantCut {
 pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Perturbation>) -> [f64; 2] {
     let mut off = [0.0; 2];
     for (index, candidate) in candidates.iter().enumerate() {
-        if let Some(angle) = zero(candidate) {
+        if let Some(angle) = candidate.zero() {
             let by = moved
                 .filter(|perturbation| perturbation.candidate == index)
                 .map_or(0.0, |perturbation| perturbation.by);
@@ -68,11 +68,6 @@ pub fn zeros(candidates: &[Candidate], point: &[f64], moved: Option<Perturbation
         }
     }
     off
-}
-
-/// Which angle's zero a candidate is.
-pub fn zero(candidate: &Candidate) -> Option<usize> {
-    ZEROS.iter().position(|name| *name == candidate.name)
 }
 
 /// Whether a run's torque changes.

@@ -35,7 +35,7 @@ use camera_poses::Through;
 use fitting::WindowFit;
 use layout::Layout;
 use log_correction::has_changing_torque;
-pub use log_correction::{zero, zeros};
+pub use log_correction::zeros;
 pub use window::WindowState;
 use window::{Kept, Window, cut_run, most_windows, runaway_rate, thin_windows};
 
@@ -82,9 +82,33 @@ fn signals_of(data: &DataSet, inertia_scale: f64) -> Vec<Signal> {
         let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
         let noise = channel.noise.unwrap_or_default();
         let sigma = known.unwrap_or(scale * noise.guess);
-        Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, tolerance: 0.0 }
+        Signal {
+            name,
+            unit: channel.unit,
+            measures: channel.measures,
+            known,
+            sigma,
+            least: scale * noise.least,
+            tolerance: 0.0,
+        }
     };
     CHANNELS.iter().map(signal).collect()
+}
+
+/// The windows of all runs that are compared, and how many there were. `contact` is the angle at which links touch, rad, and `pace` the
+/// share of the usual time that a quick arm's windows last.
+fn cut_windows(data: &DataSet, contact: f64, pace: f64) -> (Vec<Window>, usize) {
+    let mut windows = Vec::new();
+    for (index, run) in data.runs.iter().enumerate() {
+        cut_run(index, run, contact, pace, &mut windows);
+    }
+    let count = windows.len();
+    // where there are images each window has frames to tell of
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        let most = most_windows(&windows, &data.runs);
+        thin_windows(&mut windows, most);
+    }
+    (windows, count)
 }
 
 impl PlantCut {
@@ -102,16 +126,7 @@ impl PlantCut {
         let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
-        let mut windows = Vec::new();
-        for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, pace, &mut windows);
-        }
-        let cut = windows.len();
-        // where there are images each window has frames to tell of
-        if data.runs.iter().all(|run| run.camera.is_none()) {
-            let most = most_windows(&windows, &data.runs);
-            thin_windows(&mut windows, most);
-        }
+        let (windows, cut) = cut_windows(data, contact, pace);
         if windows.is_empty() {
             return Ok(None);
         }
@@ -280,7 +295,7 @@ impl PlantCut {
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
-        if let Some(angle) = zero(&self.candidates[candidate]) {
+        if let Some(angle) = self.candidates[candidate].zero() {
             return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
         }
         let Some(through) = &self.through else { return vec![0.0; layout.len()] };

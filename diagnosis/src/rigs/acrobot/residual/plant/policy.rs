@@ -1,5 +1,6 @@
 //! Numbers by which logs of a plant are cut into windows and these are fitted, each with its reason.
 
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SEVERAL, SMALL};
 
@@ -39,7 +40,7 @@ pub struct Windows {
     pub doubt: f64,
     /// Share of the squares of what was found that a fit from another start may have at most, to be taken instead.
     pub deeper: f64,
-    /// Smallest scatter of timestamps that is tried, s; then twice as much, up to a step of a motion.
+    /// Smallest scatter of timestamps that is tried, s: a plant's log tells its clock no better; then twice as much, up to a step of a motion.
     pub smallest: f64,
     /// Share of the windows in which something else than timestamps may have happened: a saturation of the torque that cut two windows of sixty
     /// passed for timestamps that scatter, which then hid it.
@@ -76,7 +77,7 @@ pub const WINDOWS: Windows = Windows {
     better: PART,
     doubt: DOUBTED,
     deeper: 1.0 - SMALL,
-    smallest: 2e-5,
+    smallest: LOGS.known,
     events: SMALL,
     evenly: PART,
     still: HALF,

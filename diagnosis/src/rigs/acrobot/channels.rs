@@ -106,9 +106,9 @@ const fn told(file: File, column: &'static str, unit: &'static str, measures: Me
 /// By how much centroids of two right renderers differ at one place on the lattice, px: they cut the rim's pixels
 /// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
 pub const CENTROIDS_APART: f64 = 0.006;
-/// And areas.
+/// By how much areas of two right renderers differ at one place on the lattice, px.
 pub const AREAS_APART: f64 = 0.06;
-/// The same of an angle, rad: a link is 160 px long.
+/// By how much angles that are read off their images differ there, rad: a link is 160 px long.
 pub const ANGLES_APART: f64 = 5e-5;
 
 use File::{Camera, Controller, Plant};

@@ -6,7 +6,7 @@ use crate::diagnosis::{Effect, Member};
 use crate::provenance::{Provenance, Used};
 
 impl Provenance {
-    /// Of a data set as it was read.
+    /// Where a diagnosis of this data set comes from.
     pub fn of(data: &DataSet) -> Self {
         let runs = data.runs.iter().map(|run| {
             let logs =

@@ -13,11 +13,11 @@ use std::ops::Range;
 /// Sums of squares of what is left, before and after, and of what noise leaves, with the number of rows of each.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sums {
-    /// Of the nominal model.
+    /// What the nominal model leaves.
     pub before: (f64, f64),
-    /// Of the amended model.
+    /// What the amended model leaves.
     pub after: (f64, f64),
-    /// Of noise alone.
+    /// What noise alone leaves.
     pub floor: (f64, f64),
 }
 
@@ -66,7 +66,7 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// Of an image: angles where no circle was logged.
+    /// In what an image's gap is measured: angles where no circle was logged.
     fn of_picture(blocks: &[Block]) -> Self {
         if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
     }

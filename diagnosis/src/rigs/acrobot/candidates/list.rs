@@ -52,12 +52,12 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
     }
 }
 
-/// The same, nonlinear in its size.
+/// A candidate that is nonlinear in its size.
 const fn bent(entry: Entry) -> Entry {
     Entry { nonlinear: true, ..entry }
 }
 
-/// The same, with attributes.
+/// A candidate with attributes.
 const fn is(attributes: &'static [Attribute], entry: Entry) -> Entry {
     Entry { attributes, ..entry }
 }

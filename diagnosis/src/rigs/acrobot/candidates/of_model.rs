@@ -3,7 +3,7 @@
 use super::{Attribute, Candidate, Cuts, Entry, LIST, Motion, names};
 use crate::rigs::acrobot::model::Model;
 
-/// Those of the active candidates whose coordinate is continuous.
+/// The active candidates whose coordinate is continuous.
 pub fn continuous(list: &[Candidate], active: &[usize]) -> Vec<usize> {
     active.iter().copied().filter(|index| !list[*index].is_discrete()).collect()
 }

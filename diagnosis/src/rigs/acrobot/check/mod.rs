@@ -61,9 +61,9 @@ impl From<Option<Unknown>> for Judgement {
 /// A doubt is asked with what the ones before it said to be missing; what it says to be missing replaces that.
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
-/// Of the model with its effects.
+/// Doubts of the model with its effects.
 const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, changing_value::doubt];
-/// Of the logs, and of the effects on runs that were left out.
+/// Doubts of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 3] = [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt];
 
 /// What all doubts leave.

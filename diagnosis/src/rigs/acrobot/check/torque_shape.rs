@@ -65,7 +65,7 @@ pub fn link_of(signal: &str) -> Option<usize> {
 struct Torques {
     /// The simple law that takes most of one link's squares away, with the share of them, and the link.
     best: Option<(f64, usize, Form)>,
-    /// Of each link.
+    /// Sum of squares of each link's torques, (N·m)².
     squares: [f64; 2],
     /// Where few windows hold most of it, which is an event and no law.
     event: Option<Held>,
@@ -78,7 +78,7 @@ struct Held {
     share: f64,
     /// The block of the largest.
     largest: usize,
-    /// They follow one another in one run.
+    /// These windows follow one another in one run.
     at_once: bool,
 }
 

@@ -58,7 +58,7 @@ impl Correction {
         Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
 
-    /// The same graph of the residual, with the amended model.
+    /// A graph of the residual, with the amended model.
     pub fn drawn(&self, trace: Trace) -> Trace {
         let (mut base, mut run, mut begin, mut end) = (0.0, usize::MAX, 0.0, 0.0);
         let points = self.left.iter().map(|(of, from, to, torque)| {

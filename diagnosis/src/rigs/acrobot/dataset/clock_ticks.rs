@@ -29,7 +29,7 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
 }
 
 impl DataSet {
-    /// The same data with the rows of plant and controller at even times, where timestamps scatter about such; `None` where none do.
+    /// The data with the rows of plant and controller at even times, where timestamps scatter about such; `None` where none do.
     pub fn at_ticks(&self) -> Option<Self> {
         let mut ticked = self.clone();
         let mut told = Vec::new();

@@ -18,7 +18,7 @@ pub struct Stated {
     pub angle: f64,
     /// Signs of `q1` and `q2`, and of their rates, beside that.
     pub signs: [f64; 2],
-    /// The same of angles that the vision read.
+    /// Radians in a unit of the angles that the vision read, with their sign.
     pub vision: f64,
     /// Angles are counted from hanging down.
     pub hanging: bool,

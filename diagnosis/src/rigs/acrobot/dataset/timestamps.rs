@@ -136,7 +136,7 @@ fn rows_with_both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
     rows(log, names.map(|name| log.column(name).map_or_else(|| vec![f64::NAN; log.len()], <[f64]>::to_vec)))
 }
 
-/// The same of two columns, unwrapped.
+/// Times, s, and angles, rad, of the rows in which both are finite, unwrapped.
 fn rows(log: &Table, mut pair: [Vec<f64>; 2]) -> Vec<(f64, [f64; 2])> {
     for values in &mut pair {
         unwrapped(values);

@@ -60,7 +60,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// Of a signal in an experiment with or without encoders: without, an angle is one read off the image.
+    /// Standard deviation of a signal in an experiment with or without encoders: without, an angle is one read off the image.
     fn of(&self, name: &str, encoders: bool) -> f64 {
         let read = !encoders && name.starts_with("plant.");
         let stated = self.stated.get(name).filter(|_| !read);
@@ -275,7 +275,7 @@ fn simulate_with_one(
     Ok(Some(Tried { entry, losses, times: 1.0 }))
 }
 
-/// The same with each member as the truth in turn, for that member's row; `losses` are those with the likeliest one alone.
+/// An experiment simulated with each member as the truth in turn, for that member's row; `losses` are those with the likeliest one alone.
 fn simulate_with_each(
     question: &Question<'_>,
     entry: &'static Experiment,

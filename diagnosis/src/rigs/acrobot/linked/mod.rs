@@ -36,7 +36,7 @@ struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    /// Of the runs that hold a torque and both angles; `None` where there are none.
+    /// Links the runs that hold a torque and both angles; `None` where there are none.
     fn of(
         data: &DataSet,
         model: &Model,

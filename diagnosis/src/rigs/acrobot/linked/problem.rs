@@ -25,11 +25,11 @@ const TORQUES: [&str; 2] = ["tau", "tau_1"];
 /// A data set's plant logs, and the stretches of them in which the torque is known.
 pub(super) struct Stretches {
     pub(super) problem: Problem,
-    /// Run and time.
+    /// Runs, by their place, and times, s.
     pub(super) spans: Vec<(usize, Span)>,
 }
 
-/// Of the runs that hold a torque and both angles. `sigma` is the standard deviation of a logged motion, where a comparison found it.
+/// The stretches of the runs that hold a torque and both angles. `sigma` is the standard deviation of a logged motion, where a comparison found it.
 pub(super) fn stretches(
     data: &DataSet,
     model: &Model,

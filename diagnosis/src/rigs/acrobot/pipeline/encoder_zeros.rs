@@ -38,8 +38,9 @@ pub(super) fn doubted_zeros(parts: &[Part], list: &[Candidate], point: &[f64]) -
 /// An effect that the zero of one encoder explains as well, with as many numbers, so that these logs say of either only that it may be so.
 pub(super) struct Shared {
     pub(super) effect: usize,
-    /// The zero, and by how much it would be off.
+    /// The zero.
     zero: usize,
+    /// By how much it would be off, rad.
     off: f64,
     /// The share of its certainty that the effect keeps.
     pub(super) share: f64,
@@ -114,7 +115,7 @@ fn replaceable(list: &[Candidate], part: &Part, on: usize, off: &[usize]) -> Vec
     instead
 }
 
-/// Those of them that are effects of the machine.
+/// The active candidates that are effects of the machine, and no faults of a log.
 fn effects_of_machine<'a>(list: &'a [Candidate], active: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
     active.iter().copied().filter(|index| !list[*index].side.is_of_log())
 }

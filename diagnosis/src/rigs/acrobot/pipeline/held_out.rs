@@ -270,7 +270,7 @@ impl Judge<'_> {
         Ok((sums, followed_motions(self.rig, &mut rows, self.point, sigma)?))
     }
 
-    /// The same sums, with what the nominal model lacks at the logged states where it has run away from the log.
+    /// Sums of the plant's torques, with what the nominal model lacks at the logged states where it has run away from the log.
     fn at_the_log(&self, sums: Sums) -> Result<Sums, Error> {
         let mean = |(square, count): (f64, f64)| square / f64::max(count, 1.0);
         if mean(sums.before) < PIPELINE.far_above * PIPELINE.far_above * mean(sums.floor) {

@@ -68,7 +68,7 @@ pub(super) struct Worth {
 }
 
 impl Worth {
-    /// Of what a tangent tells nothing of.
+    /// What an effect keeps of which a tangent tells nothing.
     pub(super) const LEAST: Self = Self { share: PIPELINE.confounded, moves: 0.0, wider: 1.0 };
 }
 

@@ -110,13 +110,13 @@ pub(super) fn late_log_instead(list: &[Candidate], parts: &[Part], effects: &[Ef
 
 /// By how much the plant's logs were set back, s.
 pub(super) struct Clocks {
-    /// What is the same for all runs.
+    /// The time that is the same for all runs, s.
     common: f64,
-    /// What is a run's own.
+    /// The time that is each run's own, s.
     own: Vec<f64>,
-    /// What is left of it, found beside all else.
+    /// The time that is left, found beside all else, s.
     left: f64,
-    /// Of the runs that have such a log.
+    /// Names of the runs that have such a log.
     names: Vec<Option<String>>,
     rounds: usize,
 }

@@ -39,7 +39,7 @@ pub(super) fn forget_understated(rig: &mut Rig<'_>, parts: &[Part], notices: &mu
     !found.is_empty()
 }
 
-/// Those of the angles as the nominal plant leaves them; `None` where it can't be compared with them.
+/// Angles whose noise is stated too small, by what the nominal plant leaves of them; `None` where it can't be compared with them.
 fn understated_angles(rig: &Rig<'_>) -> Option<Vec<Understated>> {
     let point = rig.nominal_point();
     let mut rows = rig.plant_cut().ok()??;
@@ -48,7 +48,7 @@ fn understated_angles(rig: &Rig<'_>) -> Option<Vec<Understated>> {
     Some(understated(rows.signals(), &there))
 }
 
-/// Those of some signals whose stated noise is too small.
+/// The signals whose stated noise is too small, by what a model leaves of them.
 fn understated(signals: &[Signal], there: &Evaluation) -> Vec<Understated> {
     let clear = |(place, signal): (usize, &Signal)| {
         let (stated, seen) = (signal.known?, there.seen[place]);

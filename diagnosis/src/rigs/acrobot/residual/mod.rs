@@ -146,7 +146,7 @@ pub trait Cut: Send + Sync {
         perturbations: &[Perturbation],
         from: &Nuisances,
     ) -> Result<Linearised, Error>;
-    /// The same by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
+    /// Residuals at a point by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
     /// projection takes care of the rest.
     ///
     /// # Errors

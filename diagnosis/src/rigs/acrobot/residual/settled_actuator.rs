@@ -14,7 +14,7 @@ use orchestrator::Value;
 pub struct Settling {
     /// All parts of the actuator before gain and bias.
     chain: Vec<u32>,
-    /// Those that take time.
+    /// Parameters of the parts that take time, by reference.
     over_time: Vec<u32>,
     /// Gain and bias, which come after what is held, without effect.
     plain: Vec<Setting>,

@@ -25,9 +25,9 @@ pub const COLUMNS: [&str; CHANNELS.len()] = names(&CHANNELS);
 pub const CHANNELS: [Channel; count(File::Camera)] = compared(File::Camera);
 /// Places of the centroids in it.
 pub const CENTROIDS: Range<usize> = places(&CHANNELS, Measures::Centroid);
-/// And of the areas.
+/// Places of the areas among the camera's outputs.
 pub const AREAS: Range<usize> = places(&CHANNELS, Measures::Area);
-/// And of the angles.
+/// Places of the angles that a vision read among them.
 pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
 
 /// A frame to be made.
@@ -37,7 +37,7 @@ pub struct Shot {
     pub before: State,
     /// State at the end of the exposure.
     pub end: State,
-    /// Of an interlaced camera: the field of the odd rows.
+    /// Whether an interlaced camera takes the field of the odd rows.
     pub odd: bool,
 }
 

@@ -24,7 +24,7 @@ pub type State = [f64; 4];
 pub const CHANNELS: [Channel; count(File::Plant)] = compared(File::Plant);
 /// Their names.
 pub const COLUMNS: [&str; CHANNELS.len()] = names(&CHANNELS);
-/// So many of them are motion; the torque that arrives follows.
+/// Number of them that are motion; the torque that arrives follows.
 pub const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
 
 /// What the plant gives at a time, in that order.

@@ -96,7 +96,7 @@ impl Evaluation {
         evaluation
     }
 
-    /// The same residuals under another noise and size of discrepancy.
+    /// These residuals under the noise and the size of discrepancy of another evaluation.
     pub fn under(&self, other: &Evaluation) -> Self {
         let mut same = self.clone();
         rescale(&mut same.blocks, &self.sigmas, &other.sigmas);
@@ -106,7 +106,7 @@ impl Evaluation {
         same
     }
 
-    /// The same residuals with the noise of each signal given.
+    /// These residuals under the given noise of each signal.
     pub fn with(&self, noise: &[f64]) -> Self {
         let mut same = self.clone();
         rescale(&mut same.blocks, &self.sigmas, noise);

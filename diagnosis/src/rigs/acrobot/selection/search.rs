@@ -37,7 +37,7 @@ pub fn study(
 /// Says of the effects that are on whether to search no further.
 pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool, Error>;
 
-/// The same, ended when it is `enough`.
+/// Selects on one cut as [`study`] does, ended when it is `enough`.
 ///
 /// # Errors
 /// A unit failed at the nominal model.
@@ -71,7 +71,7 @@ struct Search<'a> {
     nominal: Evaluation,
     last: Evaluation,
     found: Screen,
-    /// Those that turned out to be superfluous, or to explain no runs that were left out.
+    /// Candidates that turned out to be superfluous, or to explain no runs that were left out.
     refused: Vec<usize>,
     /// All that were ever accepted, and who took whose place.
     accepted: Vec<usize>,

@@ -232,7 +232,7 @@ impl Trials<'_> {
         }
     }
 
-    /// Of the angle between the columns of two candidates.
+    /// Cosine of the angle between the columns of two candidates.
     fn cosine(&self, one: usize, other: usize) -> f64 {
         let places = self.last.places(&[one, other]);
         let gram = submatrix(&self.last.total.gram, &places);

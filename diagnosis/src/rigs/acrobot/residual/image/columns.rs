@@ -105,7 +105,7 @@ impl ImageCut {
         Ok(column)
     }
 
-    /// The same, taken anew; what it is at all poses is kept.
+    /// A candidate's column, taken anew; what it is at all poses is kept.
     fn taken(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
         let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
         let blurs = Some(perturbation.candidate) == self.exposure;
@@ -225,7 +225,7 @@ impl ImageCut {
         self.still.frames(camera, shots, |camera, shots| studio.shoot(camera, shots))
     }
 
-    /// The same camera with its image moved by so many pixels.
+    /// Settings of a camera whose image is moved along u and v, px.
     pub(super) fn shifted(&self, settings: &[Setting], by: (f64, f64)) -> Result<Vec<Setting>, Error> {
         let (bench, half) = (self.studio.bench(), self.studio.half_width());
         let mut all = settings.to_vec();

@@ -19,7 +19,7 @@ pub(super) struct MadeFrames {
 pub(super) struct FrameCache(VecDeque<Arc<MadeFrames>>);
 
 impl FrameCache {
-    /// Those of a camera at some poses, which `make` makes unless they are there.
+    /// The frames of a camera at some poses, which `make` makes unless they are kept.
     pub(super) fn frames(
         &mut self,
         settings: Vec<Setting>,

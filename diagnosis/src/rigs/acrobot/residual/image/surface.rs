@@ -72,7 +72,7 @@ impl Surface {
         Some(std::array::from_fn(|s| weights[s].dot(&row)))
     }
 
-    /// The same, or what the frame itself shows; nothing where it shows nothing.
+    /// The surface at a state, or what the frame itself shows where there is no surface; nothing where the frame shows nothing.
     pub(super) fn or(&self, raw: Option<Seen>, state: &State) -> Option<Seen> {
         raw.map(|raw| self.at(state).unwrap_or(raw))
     }

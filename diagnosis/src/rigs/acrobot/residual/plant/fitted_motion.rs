@@ -18,7 +18,7 @@ impl PlantCut {
         self.motion_now(point, every)
     }
 
-    /// The same with windows where they are.
+    /// The fitted motion with windows where they are, `every` so many seconds.
     pub(in super::super) fn motion_now(&self, point: &[f64], every: f64) -> Result<Vec<Motion>, Error> {
         let settings = self.settings(point, None)?;
         let mut motions = vec![Motion::default(); self.runs.len()];

@@ -112,6 +112,7 @@ impl Bench {
         begun.map_err(|error| if let Error::Model(why) = error { why } else { error.to_string() })
     }
 
+    /// An instance as it begins: one of the pool, reset, or a new one.
     fn instance(&self, settings: &[Setting]) -> Result<Instance, Error> {
         let kept = self.pool.lock().ok().and_then(|mut pool| pool.pop());
         let mut instance = match kept {
@@ -125,6 +126,7 @@ impl Bench {
         Ok(instance)
     }
 
+    /// Puts an instance that has not failed back into the pool.
     fn keep(&self, instance: Instance, sound: bool) {
         if sound && let Ok(mut pool) = self.pool.lock() {
             pool.push(instance);

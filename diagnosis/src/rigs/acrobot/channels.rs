@@ -41,6 +41,8 @@ pub enum Measures {
     AppliedTorque,
     /// A torque that was commanded.
     Command,
+    /// A torque that a model lacks: no log holds it.
+    LackingTorque,
     /// Whether a row of the image holds anything: never masked itself.
     Frame,
     /// Nothing that is compared.
@@ -73,6 +75,7 @@ pub struct Channel {
     pub noise: Option<Noise>,
 }
 
+/// A column of `camera.csv` that is compared.
 const fn image(column: &'static str, measures: Measures, guess: f64) -> Channel {
     let (unit, tolerance) = match measures {
         Measures::Centroid => ("px", CENTROIDS_APART),
@@ -83,6 +86,7 @@ const fn image(column: &'static str, measures: Measures, guess: f64) -> Channel 
     Channel { file: File::Camera, column, unit, measures, noise }
 }
 
+/// A column of `plant.csv` that is compared.
 const fn motion(
     column: &'static str,
     unit: &'static str,
@@ -94,6 +98,7 @@ const fn motion(
     Channel { file: File::Plant, column, unit, measures, noise }
 }
 
+/// A column that is read, and not compared.
 const fn told(file: File, column: &'static str, unit: &'static str, measures: Measures) -> Channel {
     Channel { file, column, unit, measures, noise: None }
 }
@@ -101,9 +106,9 @@ const fn told(file: File, column: &'static str, unit: &'static str, measures: Me
 /// By how much centroids of two right renderers differ at one place on the lattice, px: they cut the rim's pixels
 /// differently, and a pixel near the threshold is in or out. Measured against a third one: docs/log/renderers.md.
 pub const CENTROIDS_APART: f64 = 0.006;
-/// And areas.
+/// By how much areas of two right renderers differ at one place on the lattice, px.
 pub const AREAS_APART: f64 = 0.06;
-/// The same of an angle, rad: a link is 160 px long.
+/// By how much angles that are read off their images differ there, rad: a link is 160 px long.
 pub const ANGLES_APART: f64 = 5e-5;
 
 use File::{Camera, Controller, Plant};
@@ -194,6 +199,14 @@ pub const fn places(channels: &[Channel], measures: Measures) -> Range<usize> {
         to += 1;
     }
     from..to
+}
+
+/// Standard deviation to begin with of what measures something, in its unit; of several kinds of columns the first one's.
+pub const fn guess_of(measures: Measures) -> f64 {
+    match CHANNELS[places(CHANNELS, measures).start].noise {
+        Some(noise) => noise.guess,
+        None => 0.0,
+    }
 }
 
 /// Columns of a log that measure something.

@@ -1,8 +1,8 @@
-//! How far apart, in physical units, before and after; against what noise alone leaves (`floor`).
+//! How far apart, in physical units, before and after; against what noise alone leaves (`noise_floor`).
 
 use crate::diagnosis::Gap;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::picture::{ANGLES, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::{growth, shrunk, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
 use crate::rigs::acrobot::selection::{Evaluation, Study};
@@ -13,11 +13,11 @@ use std::ops::Range;
 /// Sums of squares of what is left, before and after, and of what noise leaves, with the number of rows of each.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sums {
-    /// Of the nominal model.
+    /// What the nominal model leaves.
     pub before: (f64, f64),
-    /// Of the amended model.
+    /// What the amended model leaves.
     pub after: (f64, f64),
-    /// Of noise alone.
+    /// What noise alone leaves.
     pub floor: (f64, f64),
 }
 
@@ -33,7 +33,7 @@ impl Sums {
     }
 
     /// The gap in words and numbers.
-    pub fn gap(self, of: Compared) -> Gap {
+    pub fn gap(self, of: Measure) -> Gap {
         let mean = |(square, count): (f64, f64)| (square / f64::max(count, 1.0)).sqrt();
         let (before, after, floor) = (mean(self.before), mean(self.after), mean(self.floor));
         let closed = (before > POLICY.gap_above * floor)
@@ -56,7 +56,7 @@ impl Sums {
 
 /// What is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Compared {
+pub enum Measure {
     /// Torques that the model lacks.
     Torques,
     /// Centroids of circles.
@@ -65,12 +65,13 @@ pub enum Compared {
     Angles,
 }
 
-impl Compared {
-    /// Of an image: angles where no circle was logged.
+impl Measure {
+    /// In what an image's gap is measured: angles where no circle was logged.
     fn of_picture(blocks: &[Block]) -> Self {
         if measures(blocks, &CENTROIDS) { Self::Centroids } else { Self::Angles }
     }
 
+    /// What the gap is of, and its unit.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Torques => ("plant: torque that the model lacks, both links", "N·m"),
@@ -126,25 +127,25 @@ pub fn widest(
     runs: &[String],
     torque: bool,
     signals: &[Signal],
-) -> (Gap, Compared) {
-    let picture = || Compared::of_picture(&study.last.blocks);
-    let own = if torque { Compared::Torques } else { picture() };
-    let crossed = |of: Compared| (crossed(study, free, runs, of), of);
-    let own = crossed(own);
+) -> (Gap, Measure) {
+    let picture = || Measure::of_picture(&study.last.blocks);
+    let own = if torque { Measure::Torques } else { picture() };
+    let cross_validated = |of: Measure| (cross_validated(study, free, runs, of), of);
+    let own = cross_validated(own);
     if torque || !chained(signals) {
         return own;
     }
-    let other = crossed(Compared::Torques);
-    if above(&other.0) > above(&own.0) { other } else { own }
+    let other = cross_validated(Measure::Torques);
+    if above_floor(&other.0) > above_floor(&own.0) { other } else { own }
 }
 
 /// The gap of an image alone: what circles leave beside each other, whatever a plant does, where poses are read off them.
 pub fn of_pictures(study: &Study, free: &[usize], runs: &[String]) -> Gap {
-    crossed(study, free, runs, Compared::of_picture(&study.last.blocks))
+    cross_validated(study, free, runs, Measure::of_picture(&study.last.blocks))
 }
 
 /// The gap where nothing is added to the model: what clocks that were put right close is no name's merit, and no part of the gap.
-pub fn unchanged(gap: Gap) -> Gap {
+pub fn without_effects(gap: Gap) -> Gap {
     let before = gap.after;
     let closed = (before > POLICY.gap_above * gap.floor).then_some(0.0);
     Gap { before, closed, ..gap }
@@ -158,7 +159,7 @@ pub fn is_closed_by(told: &[&str], own: &[&str], signals: &[&str]) -> bool {
 }
 
 /// How far a gap stands above its floor.
-pub fn above(gap: &Gap) -> f64 {
+pub fn above_floor(gap: &Gap) -> f64 {
     if gap.floor > 0.0 { gap.before / gap.floor } else { 0.0 }
 }
 
@@ -167,7 +168,8 @@ pub fn chained(signals: &[Signal]) -> bool {
     ["camera.", "plant."].iter().all(|unit| signals.iter().any(|signal| signal.name.starts_with(unit)))
 }
 
-fn crossed(study: &Study, free: &[usize], runs: &[String], of: Compared) -> Gap {
+/// The gap by cross-validation in one measure.
+fn cross_validated(study: &Study, free: &[usize], runs: &[String], of: Measure) -> Gap {
     let (last, folds) = (&study.last, &study.folds);
     let places = last.places(free);
     let shifts =
@@ -220,8 +222,10 @@ mod tests {
     fn law_a_gap_to_which_nothing_was_added_is_what_is_left_and_none_of_it_is_closed() {
         let sums = |after: f64| Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
         // clocks alone closed it from 3 to 2 times the noise, and to the noise
-        let (open, quiet) =
-            (unchanged(sums(2.0).gap(Compared::Angles)), unchanged(sums(1.0).gap(Compared::Angles)));
+        let (open, quiet) = (
+            without_effects(sums(2.0).gap(Measure::Angles)),
+            without_effects(sums(1.0).gap(Measure::Angles)),
+        );
         assert_eq!((open.before, open.after, open.closed), (2.0, 2.0, Some(0.0)));
         assert_eq!((quiet.before, quiet.after, quiet.closed), (1.0, 1.0, None));
     }

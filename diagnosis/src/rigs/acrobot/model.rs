@@ -7,10 +7,10 @@ use crate::rigs::acrobot::candidates::{Attribute, name, names};
 use crate::rigs::acrobot::correction::wiring::strip;
 use crate::rigs::acrobot::dataset::{DataSet, nominal};
 use crate::rigs::acrobot::parameters::{self, MOUNT};
-use orchestrator::scenario::Given;
-use orchestrator::{Kind, Place, Scenario, Simulation, UnitPath, Value};
+use orchestrator::scenario::{Given, UnitEntry};
+use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Inertias of links, kg·m², of the arms that steps were chosen with: from a bench-top arm's forearm to the paper's acrobot.
@@ -38,28 +38,18 @@ impl Model {
     pub fn load(data: &DataSet, units: &UnitPath) -> Result<Self, Error> {
         let mut scenario = nominal::scenario(&data.path, &data.manifest.scenario)?;
         let file = scenario.origin.clone();
-        let manifest = data.path.join("dataset.toml");
-        let set_error =
-            |name: &str, problem: String| Error::Set { path: manifest.clone(), name: name.into(), problem };
-        for (name, value) in &data.manifest.set {
-            scenario.set(name, &text(value)).map_err(|error| set_error(name, error.to_string()))?;
-        }
-        // a mount that is said to be turned is one that the vision knows of; what is no angle is refused under its own name
-        let angle = |roll: &String| roll.parse::<f64>().is_ok_and(f64::is_finite);
-        let roll = data.manifest.set.get(name(Attribute::CameraRoll)).map(text).filter(angle);
-        if let (Some(roll), None) = (roll, data.manifest.set.get(MOUNT)) {
-            scenario.set(MOUNT, &roll).map_err(|error| set_error(MOUNT, error.to_string()))?;
-        }
+        apply_set(&mut scenario, data)?;
         let left_out = strip(&mut scenario);
         // a value that no unit takes is told now, with its file, and not when the amended scenario is written
         Simulation::new(&scenario, units).map_err(|error| match error {
             orchestrator::Error::Scenario { place: Place::Override(_), what, expected } => {
+                let manifest = manifest_of(data);
                 Error::Nominal(format!("{}: [set]: {what}: {expected}", manifest.display()))
             }
             other => model(other),
         })?;
-        let mut numbers = BTreeMap::new();
-        let (mut benches, mut measures) = (BTreeMap::new(), BTreeMap::new());
+        let (mut numbers, mut measures) = (BTreeMap::new(), BTreeMap::new());
+        let mut benches = BTreeMap::new();
         for unit in &scenario.units {
             let fmu = open(&unit.fmu.value, file.parent().unwrap_or(Path::new("")), units)?;
             for variable in &fmu.description().variables {
@@ -70,27 +60,13 @@ impl Model {
                     measures.insert(format!("{}.{}", unit.name, variable.name), measure.clone());
                 }
             }
-            let mut values = BTreeMap::new();
-            for (name, given) in &unit.set {
-                let kind = fmu
-                    .description()
-                    .variables
-                    .iter()
-                    .find(|variable| variable.name == *name)
-                    .map(|v| v.kind);
-                let full = format!("{}.{name}", unit.name);
-                let Some(kind) = kind else {
-                    return Err(set_error(&full, format!("{} has no such variable", unit.fmu.value)));
-                };
-                let value = read(kind, &given.value)
-                    .ok_or_else(|| set_error(&full, format!("not of type {kind}")))?;
-                if let Some(number) = value.as_f64() {
-                    numbers.insert(full, number);
-                }
-                values.insert(name.clone(), value);
+            let values = set_values(unit, &fmu, data)?;
+            for (name, value) in &values {
+                let number = value.as_f64().map(|number| (format!("{}.{name}", unit.name), number));
+                numbers.extend(number);
             }
             let bench = Bench::new(fmu, &values)?;
-            bench.begins().map_err(|why| set_error(&unit.name, why))?;
+            bench.begins().map_err(|why| set_error(data, &unit.name, why))?;
             benches.insert(unit.name.clone(), Arc::new(bench));
         }
         let plant = benches
@@ -113,6 +89,7 @@ impl Model {
         self.without_residual(data).into_iter().chain(beyond).collect()
     }
 
+    /// Says that residual units of the scenario are left out, where there are any.
     fn without_residual(&self, data: &DataSet) -> Option<Notice> {
         let message = format!(
             "{} holds the correction of an earlier residual ({}); it is left out of the comparison, and fitted anew if a residual remains",
@@ -130,7 +107,8 @@ impl Model {
         if least > 0.0 && least.is_finite() { least / least.clamp(USUAL.0, USUAL.1) } else { 1.0 }
     }
 
-    /// Fastest unstable pole at the upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12). `None` where there is none.
+    /// Fastest unstable pole at the upright, 1/s: the square root of the largest eigenvalue of M⁻¹ ∂g/∂q, (12). `None` where there is none. Written
+    /// out here since `mechanics` linearises on the balance manifold of an arm with all its θ, which a scenario need not have.
     pub fn growth(&self) -> Option<f64> {
         let theta = |k: usize| self.number(&format!("plant.theta_{k}"));
         let (m11, m12, m22) = (theta(1)? + theta(2)?, theta(7)? + theta(8)?, theta(5)?);
@@ -162,6 +140,51 @@ impl Model {
     }
 }
 
+/// The file that states `[set]`.
+fn manifest_of(data: &DataSet) -> PathBuf {
+    data.path.join("dataset.toml")
+}
+
+/// An error of `[set]`.
+fn set_error(data: &DataSet, name: &str, problem: String) -> Error {
+    Error::Set { path: manifest_of(data), name: name.into(), problem }
+}
+
+/// Applies `[set]` of a data set to its scenario.
+fn apply_set(scenario: &mut Scenario, data: &DataSet) -> Result<(), Error> {
+    let mut set = |name: &str, value: &str| {
+        scenario.set(name, value).map_err(|error| set_error(data, name, error.to_string()))
+    };
+    for (name, value) in &data.manifest.set {
+        set(name, &text(value))?;
+    }
+    // a mount that is said to be turned is one that the vision knows of; what is no angle is refused under its own name
+    let angle = |roll: &String| roll.parse::<f64>().is_ok_and(f64::is_finite);
+    let roll = data.manifest.set.get(name(Attribute::CameraRoll)).map(text).filter(angle);
+    if let (Some(roll), None) = (roll, data.manifest.set.get(MOUNT)) {
+        set(MOUNT, &roll)?;
+    }
+    Ok(())
+}
+
+/// The values that the scenario sets in a unit, each of its variable's type.
+fn set_values(unit: &UnitEntry, fmu: &Fmu, data: &DataSet) -> Result<BTreeMap<String, Value>, Error> {
+    let mut values = BTreeMap::new();
+    for (name, given) in &unit.set {
+        let variables = &fmu.description().variables;
+        let kind = variables.iter().find(|variable| variable.name == *name).map(|variable| variable.kind);
+        let full = format!("{}.{name}", unit.name);
+        let Some(kind) = kind else {
+            return Err(set_error(data, &full, format!("{} has no such variable", unit.fmu.value)));
+        };
+        let value =
+            read(kind, &given.value).ok_or_else(|| set_error(data, &full, format!("not of type {kind}")))?;
+        values.insert(name.clone(), value);
+    }
+    Ok(values)
+}
+
+/// A value of a scenario in the type of its variable.
 fn read(kind: Kind, given: &Given) -> Option<Value> {
     match given {
         Given::Text(text) => Value::parse(kind, text),

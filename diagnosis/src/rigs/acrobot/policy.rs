@@ -1,6 +1,6 @@
 //! Numbers that several rooms share, each with its reason. What one file alone decides by stands in that file.
 
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
+use crate::rigs::acrobot::channels::{Measures, guess_of};
 use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, MORE, ROWS, SLIGHT, SMALL};
 
 /// How much is enough.
@@ -22,17 +22,17 @@ pub struct Policy {
     pub wild: f64,
     /// Rows from which a log tells anything.
     pub rows: usize,
-    /// Steps of a log, as many times the usual one, from which a row is missing in between; and for which a torque is held after its last.
+    /// Times the usual step of a log, from which a row is missing in between; a torque is held for as long after its last row.
     pub steps: f64,
     /// Rows this far to either side of a time tell the state there, s: an arm of the paper's size moves along a cubic for that long.
     pub around: f64,
-    /// An angle whose sine it is, rad.
+    /// Largest angle whose sine it is, rad.
     pub small_angle: f64,
     /// Standard deviation of a pose read off an image and smoothed by the plant, of good encoders, too, rad.
     pub read: f64,
-    /// Of an angle of which nothing is stated, and of a motion that needed slack torques, rad.
+    /// Standard deviation of an angle of which nothing is stated, and of a motion that needed slack torques, rad.
     pub guess: f64,
-    /// So many rows tell a curvature from noise.
+    /// Fewest rows that tell a curvature from noise.
     pub curved: usize,
     /// Most windows or frames that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
     pub most: usize,
@@ -49,20 +49,21 @@ pub struct Policy {
     pub least_motion: f64,
     /// Share of the disagreement below which a signal isn't listed.
     pub listed: f64,
-    /// Neighbouring frames of a fit, which has seven values.
+    /// Neighbouring frames of one fit, which has seven values.
     pub floor_frames: usize,
-    /// Fits that tell a scatter.
+    /// Fewest fits that tell a scatter.
     pub floor_fits: usize,
-    /// A gap must stand this far above the floor to be worth closing.
+    /// Times its floor, from which a gap is worth closing.
     pub gap_above: f64,
-    /// A share of the torques' gap, and standard errors, by which effects must widen it on runs left out to be withdrawn.
+    /// Share of the torques' gap by which effects must widen it on runs left out to be withdrawn.
     pub gap_widened: f64,
+    /// Standard errors by which they must widen it.
     pub gap_clearly: f64,
     /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), and 2 ln 140 is 9.9.
     pub excluded: f64,
     /// Rows at the beginning of a log from which its rates are read, s: an arm hardly moves away meanwhile.
     pub replay_first: f64,
-    /// And at least so many.
+    /// Fewest rows from which these rates are read.
     pub replay_rows: usize,
 }
 
@@ -78,7 +79,7 @@ pub const POLICY: Policy = Policy {
     around: 0.03,
     small_angle: 0.1,
     read: 2e-4,
-    guess: 1e-3,
+    guess: guess_of(Measures::Angle),
     curved: 7,
     most: 640,
     motion_step: 0.008,
@@ -93,6 +94,6 @@ pub const POLICY: Policy = Policy {
     gap_widened: SMALL,
     gap_clearly: 2.0,
     excluded: DOUBTED * DOUBTED,
-    replay_first: PREROLL,
+    replay_first: 0.1,
     replay_rows: FEW,
 };

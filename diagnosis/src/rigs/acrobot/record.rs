@@ -216,6 +216,7 @@ impl Results {
         std::iter::once(time).chain(cells).collect::<Vec<_>>().join(",") + "\n"
     }
 
+    /// The text of `camera.csv`: a row for each frame that was delivered.
     fn camera(&self) -> Option<String> {
         let frame = self.column("camera.frame")?;
         let columns = self.columns("camera", &columns(File::Camera));
@@ -237,6 +238,7 @@ impl Results {
         }
     }
 
+    /// The text of `controller.csv`: a row for each torque that was commanded.
     fn controller(&self) -> Option<String> {
         let Some(torque) = self.column("controller.tau") else {
             return self.driven();
@@ -261,6 +263,7 @@ impl Results {
         (!columns.is_empty()).then(|| head(&columns) + &lines)
     }
 
+    /// The text of `plant.csv`: encoders with their noise, and the applied torque if it is recorded.
     fn plant(&self, recording: &Recording, random: &mut Random) -> Option<String> {
         let mut columns = self.columns("plant", &measuring(File::Plant, Measures::Angle));
         if columns.is_empty() || !recording.logs_the_plant() {

@@ -37,6 +37,7 @@ pub fn insert(scenario: &mut Scenario, data: &DataSet) -> Option<String> {
     Some(format!("{words} of {}, from {begin} s of its log on", run.name))
 }
 
+/// Whether a log has numbers in a column.
 fn measured(log: &Table, name: &str) -> bool {
     log.column(name).is_some_and(|values| values.iter().any(|value| value.is_finite()))
 }
@@ -60,6 +61,7 @@ fn feed(scenario: &mut Scenario, to: &str, points: Vec<(f64, f64)>) {
     });
 }
 
+/// Takes the controller out of a scenario, and all that names its signals.
 fn without_controller(scenario: &mut Scenario) {
     let own = |variable: &str| variable.starts_with("controller.");
     scenario.connections.retain(|entry| !own(&entry.from) && !own(&entry.to));

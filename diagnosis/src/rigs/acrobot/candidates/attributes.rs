@@ -1,44 +1,70 @@
 //! What code asks of a candidate: an attribute of its entry, so that no name stands outside the list.
 
 use super::{Candidate, Entry, LIST};
+use crate::observe::InputEffect;
 
-/// What a candidate is or does, as far as the diagnosis treats it otherwise than the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Attribute {
-    /// Viscous or Coulomb friction: corrections have it in forms of their own.
-    Friction,
-    /// The arm rests until it is pushed hard enough.
-    Sticks,
-    /// Acts between command and joint.
-    InActuator,
-    /// Needs time to act there.
-    OverTime,
-    /// The torque arrives late by it.
-    Retards,
-    /// A torque that is there whatever is commanded.
-    Bias,
-    /// All torques of the actuator go with it.
-    Gain,
-    /// Where the ground lies, on which an arm rolls.
-    Ground,
-    /// Couples rolling and links: nothing where the arm is pinned.
-    Rolls,
-    /// How heavy a link is to turn.
-    LinkInertia,
-    /// How far a motor at the joint must reach to hold the second link.
-    JointWeight,
-    /// The image is late by it; it moves nothing else.
-    ImageDelay,
-    /// A term of the lens's radial series: of a real lens these have opposite signs and mostly cancel (Brown 1971).
-    RadialSeries,
-    /// How long an image is exposed.
-    Exposure,
-    /// The camera turned about its axis.
-    CameraRoll,
-    /// Noise of the camera's sensor.
-    SensorNoise,
-    /// The share of frames that get lost.
-    LostFrames,
+/// The attributes: those that say no more than their name, of which there is a list, and those with a value.
+macro_rules! attributes {
+    (
+        plain { $($(#[$doc:meta])* $plain:ident),* $(,)? }
+        valued { $($(#[$more:meta])* $valued:ident($value:ty)),* $(,)? }
+    ) => {
+        /// What a candidate is or does, as far as the diagnosis treats it otherwise than the rest.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Attribute {
+            $($(#[$doc])* $plain,)*
+            $($(#[$more])* $valued($value),)*
+        }
+
+        /// All that say no more than their name.
+        #[cfg(test)]
+        const PLAIN: &[Attribute] = &[$(Attribute::$plain),*];
+    };
+}
+
+attributes! {
+    plain {
+        /// Viscous or Coulomb friction: corrections have it in forms of their own.
+        Friction,
+        /// The arm rests until it is pushed hard enough.
+        Sticks,
+        /// Acts between command and joint.
+        InActuator,
+        /// Needs time to act there.
+        OverTime,
+        /// The torque arrives late by it.
+        Retards,
+        /// A torque that is there whatever is commanded.
+        Bias,
+        /// All torques of the actuator go with it.
+        Gain,
+        /// Where the ground lies, on which an arm rolls.
+        Ground,
+        /// Couples rolling and links: nothing where the arm is pinned.
+        Rolls,
+        /// How heavy a link is to turn.
+        LinkInertia,
+        /// How far a motor at the joint must reach to hold the second link.
+        JointWeight,
+        /// The image is late by it; it moves nothing else.
+        ImageDelay,
+        /// A term of the lens's radial series: of a real lens these have opposite signs and mostly cancel (Brown 1971).
+        RadialSeries,
+        /// How long an image is exposed.
+        Exposure,
+        /// The camera turned about its axis.
+        CameraRoll,
+        /// Noise of the camera's sensor.
+        SensorNoise,
+        /// The share of frames that get lost.
+        LostFrames,
+    }
+    valued {
+        /// By how much the log of an angle reads too large; the place of that angle, from 0.
+        Zero(usize),
+        /// What the actuator does to the torque on its way, as at any unit's port.
+        AtPort(InputEffect),
+    }
 }
 
 impl Entry {
@@ -53,6 +79,27 @@ impl Candidate {
     pub fn is(&self, attribute: Attribute) -> bool {
         self.attributes.contains(&attribute)
     }
+
+    /// The angle whose zero in the log it is, by its place.
+    pub fn zero(&self) -> Option<usize> {
+        self.attributes
+            .iter()
+            .find_map(|one| if let Attribute::Zero(angle) = one { Some(*angle) } else { None })
+    }
+
+    /// What it does at the port of the torque, if it is a part of the actuator.
+    pub fn at_port(&self) -> Option<InputEffect> {
+        at_port(self.attributes)
+    }
+}
+
+fn at_port(attributes: &[Attribute]) -> Option<InputEffect> {
+    attributes.iter().find_map(|one| if let Attribute::AtPort(effect) = one { Some(*effect) } else { None })
+}
+
+/// The parts of the actuator: names, and what each does at the port of the torque.
+pub fn actuator() -> impl Iterator<Item = (&'static str, InputEffect)> {
+    LIST.iter().filter_map(|entry| Some((entry.name, at_port(entry.attributes)?)))
 }
 
 /// Names of all entries with an attribute, as `instance.variable`.
@@ -79,6 +126,7 @@ pub fn place(list: &[Candidate], attribute: Attribute) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::rigs::acrobot::channels::CHANNELS;
+    use std::collections::BTreeSet;
     use std::fs;
     use std::path::{Path, PathBuf};
 
@@ -156,26 +204,11 @@ mod tests {
     #[test]
     fn every_attribute_has_an_entry() {
         use Attribute::*;
-        let all = [
-            Friction,
-            Sticks,
-            InActuator,
-            OverTime,
-            Retards,
-            Bias,
-            Gain,
-            Ground,
-            Rolls,
-            LinkInertia,
-            JointWeight,
-            ImageDelay,
-            RadialSeries,
-            Exposure,
-            CameraRoll,
-            SensorNoise,
-            LostFrames,
-        ];
-        assert!(all.iter().all(|attribute| names(*attribute).count() > 0));
+        assert!(PLAIN.iter().all(|attribute| names(*attribute).count() > 0));
+        assert!((0..2).all(|angle| names(Zero(angle)).count() == 1));
+        // what is in the actuator, its gain and its bias are all that a torque passes
+        let passed: BTreeSet<&str> = [InActuator, Gain, Bias].into_iter().flat_map(names).collect();
+        assert_eq!(passed, actuator().map(|(name, _)| name).collect());
         // what takes time is a part of the actuator, and so is what makes it late
         let within = |small, large| names(small).all(|name| names(large).any(|other| other == name));
         assert!(within(OverTime, InActuator) && within(Retards, OverTime) && within(Sticks, Friction));

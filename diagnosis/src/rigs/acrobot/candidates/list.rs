@@ -3,10 +3,11 @@
 use super::{Attribute, Cuts, Entry, Motion, Side};
 use crate::observe::InputEffect;
 use Attribute::{
-    Bias, CameraRoll, Exposure, Friction, Gain, Ground, ImageDelay, InActuator, JointWeight, LinkInertia,
-    LostFrames, OverTime, RadialSeries, Retards, Rolls, SensorNoise, Sticks,
+    AtPort, Bias, CameraRoll, Exposure, Friction, Gain, Ground, ImageDelay, InActuator, JointWeight,
+    LinkInertia, LostFrames, OverTime, RadialSeries, Retards, Rolls, SensorNoise, Sticks, Zero,
 };
 
+/// A candidate that moves by steps in its own unit.
 const fn real(
     name: &'static str,
     side: Side,
@@ -25,6 +26,7 @@ const fn real(
     }
 }
 
+/// A candidate that scales with the arm's inertias.
 const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
     Entry {
         name,
@@ -37,6 +39,7 @@ const fn load(name: &'static str, steps: &'static [f64], range: (f64, f64), phra
     }
 }
 
+/// A candidate that moves by shares of its nominal value.
 const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phrase: &'static str) -> Entry {
     Entry {
         name,
@@ -49,10 +52,12 @@ const fn share(name: &'static str, steps: &'static [f64], range: (f64, f64), phr
     }
 }
 
+/// A candidate that is nonlinear in its size.
 const fn bent(entry: Entry) -> Entry {
     Entry { nonlinear: true, ..entry }
 }
 
+/// A candidate with attributes.
 const fn is(attributes: &'static [Attribute], entry: Entry) -> Entry {
     Entry { attributes, ..entry }
 }
@@ -62,25 +67,10 @@ const fn twin(term: &'static str, entry: Entry) -> Entry {
     Entry { twin: Some(term), ..entry }
 }
 
-/// All torques of the actuator go with it.
-pub const GAIN: &str = "plant.k_tau";
-/// What the actuator does to the torque on its way, in the plant's order: the same as at any unit's port.
-pub const ACTUATOR: [(&str, InputEffect); 6] = [
-    ("plant.tau_delay", InputEffect::Delay),
-    ("plant.tau_max", InputEffect::Saturation),
-    ("plant.dtau_max", InputEffect::RateLimit),
-    ("plant.T_act", InputEffect::Lag),
-    (GAIN, InputEffect::Gain),
-    ("plant.tau_bias", InputEffect::Bias),
-];
 /// How long an image is exposed, in frame intervals.
 pub const EXPOSURE: &str = "camera.E_t";
 /// Passes of the mask that blurs an image.
 pub const DEFOCUS: &str = "camera.N";
-/// Not a variable of a unit: how late the plant's log is stamped, s.
-pub const CLOCK: &str = "plant log's clock";
-/// Not variables of a unit: by how much the plant's log reads too large, rad. In the order of the angles.
-pub const ZEROS: [&str; 2] = ["plant log's zero of q1", "plant log's zero of q2"];
 /// Where friction, N·m(·s/rad) at inertia scale 1, holds an arm fast whatever drives it. What flees there is no friction, and a unit takes
 /// a thousand times as long over what is stiffer still.
 const FAST: (f64, f64) = (0.0, 200.0);
@@ -104,12 +94,12 @@ pub const LIST: &[Entry] = &[
     is(&[Friction, Sticks], twin("stick_roll", bent(load("plant.fc_roll", &[5e-4], FAST, "Coulomb friction of the first link (rolling)")))),
     is(&[Friction, Sticks], twin("stick_joint", bent(load("plant.fc_joint", &[5e-4], FAST, "Coulomb friction at the joint")))),
     load("plant.I_rotor", &[2e-5], ROTOR, "rotor inertia at the joint"),
-    is(&[InActuator], Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::Torque }, nonlinear: true, attributes: &[], twin: None, phrase: "torque saturation" }),
-    is(&[InActuator, OverTime], Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::TorqueRate }, nonlinear: true, attributes: &[], twin: None, phrase: "limit on the rate of the torque" }),
-    is(&[InActuator, OverTime, Retards], real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator")),
-    is(&[InActuator, OverTime, Retards], real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator")),
-    is(&[Bias], twin("bias_joint", load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"))),
-    is(&[Gain], share(GAIN, THOUSANDTH, PART, "torque gain")),
+    is(&[InActuator, AtPort(InputEffect::Saturation)], Entry { name: "plant.tau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::Torque }, nonlinear: true, attributes: &[], twin: None, phrase: "torque saturation" }),
+    is(&[InActuator, OverTime, AtPort(InputEffect::RateLimit)], Entry { name: "plant.dtau_max", side: Side::Plant, motion: Motion::Saturation { cuts: Cuts::TorqueRate }, nonlinear: true, attributes: &[], twin: None, phrase: "limit on the rate of the torque" }),
+    is(&[InActuator, OverTime, Retards, AtPort(InputEffect::Lag)], real("plant.T_act", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 1.0), "lag of the actuator")),
+    is(&[InActuator, OverTime, Retards, AtPort(InputEffect::Delay)], real("plant.tau_delay", Side::Plant, &[5e-4, 4e-3, 2e-2], (0.0, 0.2), "delay of the actuator")),
+    is(&[Bias, AtPort(InputEffect::Bias)], twin("bias_joint", load("plant.tau_bias", &[2.5e-4], PUSHED, "constant torque bias"))),
+    is(&[Gain, AtPort(InputEffect::Gain)], share("plant.k_tau", THOUSANDTH, PART, "torque gain")),
     is(&[Ground], twin("bias_roll", real("plant.slope", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined ground"))),
     is(&[Ground], real("plant.incline", Side::Plant, &[2.5e-4], (-1.0, 1.0), "inclined rig: ground, camera and the zeros of its angles")),
     Entry { name: "plant.velocity_terms", side: Side::Plant, motion: Motion::Switch, nonlinear: true, attributes: &[], twin: None, phrase: "velocity terms of the equations of motion" },
@@ -135,9 +125,10 @@ pub const LIST: &[Entry] = &[
     real("camera.v0", Side::Camera, &[0.0083], (-1.0, 1.0), "principal point off along v"),
     real("camera.scale", Side::Camera, &[0.01], (0.1, 10.0), "image scale"),
     is(&[Exposure], bent(real(EXPOSURE, Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time"))),
-    real(CLOCK, Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
-    real(ZEROS[0], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle"),
-    real(ZEROS[1], Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle"),
+    // no variables of a unit: how late the plant's log is stamped, s, and by how much its angles read too large, rad
+    real("plant log's clock", Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
+    is(&[Zero(0)], real("plant log's zero of q1", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle")),
+    is(&[Zero(1)], real("plant log's zero of q2", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle")),
     // below 0 only to tell a clock that is off: no camera is that quick
     is(&[ImageDelay], real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results")),
     is(&[LostFrames], real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames")),

@@ -5,11 +5,11 @@
 
 mod attributes;
 mod list;
+mod of_model;
 
-pub use attributes::{Attribute, name, names, place, variable};
-pub use list::{ACTUATOR, CLOCK, DEFOCUS, EXPOSURE, GAIN, LIST, ZEROS};
-
-use crate::rigs::acrobot::model::Model;
+pub use attributes::{Attribute, actuator, name, names, place, variable};
+pub use list::{DEFOCUS, EXPOSURE, LIST};
+pub use of_model::{candidates, continuous};
 
 /// Which cut of the loop shows a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,7 +153,7 @@ impl Candidate {
     }
 
     /// The whole number after the largest that is tried, or after one beyond it.
-    pub fn after(&self, x: f64) -> Option<f64> {
+    pub fn count_after(&self, x: f64) -> Option<f64> {
         let tried = self.steps.last().map_or(f64::INFINITY, |step| self.off + step);
         let counts = matches!(self.motion, Motion::Count { .. });
         (counts && x >= tried && x < self.range.1).then_some(x + 1.0)
@@ -186,76 +186,11 @@ impl Candidate {
     }
 }
 
-/// The candidates that the nominal model has, with their off values. `withheld` names are left out.
-pub fn candidates(
-    model: &Model,
-    withheld: &[String],
-    saturations: &dyn Fn(Cuts) -> Vec<f64>,
-) -> Vec<Candidate> {
-    let mut found = Vec::new();
-    for entry in LIST {
-        let nominal = if entry.side.is_of_log() { Some(0.0) } else { model.number(entry.name) };
-        let Some(nominal) = nominal else { continue };
-        if withheld.iter().any(|name| name == entry.name) {
-            continue;
-        }
-        // a pinned arm has no ground
-        if entry.is(Attribute::Ground) && pinned(model) {
-            continue;
-        }
-        let (off, steps, range) = match entry.motion {
-            Motion::Real { steps, range } => (nominal, steps.to_vec(), range),
-            Motion::Load { steps, range } => {
-                let ends = (range.0 * model.inertia_scale(), range.1 * model.inertia_scale());
-                (nominal, steps.iter().map(|step| step * model.inertia_scale()).collect(), ends)
-            }
-            Motion::Share { steps, range } => {
-                if nominal == 0.0 {
-                    continue; // a rig without this part: there is nothing to be wrong about
-                }
-                let ends = (range.0 * nominal, range.1 * nominal);
-                let ordered = (ends.0.min(ends.1), ends.0.max(ends.1));
-                (nominal, steps.iter().map(|step| step * nominal).collect(), ordered)
-            }
-            Motion::Saturation { cuts } => {
-                if nominal > 0.0 {
-                    let x = 1.0 / nominal;
-                    (x, vec![0.1 * x, 0.5 * x], (0.0, f64::INFINITY))
-                } else {
-                    (0.0, saturations(cuts).iter().map(|level| 1.0 / level).collect(), (0.0, f64::INFINITY))
-                }
-            }
-            Motion::Count { tried, most } => {
-                let first = nominal as i32 + 1;
-                let more = first..=tried.max(first).min(most);
-                (
-                    nominal,
-                    (0..first - 1).rev().chain(more).map(|n| f64::from(n) - nominal).collect(),
-                    (0.0, f64::from(most)),
-                )
-            }
-            Motion::Switch => (nominal, vec![1.0 - 2.0 * nominal], (0.0, 1.0)),
-        };
-        if steps.is_empty() {
-            continue;
-        }
-        // a nominal value that no search would come to is none to be pulled back
-        let range = (range.0.min(off), range.1.max(off));
-        let Entry { name, side, motion, nonlinear, phrase, attributes, .. } = *entry;
-        found.push(Candidate { name, side, phrase, motion, off, steps, range, nonlinear, attributes });
-    }
-    found
-}
-
-/// The arm turns about a fixed pin instead of rolling.
-fn pinned(model: &Model) -> bool {
-    names(Attribute::Rolls).all(|name| model.number(name) == Some(0.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::rigs::acrobot::dataset::{DataSet, Manifest};
+    use crate::rigs::acrobot::model::Model;
     use std::collections::BTreeMap;
     use toml::Value;
 
@@ -310,7 +245,7 @@ mod tests {
         let set = names.into_iter().zip(theta).map(|(name, value)| (name, Value::Float(scale * value)));
         let more = more.iter().map(|(name, value)| ((*name).to_owned(), Value::Float(*value)));
         let manifest = Manifest {
-            stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
+            stated: crate::rigs::acrobot::dataset::stated_log::Stated::default(),
             scenario: "visual-servo".into(),
             set: set.chain(more).collect(),
             noise: BTreeMap::new(),

@@ -1,6 +1,6 @@
 //! Confounded explanations: named effects that together imitate something that none of them is.
 
-use super::shape::nominal_shape;
+use super::torque_shape::nominal_shape;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate};

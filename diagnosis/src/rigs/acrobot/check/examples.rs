@@ -1,7 +1,8 @@
 //! Frames as tests of doubts need them: half a minute of an arm that swings before a still camera, whose noise is 0.025 px, and 1 px for areas.
 
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
-use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
+use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::linear::Cell;
@@ -88,6 +89,7 @@ pub(super) fn signals() -> Vec<Signal> {
     let signal = |(place, name): (usize, &&str)| Signal {
         name: format!("camera.{name}"),
         unit: "px",
+        measures: Measures::Centroid,
         known: None,
         sigma: noise(place),
         least: 0.0,

@@ -1,25 +1,25 @@
 //! Doubts of what was found on a cut: posterior predictive checks, each a function of what was found and of nothing else, in the
 //! order in which they are asked. To add one, add a file and a line.
 
+mod changing_value;
+mod clock_drift;
 mod confounded;
-mod drift;
+mod differing_runs;
 #[cfg(test)]
 mod examples;
-mod gap;
-mod images;
+mod image_shape;
 mod policy;
 mod residual;
-mod runs;
-mod shape;
-mod wander;
+mod torque_shape;
+mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
-pub use drift::drifting;
-pub use images::of_angles;
-pub use shape::torque_shape;
+pub use clock_drift::drifting;
+pub use image_shape::is_of_angles;
+pub use torque_shape::{link_of, torque_shape};
 
 /// What a cut shows.
 pub struct Found<'a> {
@@ -61,10 +61,10 @@ impl From<Option<Unknown>> for Judgement {
 /// A doubt is asked with what the ones before it said to be missing; what it says to be missing replaces that.
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
-/// Of the model with its effects.
-const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, wander::doubt];
-/// Of the logs, and of the effects on runs that were left out.
-const OF_THE_LOGS: [Doubt; 3] = [drift::doubt, runs::doubt, gap::doubt];
+/// Doubts of the model with its effects.
+const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, changing_value::doubt];
+/// Doubts of the logs, and of the effects on runs that were left out.
+const OF_THE_LOGS: [Doubt; 3] = [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt];
 
 /// What all doubts leave.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -80,6 +80,7 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// Asks some doubts, one after the other.
     fn ask(&mut self, doubts: &[Doubt], found: &Found<'_>) {
         for doubt in doubts {
             match doubt(found, self.unknown.as_ref()) {

@@ -1,12 +1,12 @@
 //! Is what is left noise?
 
-use super::images::image_shape;
-use super::shape::{nearest, torque_shape, widest};
+use super::image_shape::image_shape;
+use super::torque_shape::{nearest, torque_shape, widest};
 use super::{Found, Judgement};
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::{chained, of_pictures};
-use crate::rigs::acrobot::residual::picture::{AREAS, COLUMNS};
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS};
 use crate::rigs::acrobot::residual::torque::{rms, torques};
 use crate::rigs::acrobot::residual::{Block, Signal};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -35,6 +35,7 @@ fn block_means(evaluation: &Evaluation, signals: &[Signal], accounted: f64) -> V
         .collect()
 }
 
+/// The whitened residual of one signal in a block, row by row, its nuisances taken out beside torques of the size `accounted`, N·m.
 fn whitened(block: &Block, signal: usize, accounted: f64) -> Vec<f64> {
     let mut rows = Vec::new();
     for cell in &block.cells {
@@ -102,7 +103,7 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let means = block_means(&study.last, signals, accounted);
     let means = means.iter().enumerate().take(COLUMNS.len()).filter(|(s, _)| !AREAS.contains(s));
     let worst = means.map(|(s, mean)| (s, over(s, *mean))).max_by(|a, b| a.1.total_cmp(&b.1));
-    // what comes and goes has no mean, and isn't noise either
+    // a residual that comes and goes has a mean of zero, and isn't noise either
     let comes_and_goes = || open().then(|| widest(&study.last));
     let worst = worst.filter(|(_, size)| *size >= 1.0).map(|(worst, _)| worst).or_else(comes_and_goes)?;
     let (signal, depends_on, shape) = image_shape(&study.last, worst, &study.noise, signals, candidates);
@@ -112,13 +113,13 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::gap::{Compared, Sums};
+    use crate::rigs::acrobot::gap::{Measure, Sums};
 
     #[test]
     fn value_a_gap_is_open_from_half_as_much_again_as_noise() {
         let after = |after: f64| {
             let sums = Sums { before: (9.0, 1.0), after: (after * after, 1.0), floor: (1.0, 1.0) };
-            is_open(&sums.gap(Compared::Centroids))
+            is_open(&sums.gap(Measure::Centroids))
         };
         assert_eq!([1.16, 1.45, 1.55].map(after), [false, false, true]);
     }

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::opened::open;
 use crate::rigs::acrobot::bench::Bench;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
-use crate::rigs::acrobot::residual::forced::Pair;
+use crate::rigs::acrobot::residual::forced_torques::Pair;
 use crate::rigs::acrobot::residual::trajectory::State;
 use orchestrator::{UnitPath, Value};
 use std::collections::BTreeMap;

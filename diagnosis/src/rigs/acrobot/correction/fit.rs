@@ -130,6 +130,7 @@ impl Residual<'_> {
         size.is_finite() && size > 0.0
     }
 
+    /// Values of the coefficients.
     fn values(&self, active: &[usize]) -> DVector<f64> {
         let total = &self.evaluation.total;
         let places = self.evaluation.places(active);
@@ -137,6 +138,7 @@ impl Residual<'_> {
             .unwrap_or_else(|| DVector::zeros(places.len()))
     }
 
+    /// Standard errors of the coefficients.
     fn errors(&self, active: &[usize]) -> Vec<f64> {
         let covariance = self.evaluation.covariance(active);
         (0..active.len())

@@ -19,8 +19,8 @@ use crate::diagnosis::{Gap, Trace, Unknown};
 use crate::error::Error;
 use crate::rigs::acrobot::correction::policy::CORRECTION;
 use crate::rigs::acrobot::residual::Tracked;
-use crate::rigs::acrobot::residual::forced::Forced;
-use crate::rigs::acrobot::residual::torque::{Torque, torques};
+use crate::rigs::acrobot::residual::forced_torques::Forced;
+use crate::rigs::acrobot::residual::torque::{LACKING, Torque, torques};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::WITHIN;
 use dictionary::Follows;
@@ -37,7 +37,7 @@ impl Correction {
     }
 
     /// The residual in words: where effects were withdrawn, what they had left says little of it.
-    pub fn told(&self, unknown: Unknown) -> Unknown {
+    pub fn name_in(&self, unknown: Unknown) -> Unknown {
         let Some(first) = self.terms.first().filter(|_| !self.supersedes.is_empty()) else { return unknown };
         let entries = dictionary::entries();
         let entry =
@@ -54,11 +54,11 @@ impl Correction {
         }
         let phrases: Vec<&str> = self.terms.iter().map(|term| term.phrase.as_str()).collect();
         let shape = format!("{} ({:.0} % of it)", phrases.join("; "), 100.0 * self.gap.closed);
-        let signal = if joint { "plant torque at the joint" } else { "plant torque on link 1" };
+        let signal = LACKING[usize::from(joint)];
         Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
 
-    /// The same graph of the residual, with the amended model.
+    /// A graph of the residual, with the amended model.
     pub fn drawn(&self, trace: Trace) -> Trace {
         let (mut base, mut run, mut begin, mut end) = (0.0, usize::MAX, 0.0, 0.0);
         let points = self.left.iter().map(|(of, from, to, torque)| {

@@ -1,6 +1,7 @@
 //! What angles of a log show by themselves: whether they are degrees, and where they were wrapped.
 
 use super::Table;
+use super::row_times::typical_gap;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{FAR, MORE};
@@ -9,13 +10,6 @@ use std::f64::consts::{PI, TAU};
 /// The usual distance of rows where it is so long that an arm loses its balance in between: no law of motion can be read off such a log.
 pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
     typical_gap(plant).filter(|gap| gap * falling[0].max(falling[1]) > POLICY.coarse)
-}
-
-/// Median time between rows, s.
-pub fn typical_gap(log: &Table) -> Option<f64> {
-    let mut gaps: Vec<f64> = log.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied()
 }
 
 /// Makes cells of an angle that jump away from what is before and after them, and back, not measured: the first such row, by how much
@@ -127,6 +121,7 @@ pub fn as_far(angle: &[f64], other: &[f64]) -> Option<f64> {
     (spread(other) > POLICY.least_motion && times > degree_ratio()).then_some(times)
 }
 
+/// Span that holds nine tenths of the values, in their unit.
 fn spread(values: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);

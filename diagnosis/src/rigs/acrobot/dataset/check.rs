@@ -1,8 +1,9 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
-use super::angles::{far_apart, glitches, typical_gap, unwrapped};
+use super::angles::{far_apart, glitches, unwrapped};
 use super::images::{pictures, tells_poses};
-use super::impossible;
+use super::impossible_cells;
+use super::row_times::typical_gap;
 use super::timestamps::{self, Moved};
 use super::{Nominal, Run, Table};
 use super::{quantised, rates, rounded, uncovered};
@@ -10,7 +11,7 @@ use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 
 /// Takes out what is no measurement, whatever the logs mean by it.
 pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
@@ -27,15 +28,36 @@ pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
         let file = format!("{}/plant.csv", run.name);
         notices.push(Notice { file, line: plant.line[row], message });
     }
-    impossible::exclude(run, nominal, notices);
+    impossible_cells::exclude(run, nominal, notices);
     rounded::unround(run, notices);
     quantised::tell(run, notices);
 }
 
 /// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
 /// clock is known from the motion alone.
-pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
+pub fn put_aside(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
+    put_tables_aside(run, notices);
+    let moved = timestamps::joined(run, notices);
+    check_torque(run, notices);
+    if let Some(plant) = &run.plant {
+        let file = format!("{}/plant.csv", run.name);
+        if let Some((line, message)) = unusable_plant(plant, falling) {
+            notices.push(Notice { file, line, message });
+            run.plant = None;
+        } else if run.controller.is_none() {
+            find_torque(run, commanded, notices);
+        }
+    }
+    unwrap_angles(run, notices);
+    rates::exclude(run, notices);
+    pictures(run, notices);
+    uncovered::tell(run, notices);
+    moved
+}
+
+/// Puts tables aside that can't be used whatever they hold.
+fn put_tables_aside(run: &mut Run, notices: &mut Vec<Notice>) {
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", POLICY.rows),
         (&mut run.controller, "controller.csv", LOGS.fewest_torques),
@@ -47,86 +69,85 @@ pub fn run(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Optio
             *table = None;
         }
     }
-    let name = run.name.clone();
-    let file = |file: &str| format!("{name}/{file}");
-    let moved = timestamps::joined(run, notices);
-    if let Some(controller) = &mut run.controller
-        && controller.column("tau").is_none()
-        && controller.column("tau_1").is_some()
-    {
-        let message =
-            "column `tau` is missing: link 1 is driven by tau_1 alone, the joint is free".to_owned();
-        notices.push(Notice { file: file("controller.csv"), line: 1, message });
-        controller.push("tau", 0.0);
+}
+
+/// Puts a log of torques aside in which none of the joint is known. Where link 1 alone is driven, the joint's is 0.
+fn check_torque(run: &mut Run, notices: &mut Vec<Notice>) {
+    let Some(controller) = &mut run.controller else { return };
+    let mut notice = |message: &str| {
+        let file = format!("{}/controller.csv", run.name);
+        notices.push(Notice { file, line: 1, message: message.to_owned() });
+    };
+    match controller.column("tau") {
+        None if controller.column("tau_1").is_some() => {
+            notice("column `tau` is missing: link 1 is driven by tau_1 alone, the joint is free");
+            controller.push("tau", 0.0);
+        }
+        None => {
+            notice("column `tau` is missing; the plant can't be driven, file excluded");
+            run.controller = None;
+        }
+        Some(tau) if tau.iter().all(|torque| torque.is_nan()) => {
+            notice("column `tau` holds no number; the plant can't be driven, file excluded");
+            run.controller = None;
+        }
+        Some(_) => {}
     }
-    if let Some(controller) = &run.controller
-        && controller.column("tau").is_none()
-    {
-        let message = "column `tau` is missing; the plant can't be driven, file excluded".to_owned();
-        notices.push(Notice { file: file("controller.csv"), line: 1, message });
-        run.controller = None;
+}
+
+/// Why a plant's log can't be used, and in which line that shows.
+fn unusable_plant(plant: &Table, falling: [f64; 2]) -> Option<(usize, String)> {
+    if let Some(name) = ["q1", "q2"].iter().find(|name| plant.column(name).is_none()) {
+        return Some((1, format!("column `{name}` is missing; the plant's log is excluded")));
     }
-    if let Some(controller) = &run.controller
-        && controller.column("tau").is_some_and(|tau| tau.iter().all(|torque| torque.is_nan()))
-    {
-        let message = "column `tau` holds no number; the plant can't be driven, file excluded".to_owned();
-        notices.push(Notice { file: file("controller.csv"), line: 1, message });
-        run.controller = None;
+    if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < POLICY.rows) {
+        let message = format!(
+            "`{name}` is measured in {} rows ({} or more are needed); file excluded",
+            measured(plant, name),
+            POLICY.rows
+        );
+        return Some((1, message));
     }
-    if let Some(plant) = &run.plant {
-        let missing = ["q1", "q2"].iter().find(|name| plant.column(name).is_none());
-        if let Some(name) = missing {
-            let message = format!("column `{name}` is missing; the plant's log is excluded");
-            notices.push(Notice { file: file("plant.csv"), line: 1, message });
-            run.plant = None;
-        } else if let Some(name) = ["q1", "q2"].iter().find(|name| measured(plant, name) < POLICY.rows) {
+    let apart = far_apart(plant, falling)?;
+    let message = format!(
+        "rows are {} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
+         file excluded",
+        brief(apart)
+    );
+    Some((plant.line[0], message))
+}
+
+/// Looks elsewhere for the torque of a plant's log that has no usable command beside it. Without any, rows that are far apart are put
+/// aside, if images tell poses.
+fn find_torque(run: &mut Run, commanded: bool, notices: &mut Vec<Notice>) {
+    let file = format!("{}/plant.csv", run.name);
+    let apart = run.plant.as_ref().and_then(typical_gap).filter(|apart| *apart > LOGS.torn);
+    let message = without_torque(run, commanded);
+    notices.push(Notice { file: file.clone(), line: 0, message });
+    let posed = run.controller.is_none() && run.camera.as_ref().is_some_and(tells_poses);
+    if let Some(apart) = apart.filter(|_| posed) {
+        let message = format!(
+            "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({} s or less \
+             are needed); file excluded, poses are read off the image",
+            LOGS.torn
+        );
+        notices.push(Notice { file, line: 0, message });
+        run.plant = None;
+    }
+}
+
+/// Takes whole turns out of angles that were wrapped.
+fn unwrap_angles(run: &mut Run, notices: &mut Vec<Notice>) {
+    let Some(plant) = &mut run.plant else { return };
+    for name in ["q1", "q2"] {
+        if let Some((row, turns)) = plant.column_mut(name).and_then(|values| unwrapped(values)) {
             let message = format!(
-                "`{name}` is measured in {} rows ({} or more are needed); file excluded",
-                measured(plant, name),
-                POLICY.rows
+                "{name} jumps by a whole turn ({turns} such rows, this is the first): taken as an angle that was \
+                 wrapped, and unwrapped"
             );
-            notices.push(Notice { file: file("plant.csv"), line: 1, message });
-            run.plant = None;
-        } else if let Some(apart) = far_apart(plant, falling) {
-            let message = format!(
-                "rows are {} s apart, and the arm loses its balance in between; time is in seconds (are these milliseconds?); \
-                 file excluded",
-                brief(apart)
-            );
-            notices.push(Notice { file: file("plant.csv"), line: plant.line[0], message });
-            run.plant = None;
-        } else if run.controller.is_none() {
-            let apart = typical_gap(plant).filter(|apart| *apart > LOGS.torn);
-            let message = without_torque(run, commanded);
-            notices.push(Notice { file: file("plant.csv"), line: 0, message });
-            if let Some(apart) =
-                apart.filter(|_| run.controller.is_none() && run.camera.as_ref().is_some_and(tells_poses))
-            {
-                let message = format!(
-                    "rows are {apart:.3} s apart, and without a torque nothing tells the motion in between ({} s or less \
-                     are needed); file excluded, poses are read off the image",
-                    LOGS.torn
-                );
-                notices.push(Notice { file: file("plant.csv"), line: 0, message });
-                run.plant = None;
-            }
+            notices.push(Notice { file: format!("{}/plant.csv", run.name), line: plant.line[row], message });
         }
     }
-    if let Some(plant) = &mut run.plant {
-        for name in ["q1", "q2"] {
-            if let Some((row, turns)) = plant.column_mut(name).and_then(|values| unwrapped(values)) {
-                let message = format!(
-                    "{name} jumps by a whole turn ({turns} such rows, this is the first): taken as an angle that was \
-                     wrapped, and unwrapped"
-                );
-                notices.push(Notice { file: file("plant.csv"), line: plant.line[row], message });
-            }
-        }
-    }
-    rates::exclude(run, notices);
-    pictures(run, notices);
-    uncovered::tell(run, notices);
-    moved
 }
 
 /// Why a table can't be used whatever it holds, and in which line that shows.

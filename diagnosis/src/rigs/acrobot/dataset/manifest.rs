@@ -1,6 +1,6 @@
 //! `dataset.toml`: which nominal model, what is known of the noise, how the logs count, which runs.
 
-use super::stated::Stated;
+use super::stated_log::Stated;
 use crate::error::Error;
 use crate::rigs::acrobot::channels::CHANNELS;
 use orchestrator::suggest::nearest;
@@ -100,6 +100,7 @@ impl File<'_> {
         self.text.lines().position(|line| line.contains(words)).map_or(1, |place| place + 1)
     }
 
+    /// The standard deviations that `[noise]` states, by column.
     fn noise(&self, root: &toml::Table) -> Result<BTreeMap<String, f64>, Error> {
         let (mut noise, mut values) = (BTreeMap::new(), BTreeMap::new());
         flatten(root.get("noise"), "", &mut values);

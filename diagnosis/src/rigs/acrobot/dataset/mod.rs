@@ -5,32 +5,33 @@
 
 mod angles;
 mod check;
-mod even;
+mod clock_ticks;
 mod images;
-mod impossible;
-mod lost;
+mod impossible_cells;
+mod lost_rows;
 mod manifest;
 pub mod nominal;
 pub(crate) mod policy;
 mod quantised;
 mod rates;
 mod rounded;
-pub mod stated;
+pub(crate) mod row_times;
+pub mod stated_log;
 mod table;
 mod timestamps;
 mod uncovered;
 
-pub use angles::{in_degrees, typical_gap};
+pub use angles::in_degrees;
 pub use images::angle_in_degrees;
 pub use manifest::Manifest;
 pub use nominal::Nominal;
+pub use row_times::typical_gap;
 pub use table::Table;
 pub use timestamps::directions;
 
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::channels::{CHANNELS, File, columns};
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::rigs::acrobot::plausibility::{self, Facts, time};
 use crate::rigs::acrobot::policy::POLICY;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ impl Run {
 
     /// Marks where all logs pause, and where the torque's does, as times of which nothing is known.
     fn tear(&mut self) {
-        let (pauses, holes) = (time::pauses_of(self), time::torque_holes_of(self));
+        let (pauses, holes) = (row_times::pauses_of(self), row_times::torque_holes_of(self));
         let Self { camera, controller, plant, .. } = self;
         for log in [camera.as_mut(), plant.as_mut()].into_iter().flatten() {
             pauses.iter().for_each(|(from, to)| log.tear(*from, *to));
@@ -99,7 +100,7 @@ impl Run {
     /// held as long as it takes, and no torque was before them.
     pub fn driven(&self) -> (f64, f64) {
         let log = self.controller.as_ref().filter(|log| log.len() >= POLICY.rows);
-        let Some((log, typical)) = log.and_then(|log| Some((log, angles::typical_gap(log)?))) else {
+        let Some((log, typical)) = log.and_then(|log| Some((log, typical_gap(log)?))) else {
             return (f64::NEG_INFINITY, f64::INFINITY);
         };
         (log.time[0], log.time[log.len() - 1] + POLICY.steps * typical)
@@ -172,43 +173,62 @@ pub struct DataSet {
     pub blind: BTreeMap<String, Vec<f64>>,
 }
 
-impl DataSet {
-    /// Reads and checks a folder.
+/// A data set as it was read, before its logs are checked.
+pub(crate) struct Reading {
+    path: PathBuf,
+    manifest: Manifest,
+    /// Sizes that the nominal model has.
+    pub(crate) nominal: Nominal,
+    /// The logs, turned into ours as `[log]` says, without cells that are no measurement.
+    pub(crate) runs: Vec<Run>,
+    notices: Vec<Notice>,
+}
+
+impl Reading {
+    /// Reads a folder.
     ///
     /// # Errors
-    /// The manifest can't be read, or no run is usable.
-    pub fn load(path: &Path) -> Result<Self, Error> {
+    /// The manifest, the scenario or a log can't be read.
+    pub(crate) fn new(path: &Path) -> Result<Self, Error> {
         let manifest = Manifest::load(&path.join("dataset.toml"))?;
         let nominal = Nominal::of(path, &manifest)?;
-        let mut notices = Vec::new();
-        let mut runs = Vec::new();
-        let (mut clocks_apart, mut pictures_apart, mut blind) = (false, false, BTreeMap::new());
-        let stated = &manifest.stated;
-        let mut read = Vec::new();
+        let (mut notices, mut runs) = (Vec::new(), Vec::new());
         for name in &manifest.runs {
             let mut run = Run { name: name.clone(), camera: None, controller: None, plant: None };
             run.camera = table::load(path, name, "camera.csv", &columns(File::Camera), &mut notices)?;
             run.controller =
                 table::load(path, name, "controller.csv", &columns(File::Controller), &mut notices)?;
             run.plant = table::load(path, name, "plant.csv", &columns(File::Plant), &mut notices)?;
-            stated.apply(&mut run, nominal.image);
+            manifest.stated.apply(&mut run, nominal.image);
             check::clean(&mut run, &nominal, &mut notices);
-            read.push(run);
+            runs.push(run);
         }
-        let gaps_stated = stated.gaps_known.is_some();
-        let facts = Facts { runs: &read, nominal, gaps_stated };
-        if let Some(finding) = plausibility::first(&facts) {
-            return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
-        }
+        Ok(Self { path: path.to_owned(), manifest, nominal, runs, notices })
+    }
+
+    /// `[log]` says what is known of gaps.
+    pub(crate) fn gaps_stated(&self) -> bool {
+        self.manifest.stated.gaps_known.is_some()
+    }
+
+    /// Puts aside what can't be used.
+    ///
+    /// # Errors
+    /// No run is usable.
+    pub(crate) fn checked(self) -> Result<DataSet, Error> {
+        let Self { path, manifest, nominal, runs: read, mut notices } = self;
+        let (mut clocks_apart, mut pictures_apart) = (false, false);
+        let (mut runs, mut blind) = (Vec::new(), BTreeMap::new());
         for mut run in read {
-            if stated.gaps_known == Some(false) {
+            if manifest.stated.gaps_known == Some(false) {
                 run.tear();
             }
             let none = images::sees_nothing(&run);
             let commanded = run.controller.is_some();
-            let moved = check::run(&mut run, nominal.falling, &mut notices);
-            if stated.gaps_known != Some(true) {
-                lost::mark(&mut run, if commanded { "controller.csv" } else { "plant.csv" }, &mut notices);
+            let moved = check::put_aside(&mut run, nominal.falling, &mut notices);
+            if manifest.stated.gaps_known != Some(true) {
+                let file = if commanded { "controller.csv" } else { "plant.csv" };
+                lost_rows::mark_lost_rows(&mut run, file, &mut notices);
             }
             if run.camera.is_none() {
                 blind.extend(none.map(|times| (run.name.clone(), times)));
@@ -220,12 +240,14 @@ impl DataSet {
             }
         }
         if runs.is_empty() {
-            return Err(Error::NothingUsable { path: path.to_owned(), notices });
+            return Err(Error::NothingUsable { path, notices });
         }
-        let path = path.to_owned();
-        Ok(Self { path, manifest, runs, notices, clocks_apart, late_by_hand: 0.0, pictures_apart, blind })
+        let late_by_hand = 0.0;
+        Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, pictures_apart, blind })
     }
+}
 
+impl DataSet {
     /// Where the links touch in these logs: at the model's `q2_max`, unless an arm went on beyond it.
     pub fn contact(&self, q2_max: f64) -> f64 {
         let beyond = |run: &Run| {

@@ -32,7 +32,7 @@ pub struct Nominal {
 }
 
 impl Nominal {
-    /// Those of a data set in `folder`.
+    /// The sizes that a data set in `folder` states.
     ///
     /// # Errors
     /// The scenario isn't there or can't be read.
@@ -40,6 +40,7 @@ impl Nominal {
         Ok(Self::by(&scenario(folder, &manifest.scenario)?, &manifest.set))
     }
 
+    /// The sizes that a scenario with `[set]` states; what neither says is the paper's arm's.
     fn by(scenario: &Scenario, set: &BTreeMap<String, Value>) -> Self {
         let value = |name: &str, usual: f64| {
             set.get(name).and_then(number).or_else(|| given(scenario, name)).unwrap_or(usual)

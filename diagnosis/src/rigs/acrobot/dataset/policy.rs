@@ -1,26 +1,25 @@
 //! Numbers that the reading of logs decides by, each with its reason.
 
-use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
-use crate::rigs::acrobot::plausibility::time::EPOCH;
+use crate::rigs::acrobot::dataset::row_times::EPOCH;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
-    /// One in so many rows without a torque is one that is missing.
+    /// Rows of which one without a torque is one that is missing.
     pub few_bare: usize,
-    /// Share of its period by which a clock's rows scatter at most where a gap among them tells of a row that is missing, and by which
-    /// such a gap is off a whole number of periods: more is a loop that took longer.
+    /// Share of its period by which a clock's rows scatter at most, where a gap among them tells of a row that is missing.
     pub even: f64,
+    /// Share of the period by which such a gap is off a whole number of periods at most: more is a loop that took longer.
     pub whole: f64,
-    /// Images are missing beside a torque where they pause for this share of the time.
+    /// Share of such a gap for which images pause, from which they are missing as well.
     pub most: f64,
     /// Links that touch may give way by this, or be logged a little off, rad.
     pub touching: f64,
-    /// Links this near to their mechanical limit may touch it, rad, by encoders and in images, which a lens bends.
+    /// Distance from their mechanical limit within which links may touch it by encoders, rad.
     pub near: f64,
+    /// That distance in images, which a lens bends, rad.
     pub seen: f64,
     /// Six turns: what moves less is not tested for degrees, and 38 degrees is little motion.
     pub largest_angle: f64,
@@ -28,13 +27,13 @@ pub struct Logs {
     pub fewest_torques: usize,
     /// Three hundred years: beyond it, doubles are microseconds apart, and such a time is in other units anyhow, s.
     pub latest: f64,
-    /// A torque so many times that of gravity is none, and no rate so many times that of a fall.
+    /// Times the torque of gravity from which a torque is none, and times the rate of a fall from which a rate is none.
     pub absurd: f64,
-    /// A circle so many images away from the origin is none, wherever that lies.
+    /// Image sizes from the origin, beyond which a circle is none, wherever the origin lies.
     pub outside: f64,
     /// An angle that jumps by less than this and back was moved, whatever the time, rad: encoders scatter by far less.
     pub glitch: f64,
-    /// Rows further apart than so many usual distances are no neighbours.
+    /// Usual distances of rows, beyond which two rows are no neighbours.
     pub neighbour: f64,
     /// A rate is a difference of angles if it is one in more than this share of its rows.
     pub nearly_all: f64,
@@ -59,32 +58,49 @@ pub struct Logs {
     pub wanders: f64,
     /// A mount that is turned by more than this moves what lies at the edge of an image by more than a check of heights allows, rad.
     pub turned: f64,
-    /// So many images of a run tell where circle 1 rolls.
+    /// Images of a run that tell where circle 1 rolls.
     pub first: usize,
-    /// A circle this near to that height is on the line, and circle 1 this far from it is not, px: lenses bend that line by less,
-    /// and a mount that is turned by 40 degrees inclines it by 16 px for each radian that the arm rolls.
+    /// Distance from that height within which a circle is on the line, px.
     pub on_line: f64,
+    /// Distance from that height beyond which circle 1 isn't on the line, px: lenses bend that line by less, and a mount that is turned by
+    /// 40 degrees inclines it by 16 px for each radian that the arm rolls.
     pub off_line: f64,
     /// Step of the search, s; a tenth of it in the end.
     pub step: f64,
-    /// Logs that are longer together than this (s), maybe for one absurd stamp, are not searched.
+    /// Time that two logs span together, beyond which they are not searched, s: it may be one absurd stamp.
     pub longest: f64,
-    /// Rows that are compared in the search.
+    /// Most rows that are compared in the search.
     pub stamps_rows: usize,
     /// Share of the motion that may be left where two logs agree: lenses bend, encoders slip.
     pub agrees: f64,
-    /// So many times more must be left at any other time, or a motion that repeats itself would fit anywhere.
+    /// Times as much of the motion that must be left at any other time, or a motion that repeats itself would fit anywhere.
     pub clearly: f64,
-    /// So often a clock may have been set in a run.
+    /// Most times that a clock was set in a run.
     pub few: usize,
-    /// Scatter about the ticks that is worth a test, as a share of the interval, and beyond which there are no ticks.
+    /// Scatter about the ticks from which it is worth a test, and beyond which there are no ticks, both as shares of the interval.
     pub tick_scatter: (f64, f64),
     /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine whose unstable pole is at 7 1/s goes where no
     /// cubic does.
     pub torn: f64,
     /// Images that are late by this much against the encoders are late, and not stamped by another clock, s.
     pub late: (f64, f64),
+    /// Time without a row in any log, from which logs pause, s.
+    pub pause: f64,
+    /// Times the usual time between rows that such a pause lasts, too.
+    pub times: f64,
+    /// Time without a row from which a torque is missing, s.
+    pub hole: f64,
+    /// Times the usual time between its rows that this lasts, too.
+    pub hole_times: f64,
+    /// Rows of other logs meanwhile, from which these go on.
+    pub go_on: usize,
+    /// Share of a torque's rows that come within half of the usual time between them, from which it is logged by a clock and not where it
+    /// changes.
+    pub regular: f64,
 }
+
+/// Distance from its line beyond which circle 1 isn't on it, px; see `off_line`.
+const OFF_LINE: f64 = 60.0;
 
 /// Those in force.
 pub const LOGS: Logs = Logs {
@@ -110,12 +126,12 @@ pub const LOGS: Logs = Logs {
     other_scale: PART,
     below: PART,
     even_rows: SAMPLE,
-    known: WINDOWS.smallest,
+    known: 2e-5,
     wanders: PART,
     turned: POLICY.small_angle,
     first: ROWS,
-    on_line: SMALL * PLAUSIBLE.near,
-    off_line: PLAUSIBLE.near,
+    on_line: SMALL * OFF_LINE,
+    off_line: OFF_LINE,
     step: 0.02,
     longest: 7200.0,
     stamps_rows: POLICY.most,
@@ -125,4 +141,10 @@ pub const LOGS: Logs = Logs {
     tick_scatter: (SLIGHT, PART),
     torn: FAR * POLICY.motion_step,
     late: (-0.05, 1.0),
+    pause: 1.0,
+    times: FAR,
+    hole: 0.3,
+    hole_times: FAR,
+    go_on: FEW,
+    regular: 1.0 - SMALL,
 };

@@ -1,12 +1,12 @@
 //! Rates that tell nothing, or something else than the angles beside them: differences of those angles, one value throughout, another
 //! unit or sign. Angles hold what such a column could say, so it goes, with a notice.
 
-use super::angles::typical_gap;
+use super::row_times::typical_gap;
 use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::story::brief;
+use crate::text::brief;
 
 /// Rates and the angles whose they are.
 const PAIRS: [(&str, &str); 2] = [("dq1", "q1"), ("dq2", "q2")];

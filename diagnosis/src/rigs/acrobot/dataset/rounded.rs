@@ -4,8 +4,8 @@
 use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::rigs::acrobot::story::brief;
 use crate::statistics::levels::{FINE, HALF, SEVERAL, SMALL, STEP};
+use crate::text::brief;
 
 /// Puts the torque's log and the plant's at their ticks. Frames have their rate, which the camera knows.
 pub fn unround(run: &mut Run, notices: &mut Vec<Notice>) {

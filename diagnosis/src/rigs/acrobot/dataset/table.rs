@@ -136,6 +136,7 @@ pub fn load(
     Ok(table)
 }
 
+/// Reads the text of a log: a table of the `known` columns, with a notice for each row and column that is left out.
 fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
     let mut reader = csv::ReaderBuilder::new()
         .flexible(true)
@@ -168,65 +169,74 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
             table.broken.push(table.len());
             continue;
         }
-        let time = record.get(0).and_then(|cell| cell.parse::<f64>().ok()).unwrap_or(f64::NAN);
-        if !time.is_finite() {
-            notes.many("time is not a number; row ignored", line);
-            table.broken.push(table.len());
-            continue;
-        }
-        if let [.., before, last] = table.time[..]
-            && last - before > DAY
-            && (before..last).contains(&time)
-        {
-            notes.many(&leap(before, last), table.line[table.len() - 1]);
-            table.keep(0..table.len() - 1);
-            table.broken.push(table.len());
-        }
-        if let Some(last) = table.time.last() {
-            if time < *last {
-                notes.many(
-                    &format!("time runs back (from {last} to {time} s at the first such line); row ignored"),
-                    line,
-                );
-                table.broken.push(table.len());
-                continue;
-            }
-            if time == *last {
-                notes.many("same time as the row before; row ignored", line);
-                // a row that was written twice is none that is missing
-                if record != last_record {
-                    table.broken.push(table.len());
-                }
-                continue;
-            }
-        }
+        let Some(time) = time_of_row(&mut table, &record, &last_record, line, notes) else { continue };
         table.time.push(time);
-        last_record.clone_from(&record);
         table.line.push(line);
         for (place, (name, values)) in table.columns.iter_mut().enumerate() {
-            let cell = record.get(place + 1).unwrap_or("");
-            values.push(match cell {
-                "" => f64::NAN,
-                "true" => 1.0,
-                "false" => 0.0,
-                text => match text.parse::<f64>() {
-                    Ok(value) if value.is_finite() => value,
-                    _ => {
-                        notes.many(
-                            &format!("column `{name}` is not a finite number; taken as not measured"),
-                            line,
-                        );
-                        f64::NAN
-                    }
-                },
-            });
+            values.push(value_of_cell(record.get(place + 1).unwrap_or("")).unwrap_or_else(|| {
+                let message = format!("column `{name}` is not a finite number; taken as not measured");
+                notes.many(&message, line);
+                f64::NAN
+            }));
         }
+        last_record = record;
     }
     table.columns.retain(|(name, _)| known.contains(&name.as_str()));
     longest(&mut table, notes);
     Some(table)
 }
 
+/// The time of a row that can be used, s. Takes the row before out again if only that one leaps.
+fn time_of_row(
+    table: &mut Table,
+    record: &csv::StringRecord,
+    last_record: &csv::StringRecord,
+    line: usize,
+    notes: &mut Notes<'_>,
+) -> Option<f64> {
+    let time = record.get(0).and_then(|cell| cell.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    if !time.is_finite() {
+        notes.many("time is not a number; row ignored", line);
+        table.broken.push(table.len());
+        return None;
+    }
+    if let [.., before, last] = table.time[..]
+        && last - before > DAY
+        && (before..last).contains(&time)
+    {
+        notes.many(&leap(before, last), table.line[table.len() - 1]);
+        table.keep(0..table.len() - 1);
+        table.broken.push(table.len());
+    }
+    let Some(last) = table.time.last() else { return Some(time) };
+    if time < *last {
+        let message = format!("time runs back (from {last} to {time} s at the first such line); row ignored");
+        notes.many(&message, line);
+        table.broken.push(table.len());
+        return None;
+    }
+    if time == *last {
+        notes.many("same time as the row before; row ignored", line);
+        // a row that was written twice is none that is missing
+        if record != last_record {
+            table.broken.push(table.len());
+        }
+        return None;
+    }
+    Some(time)
+}
+
+/// The number in a cell, NaN where nothing was measured; `None` where it holds something else.
+fn value_of_cell(cell: &str) -> Option<f64> {
+    match cell {
+        "" => Some(f64::NAN),
+        "true" => Some(1.0),
+        "false" => Some(0.0),
+        text => text.parse().ok().filter(|value: &f64| value.is_finite()),
+    }
+}
+
+/// A clock that leaps, in words; times are in s.
 fn leap(before: f64, time: f64) -> String {
     format!("time leaps ahead (from {before} to {time} s at the first such line); row ignored")
 }
@@ -256,10 +266,12 @@ struct Notes<'a> {
 }
 
 impl Notes<'_> {
+    /// Says something of one line.
     fn add(&mut self, line: usize, message: String) {
         self.into.push(Notice { file: self.file.clone(), line, message });
     }
 
+    /// Counts a complaint that may be made of many lines.
     fn many(&mut self, message: &str, line: usize) {
         // the values belong to the first occurrence only, so compare up to them
         let kind = message.split('(').next().unwrap_or(message);
@@ -269,6 +281,7 @@ impl Notes<'_> {
         }
     }
 
+    /// Hands on all complaints, each with its count.
     fn finish(self) {
         for (message, line, count) in self.counts {
             let message =

@@ -38,6 +38,8 @@ pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     moved
 }
 
+/// Corrects the timestamps of images and encoders that are off against each other, by the motion that both show; where no shift makes them
+/// agree, puts one log aside.
 fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     let (plant, camera) = (run.plant.as_ref()?, run.camera.as_ref()?);
     if plant.is_empty() || camera.is_empty() {
@@ -77,6 +79,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     Some(if keeps_plant || torque.is_none() { Moved::Pictures } else { Moved::Angles })
 }
 
+/// First and last time of a log, s.
 fn span(log: &Table) -> (f64, f64) {
     let end = |time: Option<&f64>| time.copied().unwrap_or(f64::NAN);
     (end(log.time.first()), end(log.time.last()))
@@ -86,7 +89,7 @@ fn span(log: &Table) -> (f64, f64) {
 /// nothing agrees.
 fn shift(plant: &Table, camera: &Table, apart: bool) -> Option<f64> {
     let seen = directions(camera);
-    let logged = both(plant, ["q1", "q2"]);
+    let logged = rows_with_both(plant, ["q1", "q2"]);
     if seen.is_empty() || logged.is_empty() {
         return Some(0.0);
     }
@@ -125,13 +128,15 @@ pub fn directions(camera: &Table) -> Vec<(f64, [f64; 2])> {
     };
     let links = [["u1", "v1", "u2", "v2"], ["u2", "v2", "u3", "v3"]];
     let seen = rows(camera, links.map(|names| (0..camera.len()).map(|row| link(row, names)).collect()));
-    if seen.is_empty() { both(camera, ["q1_est", "q2_est"]) } else { seen }
+    if seen.is_empty() { rows_with_both(camera, ["q1_est", "q2_est"]) } else { seen }
 }
 
-fn both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
+/// Times, s, and angles, rad, of the rows that hold both of two columns.
+fn rows_with_both(log: &Table, names: [&str; 2]) -> Vec<(f64, [f64; 2])> {
     rows(log, names.map(|name| log.column(name).map_or_else(|| vec![f64::NAN; log.len()], <[f64]>::to_vec)))
 }
 
+/// Times, s, and angles, rad, of the rows in which both are finite, unwrapped.
 fn rows(log: &Table, mut pair: [Vec<f64>; 2]) -> Vec<(f64, [f64; 2])> {
     for values in &mut pair {
         unwrapped(values);

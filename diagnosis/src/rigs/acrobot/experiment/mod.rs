@@ -60,7 +60,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// Of a signal in an experiment with or without encoders: without, an angle is one read off the image.
+    /// Standard deviation of a signal in an experiment with or without encoders: without, an angle is one read off the image.
     fn of(&self, name: &str, encoders: bool) -> f64 {
         let read = !encoders && name.starts_with("plant.");
         let stated = self.stated.get(name).filter(|_| !read);
@@ -80,7 +80,7 @@ impl Noise {
     }
 }
 
-/// Who is to be told apart, on which machine.
+/// The members of a class that are to be told apart, and the machine.
 pub struct Question<'a> {
     data: &'a DataSet,
     model: &'a Model,
@@ -139,18 +139,19 @@ fn members(effect: usize, others: &[Alternative]) -> Vec<Member> {
     own.chain(rest).map(member).collect()
 }
 
+/// Simulates the whole catalogue with the likeliest member as the truth, and the best few with each; the best of these.
 fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     let weights = question.weights();
     let likely = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
     let (mut tried, mut failed) = (Vec::new(), Vec::new());
     for entry in CATALOGUE {
-        match first_look(question, entry, likely) {
+        match simulate_with_one(question, entry, likely) {
             Ok(one) => tried.extend(one),
             Err(problem) => failed.push((entry, problem.to_string())),
         }
     }
     // what can't be simulated can't be checked either
-    let same = first_look(question, &AGAIN, likely).ok().flatten();
+    let same = simulate_with_one(question, &AGAIN, likely).ok().flatten();
     // the tolerance of renderers does not become less with more images
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
     let plain: BTreeMap<&str, Losses> =
@@ -164,7 +165,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     tried.iter_mut().for_each(weigh);
     choose::sort(&mut tried, &weights);
     for one in tried.iter_mut().take(DESIGN.finalists) {
-        match closer_look(question, one.entry, likely, plain[one.entry.name].clone()) {
+        match simulate_with_each(question, one.entry, likely, plain[one.entry.name].clone()) {
             Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
             Err(problem) => {
                 failed.push((one.entry, problem.to_string()));
@@ -176,10 +177,6 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     tried.retain(|one| failed.iter().all(|(entry, _)| entry.name != one.entry.name));
     choose::sort(&mut tried, &weights);
     let Some(best) = tried.first() else { return (None, None) };
-    let text = text(question, best).ok();
-    let groups = best.groups();
-    let names = |group: &[usize]| group.iter().map(|place| question.name(*place)).collect::<Vec<_>>();
-    let apart = if groups.len() > 1 { (0..question.members.len()).collect() } else { Vec::new() };
     let all = tried.iter().chain(&same);
     let mut separation: Vec<Separation> = all.map(|one| choose::line(one, question)).collect();
     separation.extend(failed.into_iter().map(|(entry, problem)| Separation {
@@ -189,16 +186,29 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
         certainty: None,
         problem: Some(problem),
     }));
-    let next = NextExperiment {
+    let text = text(question, best).ok();
+    (Some(told_next(question, best, separation, text.is_some())), text)
+}
+
+/// The chosen experiment as the diagnosis tells it, with what all would separate, and its scenario's file if it has one.
+fn told_next(
+    question: &Question<'_>,
+    best: &Tried,
+    separation: Vec<Separation>,
+    scenario: bool,
+) -> NextExperiment {
+    let groups = best.groups();
+    let names = |group: &[usize]| group.iter().map(|place| question.name(*place)).collect::<Vec<_>>();
+    let apart = if groups.len() > 1 { (0..question.members.len()).collect() } else { Vec::new() };
+    NextExperiment {
         what: choose::words(best),
         separates: names(&apart),
-        scenario: text.as_ref().map(|_| FILE.to_owned()),
+        scenario: scenario.then(|| FILE.to_owned()),
         leaves_open: groups.iter().filter(|group| group.len() > 1).map(|group| names(group)).collect(),
         separation,
         told: DESIGN.told,
         planned: planned(question, best.entry).ok(),
-    };
-    (Some(next), text)
+    }
 }
 
 /// What would be logged.
@@ -255,7 +265,7 @@ fn planned(question: &Question<'_>, entry: &'static Experiment) -> Result<Planne
 }
 
 /// An experiment simulated with one member as the truth.
-fn first_look(
+fn simulate_with_one(
     question: &Question<'_>,
     entry: &'static Experiment,
     truth: usize,
@@ -265,8 +275,8 @@ fn first_look(
     Ok(Some(Tried { entry, losses, times: 1.0 }))
 }
 
-/// The same with each member as the truth in turn, for that member's row; `losses` are those of the first look.
-fn closer_look(
+/// An experiment simulated with each member as the truth in turn, for that member's row; `losses` are those with the likeliest one alone.
+fn simulate_with_each(
     question: &Question<'_>,
     entry: &'static Experiment,
     likely: usize,

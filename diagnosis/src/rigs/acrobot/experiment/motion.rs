@@ -123,6 +123,7 @@ pub fn hanging(data: &DataSet, model: &Model) -> Tables {
     Tables { desired: None, torques: Some([joint, link]), start, length: DESIGN.short, share: None }
 }
 
+/// Whether link 1 hangs in the logs, in the mean.
 fn hangs(data: &DataSet) -> bool {
     let angles = || data.runs.iter().filter_map(|run| run.plant.as_ref()?.column("q1")).flatten();
     let known = || angles().filter(|angle| angle.is_finite());
@@ -136,6 +137,7 @@ fn moved(log: Option<&Table>, name: &str) -> f64 {
     values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).filter(|square| square.is_finite()).sum()
 }
 
+/// Times from 0 on, s, `every` so often for a `length`, and what a column held then, `begin` s later in its log.
 fn sampled(log: &Table, name: &str, begin: f64, length: f64, every: f64) -> Vec<(f64, f64)> {
     let count = (length / every).round() as usize;
     (0..=count)

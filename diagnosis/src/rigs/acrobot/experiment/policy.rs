@@ -1,7 +1,7 @@
 //! Numbers that the next experiment is chosen by, each with its reason.
 
+use crate::rigs::acrobot::channels::{Measures, guess_of};
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::rigs::acrobot::selection::CLASS;
 use crate::statistics::levels::{DOUBTED, FEW, MORE, SEVERAL, SMALL, STEP};
 use std::f64::consts::FRAC_PI_2;
@@ -9,29 +9,30 @@ use std::f64::consts::FRAC_PI_2;
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Design {
-    /// By how much a simulated loss flatters: a lab's model lacks more than one thing, and its noise is not white.
+    /// Times by which a simulated loss flatters: a lab's model lacks more than one thing, and its noise is not white.
     pub caution: f64,
     /// Certainties that differ by less are equal; the cheaper experiment is taken then.
     pub equal: f64,
     /// Loss that is wished for: one that is expected scatters by twice its root, and of ten such nine stay above `CLASS` then.
     pub enough: f64,
-    /// A lab records as many times what it did before, but no more.
+    /// Times the duration of what was recorded before that a lab records at most.
     pub longest: f64,
     /// How many of the best are simulated with every member as the truth; the rest with the most probable one.
     pub finalists: usize,
     /// How many members besides the most probable one are each the truth there.
     pub truths: usize,
-    /// Noise of what was not logged before: good encoders in rad, a torque cell in N·m.
+    /// Noise of an angle that was not logged before, rad: that of good encoders.
     pub encoder: f64,
+    /// Noise of a torque that was not logged before, N·m: that of a torque cell.
     pub torque: f64,
-    /// Without an image in the loop a run of this length, s, is enough: it is logged at a higher rate. One of it stands for all
-    /// where poses must be read off frames that are rendered again.
+    /// Length of a run without an image in the loop, s: it is logged at a higher rate. One of it stands for all where poses must be read
+    /// off frames that are rendered again.
     pub short: f64,
     /// A repeated z_desired is given in straight lines of this length, s.
     pub thinned: f64,
-    /// Torque steps of an arm that hangs, s.
+    /// Time for which each torque is held while an arm hangs, s.
     pub held: f64,
-    /// Beyond this an arm hangs rather than balances, rad.
+    /// Angle from which an arm hangs rather than balances, rad.
     pub hanging: f64,
     /// Frames that are rendered for a prediction: enough to visit the image, few enough to be quick.
     pub frames: usize,
@@ -57,9 +58,9 @@ pub const DESIGN: Design = Design {
     finalists: 2,
     truths: FEW,
     encoder: POLICY.read,
-    torque: 0.01,
+    torque: guess_of(Measures::AppliedTorque),
     short: 10.0,
-    thinned: PREROLL,
+    thinned: SMALL,
     held: POLICY.motion_step,
     hanging: FRAC_PI_2,
     frames: 100,

@@ -130,6 +130,7 @@ fn here() -> Place {
     Place::Override("the next experiment".into())
 }
 
+/// A profile as times, s, and values.
 fn points(profile: Profile) -> Vec<(f64, f64)> {
     match profile {
         Profile::Points(points) => points.to_vec(),

@@ -140,6 +140,7 @@ impl<'a> Bench<'a> {
         Ok((point, trial, prepared.repeats))
     }
 
+    /// Losses of each member in the place of each other, by their columns about one point.
     fn linear(&self, cuts: &mut Cuts<'_>, point: &[f64]) -> Result<Losses, Error> {
         let members = &self.question.members;
         let mut perturbations: Vec<Perturbation> = Vec::new();
@@ -164,6 +165,7 @@ impl<'a> Bench<'a> {
         Ok((0..members.len()).map(row).collect())
     }
 
+    /// Loss, in deviance, of member `b` in the place of member `a`, fitted within its range, by their Gram matrix.
     fn loss(&self, gram: &DMatrix<f64>, sizes: &[f64], a: usize, b: usize) -> f64 {
         if a == b {
             return 0.0;

@@ -8,7 +8,7 @@ use crate::rigs::acrobot::candidates::{Attribute, name};
 use crate::rigs::acrobot::dataset::{self, DataSet, Manifest, Table};
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::picture::COLUMNS;
+use crate::rigs::acrobot::residual::studio::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use orchestrator::time::Rational;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
@@ -31,6 +31,7 @@ type Run = (Vec<Change>, Rational, Vec<(String, String)>);
 pub struct Simulated(RefCell<Vec<(Run, Rc<Recorded>)>>);
 
 impl Simulated {
+    /// Runs an experiment with some values set, unless the very same was run before.
     fn run(
         &self,
         prepared: &Prepared,
@@ -47,6 +48,7 @@ impl Simulated {
     }
 }
 
+/// Runs an experiment with some values set, without the sensor's noise, and records what a lab could log.
 fn recorded(prepared: &Prepared, values: &[(String, String)], units: &UnitPath) -> Result<Recorded, Error> {
     let mut scenario = prepared.scenario.clone();
     let has = |name: &str| prepared.scenario.units.iter().any(|unit| unit.name == name);
@@ -131,6 +133,7 @@ pub fn rate(like: &DataSet) -> f64 {
     }
 }
 
+/// What a simulated experiment gave.
 struct Recorded {
     memory: MemoryRecorder,
     filmed: bool,
@@ -138,6 +141,7 @@ struct Recorded {
 }
 
 impl Recorded {
+    /// All values of a signal, one for each recorded time.
     fn series(&self, name: &str) -> Result<&[f64], Error> {
         self.memory.series(name).map_err(refused)
     }
@@ -167,6 +171,7 @@ impl Recorded {
         Ok(rows.filter(|row| *row == 0 || series.iter().any(|s| s[*row] != s[*row - 1])).collect())
     }
 
+    /// The log of delivered frames in which circles were found.
     fn camera(&self) -> Result<Table, Error> {
         let (frame, valid) = (self.series("camera.frame")?, self.series("camera.valid")?);
         let mut rows = self.changes(&["camera.frame"])?;
@@ -174,6 +179,7 @@ impl Recorded {
         self.table(&rows, "camera", &COLUMNS)
     }
 
+    /// The log of commanded torques, a row for each that is another.
     fn controller(&self) -> Result<Table, Error> {
         if self.controlled {
             return self.table(&self.changes(&["controller.tau"])?, "controller", &["tau"]);
@@ -185,6 +191,7 @@ impl Recorded {
         Ok(table)
     }
 
+    /// The log of encoders, `rate` rows a second, with the applied torque if it would be logged.
     fn plant(&self, logs: &Logs, rate: f64) -> Result<Table, Error> {
         let rows = self.every(1.0 / rate);
         if !logs.torque {
@@ -204,6 +211,7 @@ impl Recorded {
         Ok(log)
     }
 
+    /// Rows that are an interval (s) apart.
     fn every(&self, interval: f64) -> Vec<usize> {
         let times = self.memory.times();
         let begin = times.first().copied().unwrap_or(0.0);
@@ -216,6 +224,7 @@ impl Recorded {
         (0..times.len()).filter(due).collect()
     }
 
+    /// The motion itself.
     fn motion(&self) -> Result<Motion, Error> {
         let rows = self.every(POLICY.motion_step);
         let names = ["plant.q1", "plant.q2", "plant.dq1", "plant.dq2"];

@@ -115,7 +115,7 @@ fn every_entry_says_in_its_words_what_it_changes() {
 /// A rehearsal of 15 s with an effect, logged as told, without noise.
 fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
     let manifest = Manifest {
-        stated: crate::rigs::acrobot::dataset::stated::Stated::default(),
+        stated: crate::rigs::acrobot::dataset::stated_log::Stated::default(),
         scenario: "visual-servo".into(),
         set: BTreeMap::new(),
         noise: BTreeMap::new(),

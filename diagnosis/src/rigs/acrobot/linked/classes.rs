@@ -18,7 +18,7 @@ use crate::rigs::acrobot::selection::{Alternative, Study};
 use crate::watch::Watch;
 
 /// Judges the plant's classes that are open, each from where the study ended.
-pub fn told_apart(
+pub fn weigh_linked_classes(
     data: &DataSet,
     model: &Model,
     list: &[Candidate],
@@ -30,7 +30,7 @@ pub fn told_apart(
     let late = study.active.iter().any(|index| list[*index].side == Side::Clock);
     if study.discrepancy_dominated
         || late
-        || !classes.iter().any(|(effect, class)| open(*effect, class, list))
+        || !classes.iter().any(|(effect, class)| is_open(*effect, class, list))
     {
         return;
     }
@@ -42,19 +42,19 @@ pub fn told_apart(
     };
     let linked = Linked::of(data, model, list, &study.last.point, &sigma);
     let Ok(Some(mut linked)) = linked else { return };
-    let Ok(start) = linked.begun(&study.last.point) else { return };
-    for (effect, class) in classes.iter_mut().filter(|(effect, class)| open(*effect, class, list)) {
+    let Ok(start) = linked.first_path(&study.last.point) else { return };
+    for (effect, class) in classes.iter_mut().filter(|(effect, class)| is_open(*effect, class, list)) {
         if watch.is_over("the comparison of names that look alike") {
             return;
         }
-        if let Some(told) = judged(&linked, list, study, (*effect, class), &start, watch) {
+        if let Some(told) = judge_class(&linked, list, study, (*effect, class), &start, watch) {
             *class = told;
         }
     }
 }
 
 /// The class with the deviances of linked fits; nothing where even the best of them lacks something.
-fn judged(
+fn judge_class(
     linked: &Linked<'_>,
     list: &[Candidate],
     study: &Study,
@@ -64,8 +64,8 @@ fn judged(
 ) -> Option<Vec<Alternative>> {
     let asked: Vec<&Alternative> = class.iter().filter(|other| is_asked(effect, other, list)).collect();
     let sizes = &linked.built.sizes;
-    let seated = |other: &Alternative, start: &At, sizes: Option<&Sizes>| {
-        let fitted = in_place(linked, list, study, (effect, other), start, sizes);
+    let fit_member = |other: &Alternative, start: &At, sizes: Option<&Sizes>| {
+        let fitted = fit_in_place(linked, list, study, (effect, other), start, sizes);
         // one that can't be run, or comes to no end, is judged by windows alone
         fitted.ok().filter(|fit| fit.rounds < super::OPTIONS.rounds)
     };
@@ -73,20 +73,20 @@ fn judged(
     let mut fits: Vec<(usize, Fit)> = Vec::new();
     // once more where another member turns out to be the best one
     for _ in 0..2 {
-        let own = seated(asked[best], start, Some(sizes))?;
+        let own = fit_member(asked[best], start, Some(sizes))?;
         // process noise that a wrong member needs must not take what tells it from the right one
         let held = At { noise: own.at.noise.clone(), ..start.clone() };
         fits = vec![(best, own)];
         for (place, other) in asked.iter().enumerate().filter(|(place, _)| *place != best) {
             watch.trying(list[other.candidate].name, place + 1, asked.len());
-            fits.extend(seated(other, &held, None).map(|fit| (place, fit)));
+            fits.extend(fit_member(other, &held, None).map(|fit| (place, fit)));
         }
         let least = fits.iter().min_by(|a, b| a.1.deviance.total_cmp(&b.1.deviance))?.0;
         if std::mem::replace(&mut best, least) == least {
             break;
         }
     }
-    if noisy(&fits.first()?.1, sizes) > LINKED.quiet {
+    if gain_of_process_noise(&fits.first()?.1, sizes) > LINKED.quiet {
         return None;
     }
     let least = fits.iter().map(|(_, fit)| fit.deviance).fold(f64::INFINITY, f64::min);
@@ -101,7 +101,7 @@ fn judged(
 }
 
 /// A member fitted in the place of the effect.
-fn in_place(
+fn fit_in_place(
     linked: &Linked<'_>,
     list: &[Candidate],
     study: &Study,
@@ -112,13 +112,13 @@ fn in_place(
     let mut point = study.last.point.clone();
     point[effect] = list[effect].off;
     point[member.candidate] = if member.candidate == effect { study.last.point[effect] } else { member.x };
-    let seated = |index: &usize| if *index == effect { member.candidate } else { *index };
-    let free: Vec<usize> = study.active.iter().map(seated).collect();
+    let replaced = |index: &usize| if *index == effect { member.candidate } else { *index };
+    let free: Vec<usize> = study.active.iter().map(replaced).collect();
     linked.fitted(start, &point, &free, sizes)
 }
 
 /// Deviance that process noise gains over none.
-fn noisy(fit: &Fit, sizes: &Sizes) -> f64 {
+fn gain_of_process_noise(fit: &Fit, sizes: &Sizes) -> f64 {
     let columns: Vec<usize> = (0..fit.free.len()).collect();
     let exact =
         Sizes { process: sizes.process.iter().map(|(least, _)| (*least, *least)).collect(), ..sizes.clone() };
@@ -127,11 +127,12 @@ fn noisy(fit: &Fit, sizes: &Sizes) -> f64 {
     maximise(&fit.runs, &columns, &none, &exact).1 - fit.deviance
 }
 
+/// Whether linked states are asked of a member: a plant's, and not far from the best.
 fn is_asked(effect: usize, other: &Alternative, list: &[Candidate]) -> bool {
     (other.candidate == effect || other.loss < LINKED.near) && list[other.candidate].side == Side::Plant
 }
 
 /// Whether there is another parameter of the plant that is not far from the effect.
-fn open(effect: usize, class: &[Alternative], list: &[Candidate]) -> bool {
+fn is_open(effect: usize, class: &[Alternative], list: &[Candidate]) -> bool {
     list[effect].side == Side::Plant && class.iter().filter(|other| is_asked(effect, other, list)).count() > 1
 }

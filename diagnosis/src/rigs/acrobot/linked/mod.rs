@@ -8,7 +8,7 @@ mod classes;
 pub(super) mod policy;
 mod problem;
 
-pub use classes::told_apart;
+pub use classes::weigh_linked_classes;
 
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options, fit};
 use crate::observe::{OutputEffect, Run};
-use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, ZEROS};
+use crate::rigs::acrobot::candidates::{Candidate, actuator};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use problem::{Stretches, stretches};
@@ -36,7 +36,7 @@ struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    /// Of the runs that hold a torque and both angles; `None` where there are none.
+    /// Links the runs that hold a torque and both angles; `None` where there are none.
     fn of(
         data: &DataSet,
         model: &Model,
@@ -58,7 +58,7 @@ impl<'a> Linked<'a> {
         let parameters = &built.engine.machine.parameters;
         let torque = built.engine.machine.inputs.iter().position(|input| input.name == "plant.tau");
         let mut nominal = built.engine.machine.neutral();
-        for (name, effect) in ACTUATOR {
+        for (name, effect) in actuator() {
             let own = |role: Role| matches!(role, Role::Input(place, kind) if Some(place) == torque && kind == effect);
             if let (Some(place), Some(value)) =
                 (parameters.iter().position(|one| own(one.role)), model.number(name))
@@ -67,10 +67,8 @@ impl<'a> Linked<'a> {
             }
         }
         let place = |candidate: &Candidate| {
-            let actuator = ACTUATOR.iter().find(|(name, _)| *name == candidate.name);
-            let angle = ZEROS.iter().position(|name| *name == candidate.name);
-            parameters.iter().position(|one| match (one.role, actuator, angle) {
-                (Role::Input(place, kind), Some((_, effect)), _) => Some(place) == torque && kind == *effect,
+            parameters.iter().position(|one| match (one.role, candidate.at_port(), candidate.zero()) {
+                (Role::Input(place, kind), Some(effect), _) => Some(place) == torque && kind == effect,
                 (Role::Output(place, OutputEffect::Offset), _, Some(angle)) => place == angle,
                 (Role::Unit(_), None, None) => one.name == candidate.name,
                 _ => false,
@@ -92,7 +90,7 @@ impl<'a> Linked<'a> {
     }
 
     /// Path and noises at a point, before anything is fitted.
-    fn begun(&mut self, point: &[f64]) -> Result<At, Error> {
+    fn first_path(&mut self, point: &[f64]) -> Result<At, Error> {
         let theta = self.theta(point);
         Ok(self.built.begun(&theta, &Trails::default())?.0)
     }

@@ -15,9 +15,9 @@ pub struct Policy {
     pub near: f64,
     /// Rows of all runs together, beyond which each run gives its first part: half a minute at 200 Hz.
     pub most: usize,
-    /// Fewer rows in one piece tell of no motion.
+    /// Fewest rows of a piece that tell of a motion.
     pub fewest: usize,
-    /// Rows this many times as far apart as usual are not linked: at the upright what noise leaves grows by e^7 in a second.
+    /// Times the usual distance of rows, from which two rows are not linked: at the upright what noise leaves grows by e^7 in a second.
     pub torn: f64,
 }
 

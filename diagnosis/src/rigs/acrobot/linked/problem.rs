@@ -9,7 +9,7 @@ use crate::observe::{
     Affine, Candidate as Listed, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading,
     Role, Run as Logged, Scale, Series, State, VariableId,
 };
-use crate::rigs::acrobot::candidates::{ACTUATOR, Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side, actuator};
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
 use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::model::Model;
@@ -25,11 +25,11 @@ const TORQUES: [&str; 2] = ["tau", "tau_1"];
 /// A data set's plant logs, and the stretches of them in which the torque is known.
 pub(super) struct Stretches {
     pub(super) problem: Problem,
-    /// Run and time.
+    /// Runs, by their place, and times, s.
     pub(super) spans: Vec<(usize, Span)>,
 }
 
-/// Of the runs that hold a torque and both angles. `sigma` is the standard deviation of a logged motion, where a comparison found it.
+/// The stretches of the runs that hold a torque and both angles. `sigma` is the standard deviation of a logged motion, where a comparison found it.
 pub(super) fn stretches(
     data: &DataSet,
     model: &Model,
@@ -47,46 +47,9 @@ pub(super) fn stretches(
         TORQUES.into_iter().filter(|name| logs().any(|(_, torque)| torque.column(name).is_some())).collect();
     let nominal = nominal(model)?;
     let find = |name: &str| id(&nominal, name);
-    let channel = |name: &str, role: Role, noise: Option<f64>| {
-        Ok::<_, Error>(Channel {
-            name: format!("plant.{name}"),
-            variable: find(name)?,
-            role,
-            noise,
-            column: name.to_owned(),
-            conversion: Affine::SAME,
-            line: 0,
-        })
-    };
-    let mut channels = Vec::new();
-    for place in &motion {
-        let name = MOTION[*place].0;
-        let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
-        channels.push(channel(name, Role::Compared, noise)?);
-    }
-    for name in &torques {
-        channels.push(channel(name, Role::Fed(Hold::Zero), None)?);
-    }
-    let mut states = Vec::new();
-    for (place, (shows, start)) in MOTION.into_iter().enumerate() {
-        states.push(State {
-            name: format!("plant.{start}"),
-            start: find(start)?,
-            shows: Some(find(shows)?),
-            channel: motion.iter().position(|logged| *logged == place),
-        });
-    }
-    let (mut runs, mut spans) = (Vec::new(), Vec::new());
-    for run in used {
-        let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
-        let rows = usable(run, plant, contact);
-        pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
-        let mut series: Vec<Series> =
-            motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
-        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
-        runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
-    }
-    shortened(&mut spans, &runs);
+    let channels = channels(data, &motion, &torques, sigma, &find)?;
+    let states = states(&motion, &find)?;
+    let (runs, spans) = logged_runs(&used, &motion, &torques, contact);
     if spans.is_empty() {
         return Ok(None);
     }
@@ -113,11 +76,74 @@ pub(super) fn stretches(
     Ok(Some(Stretches { problem, spans }))
 }
 
+/// The logs of the runs, and the stretches of them that are linked: each a run and its times, s.
+fn logged_runs(
+    used: &[&Run],
+    motion: &[usize],
+    torques: &[&str],
+    contact: f64,
+) -> (Vec<Logged>, Vec<(usize, Span)>) {
+    let (mut runs, mut spans) = (Vec::new(), Vec::new());
+    for run in used {
+        let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
+        let rows = usable(run, plant, contact);
+        pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
+        let mut series: Vec<Series> =
+            motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
+        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
+        runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
+    }
+    shortened(&mut spans, &runs);
+    (runs, spans)
+}
+
+/// What was logged: the places of `MOTION` that are compared, and the torques that are fed.
+fn channels(
+    data: &DataSet,
+    motion: &[usize],
+    torques: &[&str],
+    sigma: &dyn Fn(&str) -> Option<f64>,
+    find: &dyn Fn(&str) -> Result<VariableId, Error>,
+) -> Result<Vec<Channel>, Error> {
+    let channel = |name: &str, role: Role, noise: Option<f64>| {
+        Ok::<_, Error>(Channel {
+            name: format!("plant.{name}"),
+            variable: find(name)?,
+            role,
+            noise,
+            column: name.to_owned(),
+            conversion: Affine::SAME,
+            line: 0,
+        })
+    };
+    let compared = motion.iter().map(|place| {
+        let name = MOTION[*place].0;
+        let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
+        channel(name, Role::Compared, noise)
+    });
+    compared.chain(torques.iter().map(|name| channel(name, Role::Fed(Hold::Zero), None))).collect()
+}
+
+/// The plant's states: angles and rates. `motion` are the places of those that were logged.
+fn states(motion: &[usize], find: &dyn Fn(&str) -> Result<VariableId, Error>) -> Result<Vec<State>, Error> {
+    let state = |(place, (shows, start)): (usize, (&str, &str))| {
+        Ok(State {
+            name: format!("plant.{start}"),
+            start: find(start)?,
+            shows: Some(find(shows)?),
+            channel: motion.iter().position(|logged| *logged == place),
+        })
+    };
+    MOTION.into_iter().enumerate().map(state).collect()
+}
+
+/// Whether a run holds a torque and both angles.
 fn both_angles(run: &Run) -> bool {
     let angle = |name| run.plant.as_ref().is_some_and(|log| log.column(name).is_some());
     run.controller.is_some() && angle("q1") && angle("q2")
 }
 
+/// Where the plant's unit has a variable.
 fn id(nominal: &Nominal, name: &str) -> Result<VariableId, Error> {
     let place = nominal.description(0).place(name);
     let none = || Error::Model(format!("{} has no variable `{name}`", nominal.fmus[0].path().display()));
@@ -135,8 +161,7 @@ fn nominal(model: &Model) -> Result<Nominal, Error> {
     let set =
         model.plant.given().map(|(place, value)| (VariableId { unit: 0, place }, value.clone())).collect();
     let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
-    let off =
-        ACTUATOR.iter().map(|(name, effect)| (*name, if *effect == InputEffect::Gain { 1.0 } else { 0.0 }));
+    let off = actuator().map(|(name, effect)| (name, if effect == InputEffect::Gain { 1.0 } else { 0.0 }));
     for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", RESIDUAL.integrator)]) {
         let own = name.split_once('.').map_or(name, |(_, own)| own);
         if let Some(place) = nominal.description(0).place(own) {
@@ -152,9 +177,7 @@ fn listed(
     model: &Model,
     find: &dyn Fn(&str) -> Result<VariableId, Error>,
 ) -> Result<Vec<Listed>, Error> {
-    let own = |candidate: &&Candidate| {
-        candidate.side == Side::Plant && ACTUATOR.iter().all(|(name, _)| *name != candidate.name)
-    };
+    let own = |candidate: &&Candidate| candidate.side == Side::Plant && candidate.at_port().is_none();
     let mut all = Vec::new();
     for candidate in list.iter().filter(own) {
         all.push(Listed {

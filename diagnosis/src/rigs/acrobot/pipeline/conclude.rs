@@ -1,86 +1,64 @@
 //! What all parts say together.
 
-use super::correct::correct;
-use super::counted::{counted, noisy_sensor};
-use super::detectable::detectable;
-use super::effects::{Swap, part_effects};
+use super::Rig;
+use super::compare::{Compared, Part};
+use super::detectable::add_detectable;
+use super::effects::{Alternates, PartEffects};
+use super::fit_correction::fit_correction;
+use super::log_clocks::{doubts_by_clock, late_log_instead};
+use super::noise_and_losses::{add_lost_frames, add_sensor_noise};
 use super::policy::PIPELINE;
-use super::*;
-use crate::diagnosis::{Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+use super::torque_scale::tell_torque_scale;
+use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+use crate::error::{Error, Notice};
 use crate::overlay::Channel;
 use crate::provenance::Provenance;
-use crate::rigs::acrobot::check::{Found, Judged, drifting, judged, of_angles, torque_shape};
-use crate::rigs::acrobot::correction::Correction;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::gap::Measure;
 use crate::rigs::acrobot::overlay;
-use crate::rigs::acrobot::{amend, experiment, gap, places, story};
+use crate::rigs::acrobot::selection::Study;
+use crate::rigs::acrobot::{amend, experiment, gap, residual_places, story};
+use crate::watch::Watch;
 use std::collections::BTreeMap;
 
-#[allow(clippy::too_many_arguments)] // one stage of one workflow: a struct would only rename its locals
+/// The diagnosis of all parts, with `notices` of what came before them; and in what each part's gap is measured.
+///
+/// # Errors
+/// No cut was compared, or the amended scenario can't be written.
 pub(super) fn conclude(
-    data: &DataSet,
-    model: &Model,
-    list: &Arc<Vec<Candidate>>,
-    parts: &[Part],
-    point: &[f64],
+    rig: &Rig<'_>,
+    compared: &Compared,
     notices: Vec<Notice>,
-    units: &UnitPath,
     watch: &mut Watch<'_>,
-) -> Result<(Diagnosis, Vec<gap::Compared>), Error> {
+) -> Result<(Diagnosis, Vec<Measure>), Error> {
+    let parts = compared.parts.as_slice();
     let logs = Logs {
-        data,
-        model,
-        list,
-        units,
-        doubts: doubts(model, list, parts),
-        drift: parts.iter().find_map(|part| drifting(&part.study, list)),
-        runs: data.runs.iter().map(|run| run.name.clone()).collect(),
+        rig,
+        doubts: doubts_by_clock(rig.model, &rig.list, parts),
+        drift: parts.iter().find_map(|part| drifting(&part.study, &rig.list)),
+        runs: rig.data.runs.iter().map(|run| run.name.clone()).collect(),
     };
     let mut all = Conclusion { notices, ..Conclusion::default() };
     for part in parts {
-        all.cut(&logs, part, watch);
+        all.add_part(&logs, part, watch);
     }
-    let point = all.values(&logs, parts, point);
-    let gap = all.gaps.iter().cloned().max_by(|a, b| gap::above(a).total_cmp(&gap::above(b)));
+    let point = all.amended_point(&logs, compared);
+    let gap = all.gaps.iter().cloned().max_by(|a, b| gap::above_floor(a).total_cmp(&gap::above_floor(b)));
     let gap = gap.ok_or_else(|| Error::Model("no cut of the loop was compared".into()))?;
-    let (next, experiment) = all.next(&logs, parts, &point, watch);
+    let next = all.next_experiment(&logs, parts, &point, watch);
     let verdict = all.verdict();
-    let amended = all.amended(&logs, point)?;
-    // the nominal model misses noise by a little everywhere; that is no place
-    if verdict == Verdict::None {
-        all.places.clear();
-    }
-    let diagnosis = Diagnosis {
-        provenance: Provenance::of(data),
-        units: model.units().clone(),
-        verdict,
-        effects: all.effects,
-        place: places::shares(all.places),
-        gap,
-        unknown: all.unknown,
-        correction: all.correction,
-        next_experiment: next,
-        minimum_detectable: all.smallest,
-        cross_validation: all.gaps.clone(),
-        gaps: all.gaps,
-        ended_early: Vec::new(),
-        notices: all.notices,
-        story: all.story,
-        amended,
-        attachments: Vec::new(),
-        experiment,
-        traces: all.traces,
-        channels: parts.iter().flat_map(|part| courses(part, data)).collect(),
-    };
-    Ok((diagnosis, all.compared))
+    let amended = all.amended_scenario(&logs, point)?;
+    let channels = parts.iter().flat_map(|part| courses(part, &rig.data)).collect();
+    let measures = std::mem::take(&mut all.measures);
+    Ok((all.into_diagnosis(rig, gap, verdict, next, (amended, channels)), measures))
 }
 
 /// What conclusions are drawn from, beside the parts.
 struct Logs<'a> {
-    data: &'a DataSet,
-    model: &'a Model,
-    list: &'a Arc<Vec<Candidate>>,
-    units: &'a UnitPath,
-    /// What the log's clock leaves in doubt of candidates.
+    rig: &'a Rig<'a>,
+    /// Candidates that the log's clock leaves in doubt, and the standard deviation of their coordinate by it.
     doubts: Vec<(usize, f64)>,
     /// The clock of some cut that drifts.
     drift: Option<Unknown>,
@@ -92,7 +70,9 @@ struct Logs<'a> {
 #[derive(Default)]
 struct Conclusion {
     effects: Vec<Effect>,
-    swaps: Vec<Swap>,
+    /// Members of classes that are named in the place of the effects that were found.
+    alternates: Vec<Alternates>,
+    /// Smallest size of each candidate that would have been found.
     smallest: BTreeMap<String, f64>,
     places: Vec<(f64, Where)>,
     gaps: Vec<Gap>,
@@ -102,19 +82,20 @@ struct Conclusion {
     withdrawn: Vec<usize>,
     story: Vec<String>,
     traces: Vec<Trace>,
-    compared: Vec<gap::Compared>,
+    /// In what each gap is measured.
+    measures: Vec<Measure>,
     notices: Vec<Notice>,
 }
 
 impl Conclusion {
     /// What one cut shows, with all doubts of it.
-    fn cut(&mut self, logs: &Logs<'_>, part: &Part, watch: &mut Watch<'_>) {
-        let list = logs.list;
-        let free: Vec<usize> =
-            part.study.active.iter().copied().filter(|index| !list[*index].is_discrete()).collect();
-        let (mut gap, of) = gap::widest(&part.study, &free, &logs.runs, part.torque, &part.signals);
-        let (own, torque) = (places::places(&part.study, &part.signals), of == gap::Compared::Torques);
-        self.compared.push(of);
+    fn add_part(&mut self, logs: &Logs<'_>, part: &Part, watch: &mut Watch<'_>) {
+        let list = &logs.rig.list;
+        let free = part.study.continuous(list);
+        let (mut gap, measure) = gap::widest(&part.study, &free, &logs.runs, part.torque, &part.signals);
+        self.measures.push(measure);
+        let (own, torque) =
+            (residual_places::places(&part.study, &part.signals), measure == Measure::Torques);
         let judged = judged(&Found {
             study: &part.study,
             signals: &part.signals,
@@ -126,18 +107,18 @@ impl Conclusion {
             gap: &gap,
         });
         if part.study.active.is_empty() {
-            gap = gap::unchanged(gap);
+            gap = gap::without_effects(gap);
         }
         // beside a residual without a name nobody knows what would have been found
         if judged.model_stands {
-            detectable(part, list, &free, &logs.doubts, &mut self.smallest);
+            add_detectable(part, list, &free, &logs.doubts, &mut self.smallest);
         }
         if !part.coarse.is_empty() {
             self.story.push(story::of_coarse(&part.coarse, list));
         }
         let left = judged.unknown.as_ref();
-        self.story.extend(story::of(&part.study, list, &gap, left));
-        let mut trace = places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
+        self.story.extend(story::of_study(&part.study, list, &gap, left));
+        let mut trace = residual_places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
         self.places.extend(own);
         if judged.withdrawn {
             self.story.push(story::of_widened(&gap));
@@ -145,14 +126,7 @@ impl Conclusion {
             trace.after.clone_from(&trace.before);
             self.withdrawn.extend(&part.study.active);
         } else {
-            let confounded = left.is_some().then_some(judged.confounded);
-            let early = !watch.ended().is_empty();
-            for (effect, swap) in part_effects(logs.data, part, list, &free, &logs.doubts, confounded, early)
-            {
-                self.story.extend(effect.unbounded.then(|| story::of_open(&effect)));
-                self.effects.push(effect);
-                self.swaps.extend(swap);
-            }
+            self.add_effects(logs, part, &free, &judged, watch);
         }
         self.correct(logs, part, &judged, &gap, watch);
         if let Some(correction) = self.correction.as_ref().filter(|_| part.torque) {
@@ -161,8 +135,27 @@ impl Conclusion {
         self.gaps.push(gap);
         self.traces.push(trace);
         // torques that seem to lack are those angles'
-        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(of_angles));
+        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(is_of_angles));
         self.unknown = first.or(judged.unknown);
+    }
+
+    /// Names what was found on a cut; beside something without a name, or where time was up, each is less sure.
+    fn add_effects(
+        &mut self,
+        logs: &Logs<'_>,
+        part: &Part,
+        free: &[usize],
+        judged: &Judged,
+        watch: &Watch<'_>,
+    ) {
+        let confounded = judged.unknown.is_some().then_some(judged.confounded);
+        let early = !watch.ended().is_empty();
+        let told = PartEffects::new(logs.rig, part, free, &logs.doubts, confounded, early);
+        for (effect, alternates) in told.effects() {
+            self.story.extend(effect.unbounded.then(|| story::of_open(&effect)));
+            self.effects.push(effect);
+            self.alternates.extend(alternates);
+        }
     }
 
     /// Fits a correction of what has no name: beside the effects, since without them it would be another one.
@@ -172,41 +165,42 @@ impl Conclusion {
             return;
         }
         watch.stage("a correction of what has no name");
-        let found = correct(logs.data, logs.model, logs.list, part, logs.units, &mut self.notices);
+        let found = fit_correction(logs.rig, part, &mut self.notices);
         // measured as the effects' gap is: with it no more may be left than with effects alone
         self.correction = found.filter(|correction| correction.usual <= gap.after);
         self.story.push(story::of_correction(self.correction.as_ref()));
     }
 
-    /// Coordinates of all candidates without those that were withdrawn, and what shows in no mean.
-    fn values(&mut self, logs: &Logs<'_>, parts: &[Part], point: &[f64]) -> Vec<f64> {
-        let Logs { data, model, list, .. } = logs;
-        let mut point = point.to_vec();
+    /// Coordinates of all candidates without those that were withdrawn, and with what shows in no mean.
+    fn amended_point(&mut self, logs: &Logs<'_>, compared: &Compared) -> Vec<f64> {
+        let (rig, list) = (logs.rig, &logs.rig.list);
+        let mut point = compared.point.clone();
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
-            noisy_sensor(parts, list, &mut self.effects, &mut self.smallest, &mut self.notices);
+            let (smallest, notices) = (&mut self.smallest, &mut self.notices);
+            add_sensor_noise(&compared.parts, list, &mut self.effects, smallest, notices);
         } else {
             let noises = (0..list.len()).filter(|index| list[*index].side == Side::SensorNoise);
             noises.for_each(|index| point[index] = list[index].off);
         }
-        counted(data, model, list, &mut self.effects, &mut self.smallest);
-        if self.unknown.as_ref().is_some_and(of_angles) {
+        add_lost_frames(rig, &mut self.effects, &mut self.smallest);
+        if self.unknown.as_ref().is_some_and(is_of_angles) {
             self.doubt_plant(list);
         }
-        self.notices.extend(super::clock::or_late(list, parts, &self.effects));
+        self.notices.extend(late_log_instead(list, &compared.parts, &self.effects));
         let gone = self.superseded();
         self.effects.retain(|effect| !gone.contains(&effect.name));
-        if let Some(message) = super::scale::unscaled(data, list, &mut self.effects) {
+        if let Some(message) = tell_torque_scale(&rig.data, list, &mut self.effects) {
             self.story.push(message.clone());
             self.notices.push(Notice { file: "controller.csv".into(), line: 0, message });
         }
         let superseded = |index: &usize| gone.iter().any(|name| name == list[*index].name);
         (0..list.len()).filter(superseded).for_each(|index| point[index] = list[index].off);
-        if let Some(correction) =
-            self.correction.as_ref().filter(|_| !self.unknown.as_ref().is_some_and(of_angles))
+        if !self.unknown.as_ref().is_some_and(is_of_angles)
+            && let Some(correction) = &self.correction
         {
-            self.unknown = self.unknown.take().map(|left| correction.told(left));
+            self.unknown = self.unknown.take().map(|left| correction.name_in(left));
         }
         point
     }
@@ -226,6 +220,7 @@ impl Conclusion {
         self.correction.as_ref().map_or_else(Vec::new, |correction| correction.supersedes.clone())
     }
 
+    /// The verdict of what is concluded so far.
     fn verdict(&self) -> Verdict {
         match &self.unknown {
             Some(_) => Verdict::Unknown,
@@ -237,7 +232,7 @@ impl Conclusion {
 
     /// The next experiment. Where a model lacks much, noise says nothing of what one would tell, nor are effects asked for that a
     /// correction took the place of.
-    fn next(
+    fn next_experiment(
         &self,
         logs: &Logs<'_>,
         parts: &[Part],
@@ -253,16 +248,17 @@ impl Conclusion {
         let certain = parts.iter().filter(|part| !part.study.discrepancy_dominated).filter(stands);
         let cuts = certain.filter(|part| !part.torque || gone.is_empty());
         let cuts = cuts.map(|part| (&part.study, part.signals.as_slice(), part.classes.as_slice()));
-        experiment::next(logs.data, logs.model, logs.list, point, cuts, logs.units)
+        let Rig { data, model, list, units, .. } = logs.rig;
+        experiment::next(data, model, list, point, cuts, units)
     }
 
     /// The amended scenario, with better guesses in their places.
-    fn amended(&mut self, logs: &Logs<'_>, mut point: Vec<f64>) -> Result<String, Error> {
-        let Logs { data, model, list, units, .. } = logs;
-        for (own, best, x) in self.swaps.drain(..) {
+    fn amended_scenario(&mut self, logs: &Logs<'_>, mut point: Vec<f64>) -> Result<String, Error> {
+        let Rig { data, model, list, units, .. } = logs.rig;
+        for Alternates { found, named, x } in self.alternates.drain(..) {
             // not what a correction has withdrawn
-            if point[own] != list[own].off {
-                (point[own], point[best]) = (list[own].off, x);
+            if point[found] != list[found].off {
+                (point[found], point[named]) = (list[found].off, x);
             }
         }
         self.story.extend(self.effects.iter().filter(|effect| effect.at_end).map(story::of_end));
@@ -270,6 +266,40 @@ impl Conclusion {
             effect.unit = model.units().get(&effect.name).cloned().unwrap_or_default();
         }
         amend::amended(data, model, list, &point, &self.effects, self.correction.as_ref(), units)
+    }
+
+    /// All of it in the form of `diagnosis.json`, with the widest gap, the next experiment, the amended scenario and the courses of signals.
+    fn into_diagnosis(
+        self,
+        rig: &Rig<'_>,
+        gap: Gap,
+        verdict: Verdict,
+        (next_experiment, experiment): (Option<NextExperiment>, Option<String>),
+        (amended, channels): (String, Vec<Channel>),
+    ) -> Diagnosis {
+        Diagnosis {
+            provenance: Provenance::of(&rig.data),
+            units: rig.model.units().clone(),
+            // the nominal model misses noise by a little everywhere; that is no place
+            place: residual_places::shares(if verdict == Verdict::None { Vec::new() } else { self.places }),
+            verdict,
+            effects: self.effects,
+            gap,
+            unknown: self.unknown,
+            correction: self.correction,
+            next_experiment,
+            minimum_detectable: self.smallest,
+            cross_validation: self.gaps.clone(),
+            gaps: self.gaps,
+            ended_early: Vec::new(),
+            notices: self.notices,
+            story: self.story,
+            amended,
+            attachments: Vec::new(),
+            experiment,
+            traces: self.traces,
+            channels,
+        }
     }
 }
 

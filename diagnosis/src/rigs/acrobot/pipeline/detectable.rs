@@ -1,15 +1,15 @@
 //! The smallest size of each candidate that would have been found.
 
-use super::effects::doubt;
-use super::*;
-use crate::rigs::acrobot::candidates::Motion;
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
+use super::compare::Part;
+use super::effects::doubt_of;
+use super::policy::PIPELINE;
+use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use std::collections::BTreeMap;
 
-/// Smallest size that would have been found, for each candidate of a part.
-pub(super) fn detectable(
+/// Adds the smallest size that would have been found, for each candidate that a part sees.
+pub(super) fn add_detectable(
     part: &Part,
     list: &[Candidate],
     free: &[usize],
@@ -25,39 +25,55 @@ pub(super) fn detectable(
         if candidate.side.is_of_log() {
             continue;
         }
-        let size = if let Some(place) = free.iter().position(|other| other == index) {
-            covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
-        } else {
-            let columns = last.perturbations.iter().zip(&part.study.screen.errors).zip(&differs);
-            let own = columns
-                .filter(|((perturbation, error), _)| perturbation.candidate == *index && error.is_finite());
-            // what an image shows must be more than right renderers differ by
-            let own = own.map(|((perturbation, error), differs)| match candidate.side {
-                Side::Camera => (perturbation, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
-                _ => (perturbation, *error),
-            });
-            match candidate.motion {
-                // a tangent says nothing of a saturation: it has none above the largest torque
-                Motion::Saturation { .. } => own
-                    .filter(|(perturbation, error)| perturbation.by.abs() >= threshold * error)
-                    .map(|(perturbation, _)| perturbation.by.abs())
-                    .min_by(f64::total_cmp)
-                    .map(|by| 1.0 / by),
-                _ => clear_at(own.map(|(step, error)| (step.by.abs(), error)).collect(), threshold),
+        let size = match free.iter().position(|other| other == index) {
+            Some(place) => {
+                covariance.as_ref().map(|covariance| threshold * covariance[(place, place)].sqrt())
             }
+            None => detectable_by_steps(part, (*index, candidate), &differs, threshold),
         };
         // a smaller one is taken for the log's clock
-        let size = size.map(|size| size.max(PIPELINE.misses * doubt(doubts, *index).hypot(size / threshold)));
-        let size = match (candidate.is_discrete(), size) {
-            (true, Some(size)) if matches!(candidate.motion, Motion::Count { .. }) => {
-                Some(size.ceil().max(1.0))
-            }
-            (true, Some(size)) => (size <= 1.0).then_some(1.0),
-            (_, size) => size,
-        };
+        let size =
+            size.map(|size| size.max(PIPELINE.misses * doubt_of(doubts, *index).hypot(size / threshold)));
+        let size = size.and_then(|size| in_whole_numbers(candidate, size));
         if let Some(size) = size.filter(|size| size.is_finite() && *size > 0.0) {
             into.insert(candidate.name.to_owned(), size);
         }
+    }
+}
+
+/// The smallest size of a candidate that isn't on, by the steps that it was tried with. `differs` are standard deviations of their sizes
+/// by what right renderers differ by.
+fn detectable_by_steps(
+    part: &Part,
+    (index, candidate): (usize, &Candidate),
+    differs: &[f64],
+    threshold: f64,
+) -> Option<f64> {
+    let columns = part.study.last.perturbations.iter().zip(&part.study.screen.errors).zip(differs);
+    let own =
+        columns.filter(|((perturbation, error), _)| perturbation.candidate == index && error.is_finite());
+    // what an image shows must be more than right renderers differ by
+    let own = own.map(|((perturbation, error), differs)| match candidate.side {
+        Side::Camera => (perturbation, error.max(POLICY.clear * error.hypot(*differs) / threshold)),
+        _ => (perturbation, *error),
+    });
+    match candidate.motion {
+        // a tangent says nothing of a saturation: it has none above the largest torque
+        Motion::Saturation { .. } => own
+            .filter(|(perturbation, error)| perturbation.by.abs() >= threshold * error)
+            .map(|(perturbation, _)| perturbation.by.abs())
+            .min_by(f64::total_cmp)
+            .map(|by| 1.0 / by),
+        _ => clear_at(own.map(|(step, error)| (step.by.abs(), error)).collect(), threshold),
+    }
+}
+
+/// A size as the candidate can have it: a count is at least 1, a switch is on or off.
+fn in_whole_numbers(candidate: &Candidate, size: f64) -> Option<f64> {
+    match candidate.motion {
+        Motion::Count { .. } if candidate.is_discrete() => Some(size.ceil().max(1.0)),
+        _ if candidate.is_discrete() => (size <= 1.0).then_some(1.0),
+        _ => Some(size),
     }
 }
 

@@ -1,95 +1,149 @@
 //! The effects of a cut, with their classes, values and intervals.
 
-use super::interval;
-use super::zeros::Shared;
-use super::*;
+use super::Rig;
+use super::compare::Part;
+use super::encoder_zeros::Shared;
+use super::intervals::{Worth, ci95, confirmed, is_open, standard_errors, worths};
+use super::policy::PIPELINE;
 use crate::diagnosis::{Effect, Member};
-use crate::rigs::acrobot::pipeline::policy::PIPELINE;
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::selection::policy::SELECTION;
+use crate::rigs::acrobot::selection::{Alternative, CLASS};
 use crate::statistics::levels::WITHIN;
+use nalgebra::DVector;
 
-/// A better guess within the class of an effect: whom it replaces, by whom, at which coordinate.
-pub(super) type Swap = (usize, usize, f64);
+/// A better guess within the class of an effect.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Alternates {
+    /// The candidate that was found.
+    pub(super) found: usize,
+    /// The candidate that is named in its place, and its coordinate.
+    pub(super) named: usize,
+    pub(super) x: f64,
+}
 
-pub(super) fn part_effects(
-    data: &DataSet,
-    part: &Part,
-    list: &[Candidate],
-    free: &[usize],
-    doubts: &[(usize, f64)],
-    confounded: Option<bool>,
+/// What the effects of a cut are told from.
+pub(super) struct PartEffects<'a> {
+    rig: &'a Rig<'a>,
+    part: &'a Part,
+    /// The active candidates that are continuous; what follows has an entry for each.
+    free: &'a [usize],
+    /// Standard errors of their coordinates, beside noise alone.
+    errors: Vec<Option<f64>>,
+    /// Variances of their coordinates by what right renderers differ by.
+    systematic: DVector<f64>,
+    /// What their names are worth beside a residual that has none; `None` where there is no such residual.
+    worths: Option<Vec<Worth>>,
+    /// Candidates that the log's clock leaves in doubt, and the standard deviation of their coordinate by it.
+    doubts: &'a [(usize, f64)],
+    /// Time was up before all had been asked.
     early: bool,
-) -> Vec<(Effect, Option<Swap>)> {
-    let errors = interval::errors(&part.study, free);
-    let systematic = part.study.last.systematic(free, &part.signals);
-    let worth = confounded.map(|confounded| interval::worth(&part.study, list, free, confounded));
-    let worth = |index: usize| {
-        let place = free.iter().position(|other| *other == index);
-        let worth = worth.as_ref()?;
-        // what is whole or not there at all imitates as well as others do
-        Some(place.map_or(interval::Worth::LEAST, |place| worth[place]))
-    };
-    let error = |index: usize| {
-        let place = free.iter().position(|other| *other == index)?;
-        let doubt = doubt(doubts, index).hypot(doubt(&part.rough, index));
-        let own = errors[place]?.hypot(systematic[place].sqrt()).hypot(doubt);
-        Some(worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
-    };
-    let whole = |index: usize| part.whole.iter().find(|whole| whole.candidate == index);
-    let mut taken = part.study.active.clone();
-    part.classes
-        .iter()
-        .map(|(index, alternatives)| {
-            let x = part.study.last.point[*index];
+}
+
+impl<'a> PartEffects<'a> {
+    /// `confounded` says, beside a residual without a name, whether names only stand for something else.
+    pub(super) fn new(
+        rig: &'a Rig<'a>,
+        part: &'a Part,
+        free: &'a [usize],
+        doubts: &'a [(usize, f64)],
+        confounded: Option<bool>,
+        early: bool,
+    ) -> Self {
+        let errors = standard_errors(&part.study, free);
+        let systematic = part.study.last.systematic(free, &part.signals);
+        let worths = confounded.map(|confounded| worths(&part.study, &rig.list, free, confounded));
+        Self { rig, part, free, errors, systematic, worths, doubts, early }
+    }
+
+    /// Each effect, and the candidate that is named in its place if another one is.
+    pub(super) fn effects(&self) -> Vec<(Effect, Option<Alternates>)> {
+        let mut taken = self.part.study.active.clone();
+        let mut all = Vec::new();
+        for (found, class) in &self.part.classes {
             // a name that another effect has already says nothing of this one
-            let open = |other: &&Alternative| other.candidate == *index || !taken.contains(&other.candidate);
-            let alternatives: Vec<Alternative> = alternatives.iter().filter(open).cloned().collect();
-            let swap = better_guess(*index, &alternatives, list).map(|best| (*index, best.candidate, best.x));
-            taken.extend(swap.map(|(_, best, _)| best));
-            let (name, at) = swap.map_or((*index, x), |(_, best, at)| (best, at));
-            let candidate = &list[name];
-            // the same share of the effect's size, whatever its name
-            let share = |index: usize, x: f64| (x - list[index].off).abs();
-            let known = if swap.is_some() { share(name, at) / share(*index, x).max(1e-300) } else { 1.0 };
-            let error = error(*index).map(|error| known * error);
-            let mut members = members(name, *index, &alternatives, list);
-            let kept = worth(*index).map_or(1.0, |worth| worth.share)
-                * interval::confirmed(&part.study, data, list, *index)
-                * doubted(&part.shared, *index, early);
-            members.iter_mut().for_each(|member| member.probability *= kept);
-            let probability =
-                members.iter().map(|member| member.probability).sum::<f64>().min(1.0 - SELECTION.alpha);
-            let ci95 = whole(name).map_or_else(|| interval::ci95(candidate, at, error), |whole| whole.ends);
-            let effect = Effect {
-                name: candidate.name.to_owned(),
-                class: members.iter().map(|member| member.name.clone()).collect(),
-                value: candidate.value(at),
-                ci95,
-                at_end: whole(name).map_or_else(|| candidate.ends_at(at), |whole| whole.beyond),
-                unbounded: interval::is_open(candidate, ci95),
-                probability,
-                members,
-                phrase: candidate.phrase.to_owned(),
-                unit: String::new(),
-                off: candidate.value(candidate.off),
-            };
-            (effect, swap)
-        })
-        .collect()
+            let open = |other: &&Alternative| other.candidate == *found || !taken.contains(&other.candidate);
+            let class: Vec<Alternative> = class.iter().filter(open).cloned().collect();
+            let best = better_guess(*found, &class, &self.rig.list);
+            let alternates = best.map(|best| Alternates { found: *found, named: best.candidate, x: best.x });
+            taken.extend(alternates.map(|alternates| alternates.named));
+            all.push((self.effect(*found, alternates, &class), alternates));
+        }
+        all
+    }
+
+    /// One effect with its class, by the name of the better guess where there is one.
+    fn effect(&self, found: usize, alternates: Option<Alternates>, class: &[Alternative]) -> Effect {
+        let list = &self.rig.list;
+        let x = self.part.study.last.point[found];
+        let (name, at) = alternates.map_or((found, x), |other| (other.named, other.x));
+        let candidate = &list[name];
+        // the same share of the effect's size, whatever its name
+        let size = |index: usize, x: f64| (x - list[index].off).abs();
+        let share = if alternates.is_some() { size(name, at) / size(found, x).max(1e-300) } else { 1.0 };
+        let error = self.standard_error(found).map(|error| share * error);
+        let mut members = members(name, found, class, list);
+        let kept = self.share_of_certainty(found);
+        members.iter_mut().for_each(|member| member.probability *= kept);
+        let probability = members.iter().map(|member| member.probability).sum::<f64>();
+        let integer = self.part.integers.iter().find(|integer| integer.candidate == name);
+        let ci95 = integer.map_or_else(|| ci95(candidate, at, error), |integer| integer.ends);
+        Effect {
+            name: candidate.name.to_owned(),
+            class: members.iter().map(|member| member.name.clone()).collect(),
+            value: candidate.value(at),
+            ci95,
+            at_end: integer.map_or_else(|| candidate.ends_at(at), |integer| integer.beyond),
+            unbounded: is_open(candidate, ci95),
+            probability: probability.min(1.0 - SELECTION.alpha),
+            members,
+            phrase: candidate.phrase.to_owned(),
+            unit: String::new(),
+            off: candidate.value(candidate.off),
+        }
+    }
+
+    /// Where a candidate stands among the continuous ones.
+    fn place(&self, index: usize) -> Option<usize> {
+        self.free.iter().position(|other| *other == index)
+    }
+
+    /// What a name is worth beside a residual without one; `None` where there is no such residual.
+    fn worth(&self, index: usize) -> Option<Worth> {
+        let worths = self.worths.as_ref()?;
+        // what is an integer or not there at all imitates as well as others do
+        Some(self.place(index).map_or(Worth::LEAST, |place| worths[place]))
+    }
+
+    /// The standard error of a continuous effect's coordinate, with all that it is in doubt by.
+    fn standard_error(&self, index: usize) -> Option<f64> {
+        let place = self.place(index)?;
+        let doubt = doubt_of(self.doubts, index).hypot(doubt_of(&self.part.rough, index));
+        let own = self.errors[place]?.hypot(self.systematic[place].sqrt()).hypot(doubt);
+        Some(self.worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
+    }
+
+    /// The share of its certainty that a name keeps.
+    fn share_of_certainty(&self, index: usize) -> f64 {
+        self.worth(index).map_or(1.0, |worth| worth.share)
+            * confirmed(&self.part.study, &self.rig.data, &self.rig.list, index)
+            * share_beside_zeros(&self.part.shared, index, self.early)
+    }
 }
 
 /// The share of its certainty that a name keeps beside zeros that explain as much, and where time was up `early`: then who else might
 /// have its place was not asked.
-fn doubted(shared: &[Shared], index: usize, early: bool) -> f64 {
+fn share_beside_zeros(shared: &[Shared], index: usize, early: bool) -> f64 {
     let zeros: f64 = shared.iter().filter(|one| one.effect == index).map(|one| one.share).product();
     if early { zeros * PIPELINE.beside } else { zeros }
 }
 
-/// What the log's clock leaves in doubt of a candidate.
-pub(super) fn doubt(doubts: &[(usize, f64)], index: usize) -> f64 {
+/// The standard deviation by which a candidate's coordinate is in doubt, 0 where it isn't.
+pub(super) fn doubt_of(doubts: &[(usize, f64)], index: usize) -> f64 {
     doubts.iter().find(|(other, _)| *other == index).map_or(0.0, |(_, doubt)| *doubt)
 }
 
-/// Who is to be named first, if it isn't the effect itself.
+/// The member that is to be named first, if it isn't the effect itself.
 pub(super) fn better_guess<'a>(
     own: usize,
     alternatives: &'a [Alternative],
@@ -127,6 +181,7 @@ fn members(first: usize, own: usize, alternatives: &[Alternative], list: &[Candi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::candidates::Side;
     use crate::rigs::acrobot::selection::examples::candidate;
 
     fn class(best: f64, own: f64) -> [Alternative; 2] {

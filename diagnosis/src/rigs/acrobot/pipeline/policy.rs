@@ -1,7 +1,6 @@
 //! Numbers that the workflow decides by, each with its reason.
 
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::trajectory::PREROLL;
 use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, MORE, PART, SEVERAL, SLIGHT, SMALL, WITHIN};
 
 /// How much is enough.
@@ -14,29 +13,32 @@ pub struct Pipeline {
     pub late_by_hand: f64,
     /// Share of windows in which the plant needs slack torques, beyond which torques are compared instead of angles.
     pub mostly_slack: f64,
-    /// So many of what torques resemble are tried where they show nothing certain.
+    /// Candidates that are tried where torques show nothing certain, those that these resemble most.
     pub hints: usize,
-    /// How well it is known where the model needed slack torques to follow the log, rad.
+    /// Standard deviation of a motion's angles where the model needed slack torques to follow the log, rad.
     pub coarse_motion: f64,
-    /// So many effects that explain an image aren't one blur alone, which may scatter like noise.
+    /// Effects in an image beyond which these aren't one blur alone, which may scatter like noise.
     pub sensor_alone: usize,
-    /// Who puts the noise first and then needs so many effects beside it has not found what is missing: a blur moves the scatter, too.
+    /// Effects from which a search that began with another noise has not found what is missing: a blur moves the scatter, too.
     pub sensor_few: usize,
-    /// Linearisations that are averaged, and the standard errors by which they lie off the fit.
+    /// Linearisations that are averaged for a value that images alone tell.
     pub linearisations: usize,
+    /// Standard errors by which each of them lies off the fit.
     pub off: f64,
     /// Standard errors of the clock that a delay or an exposure must be larger than.
     pub doubted: f64,
-    /// By how much what was found may blur the clock, for the logs of plant and torque to say anything of it by themselves.
+    /// Times its standard error alone, up to which the clock's standard error beside what was found leaves the logs of plant and torque
+    /// something to say of it.
     pub blurred: f64,
-    /// Half a millisecond, and a tenth: a lag and a delay of the same size differ by about that.
+    /// Time by which an actuator's delay and a clock may differ to be one, s.
     pub same: f64,
+    /// Share of the clock's time by which they may differ beside that: a lag and a delay of the same size differ by about that.
     pub close: f64,
-    /// So often the logs are set back and all is compared again.
+    /// Most times that logs are corrected by their clocks, or by their zeros, and all is compared again.
     pub rounds: usize,
     /// Loss by which another member of the class must be better to be named first.
     pub first: f64,
-    /// A saturation whose interval includes "none" ends at so many times its value: no log tells of one that it never comes near.
+    /// Times its value, at which the interval of a saturation ends that includes none: no log tells of one that it never comes near.
     pub never_reached: f64,
     /// Share of its certainty that a name keeps where names only stand for something else (none of 23 names beside `unknown` that did was right, one
     /// of 23 in all), as measured on blind sets whose answers were opened afterwards.
@@ -47,23 +49,25 @@ pub struct Pipeline {
     pub beside: f64,
     /// Share of what the data say of a value beyond which one run says it all.
     pub interval_alone: f64,
-    /// Readings of one and the same model: nothing in the data prefers either.
+    /// Readings of one and the same model, over which certainty is shared: nothing in the data prefers either.
     pub readings: f64,
-    /// What a correction alone may leave of what effects leave, to take their place with as many numbers.
+    /// Share of what effects leave that a correction alone may leave, to take their place with as many numbers.
     pub far_less: f64,
-    /// How many of the effects that were named last are tried without, one at a time.
+    /// Effects, those that were named last, that are tried without, one at a time.
     pub singles: usize,
-    /// The nominal model's torques are read off windows that it stays in. Where more than so many times the noise shows there, and so many
-    /// times what it lacks at the logged states themselves, it has run away, and what its tangent asks for is no torque.
+    /// Times the noise, from which torques that are read off windows may show that the nominal model has run away.
     pub far_above: f64,
+    /// Times what the model lacks at the logged states themselves that they must show there, too: what its tangent asks for is no torque
+    /// then.
     pub ran_away: f64,
     /// Most parts that runs are left out in: each costs a search, and with three a diagnosis took 1.6 to 1.9 times as long as without.
     pub parts: usize,
-    /// Of each linearisation, so many of the screen's best are candidates again.
+    /// Best hits of each screen that are candidates again in a repeated search.
     pub screened: usize,
-    /// A noise that is stated is too small where rows scatter by so many times as much, and follow one another by a correlation of less
-    /// than this: 1.6 to 2.4 times, on 3 of 152 sets whose noise is stated right, where clocks drift or torques lack in high noise.
+    /// Times the stated noise by which rows must scatter for it to be too small: it was 1.6 to 2.4 times on 3 of 152 sets whose noise is
+    /// stated right, where clocks drift or torques lack in high noise.
     pub understated: f64,
+    /// Correlation from row to row below which such rows are noise.
     pub alike_rows: f64,
     /// Standard errors by which a clock must miss the time that the image asks for, not to be taken for it.
     pub misses: f64,
@@ -71,7 +75,7 @@ pub struct Pipeline {
 
 /// Those in force.
 pub const PIPELINE: Pipeline = Pipeline {
-    any: PREROLL,
+    any: 0.1,
     late_by_hand: 2.0,
     mostly_slack: HALF,
     hints: FEW,

@@ -74,6 +74,7 @@ pub(super) fn against_pictures(facts: &Facts<'_>) -> Option<Finding> {
 /// Directions of the links in an image, and the angles logged then, rad.
 type Pair = ([f64; 2], [f64; 2]);
 
+/// Pairs of a run that holds images beside encoders; `None` where these are too few.
 fn pairs(run: &Run) -> Option<Vec<Pair>> {
     let (log, camera) = (run.plant.as_ref()?, run.camera.as_ref()?);
     let logged = [log.column("q1")?, log.column("q2")?];

@@ -61,7 +61,11 @@ const WAYS: &[Way] = &[
 ///
 /// # Errors
 /// A unit failed.
-pub fn counted(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Result<Option<Finding>, Error> {
+pub fn other_way_of_counting(
+    data: &DataSet,
+    model: &Model,
+    list: &Arc<Vec<Candidate>>,
+) -> Result<Option<Finding>, Error> {
     let mut logs = data.clone();
     logs.runs.iter_mut().for_each(stand_in);
     let Some((as_logged, noise)) = lacking(&logs, model, list)? else { return Ok(None) };

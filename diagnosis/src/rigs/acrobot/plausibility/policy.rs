@@ -1,38 +1,29 @@
 //! Numbers by which logs are doubted before any fit, each with its reason.
 
-use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SMALL};
+use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::statistics::levels::{DOUBTED, FAR, HALF, PART, SAMPLE};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausible {
-    /// Share of a motion that may be left where images and encoders agree, and from which on they surely don't.
+    /// Share of a motion that may be left where images and encoders agree.
     pub agrees: f64,
+    /// Share of a motion that is left from which on they surely don't agree.
     pub differs: f64,
-    /// Frames that are compared at least.
+    /// Fewest frames that are compared.
     pub frames: usize,
-    /// To what share of itself another way of counting must bring the torque that the model lacks, to be beyond doubt; and how far the
-    /// second best must be behind.
+    /// Share of itself to which another way of counting must bring the torque that the model lacks, to be beyond doubt.
     pub better: f64,
+    /// Share of what the second best way leaves, up to which the best one may leave.
     pub clearly: f64,
-    /// And by how much what is lacking must stand above what noise gives before anything is asked.
+    /// Times what noise gives, from which a lacking torque is worth asking about other ways of counting.
     pub noise: f64,
     /// The share of gravity's torque beyond which a torque may be in thousandths.
     pub drives: f64,
-    /// Circle 1 rolls at one height. So near to where it should be it is there, px: lenses and mounts move it by less, and any other
-    /// origin by more.
+    /// Distance from where circle 1 should roll within which it does, px: lenses and mounts move it by less, and any other origin by more.
     pub near: f64,
-    /// Frames so many times as far apart as the nominal camera takes them are stamped in another unit: none is that slow.
+    /// Times as far apart as the nominal camera takes them, from which frames are stamped in another unit: none is that slow.
     pub other_unit: f64,
-    /// Logs pause where none has a row for so long, s, and for so many times what is usual.
-    pub pause: f64,
-    pub times: f64,
-    /// A torque is missing where it has no row for so long, s, and for so many times what is usual, while others go on by so many rows.
-    pub hole: f64,
-    pub hole_times: f64,
-    pub go_on: usize,
-    /// A torque is logged by a clock, not where it changes, if so many of its rows come within half of the usual time between them.
-    pub regular: f64,
 }
 
 /// Those in force.
@@ -44,12 +35,6 @@ pub const PLAUSIBLE: Plausible = Plausible {
     clearly: 1.0 - PART,
     noise: DOUBTED,
     drives: HALF,
-    near: 60.0,
+    near: LOGS.off_line,
     other_unit: FAR * FAR,
-    pause: 1.0,
-    times: FAR,
-    hole: RESIDUAL.length,
-    hole_times: FAR,
-    go_on: FEW,
-    regular: 1.0 - SMALL,
 };

@@ -1,14 +1,12 @@
 //! Units of time, and rows that are missing.
 
 use super::{Facts, Finding};
+use crate::rigs::acrobot::dataset::row_times::{EPOCH, pauses_of, torque_holes_of};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::story::brief;
 use crate::statistics::levels::SEVERAL;
-
-/// Seconds since 1970 of anything that is logged today.
-pub const EPOCH: std::ops::Range<f64> = 1e9..1e10;
+use crate::text::brief;
 
 /// Units that loggers count time in, beside s, and their lengths in s.
 fn units() -> [(&'static str, f64); 3] {
@@ -20,6 +18,7 @@ pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
     facts.runs.iter().find_map(|run| in_other_unit(run, facts))
 }
 
+/// A run whose frames, or whose rows of encoders, are so far apart that time must be in another unit than s.
 fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
     let gap = |log: &Option<Table>| log.as_ref().filter(|log| log.len() >= POLICY.rows).and_then(typical_gap);
     let fastest = facts.nominal.falling[0].max(facts.nominal.falling[1]);
@@ -101,24 +100,6 @@ pub(super) fn pauses(facts: &Facts<'_>) -> Option<Finding> {
     })
 }
 
-/// Times in which every log of a run pauses, s. Logs that lie apart are stamped by other clocks, and pause nowhere.
-pub fn pauses_of(run: &Run) -> Vec<(f64, f64)> {
-    let logs = || [&run.plant, &run.camera, &run.controller].into_iter().flatten();
-    let usual =
-        logs().filter(|log| log.len() >= POLICY.rows).filter_map(typical_gap).fold(f64::NAN, f64::min);
-    let mut times: Vec<f64> = logs().flat_map(|log| log.time.iter().copied()).collect();
-    times.sort_by(f64::total_cmp);
-    let long = PLAUSIBLE.pause.max(PLAUSIBLE.times * usual);
-    let goes_on = |from: f64, to: f64| {
-        logs().all(|log| {
-            log.time.first().is_some_and(|time| *time <= from)
-                && log.time.last().is_some_and(|time| *time >= to)
-        })
-    };
-    let pause = |pair: &&[f64]| pair[1] - pair[0] > long && goes_on(pair[0], pair[1]);
-    times.windows(2).filter(pause).map(|pair| (pair[0], pair[1])).collect()
-}
-
 /// A time without a torque while everything else goes on: held over it, a torque looks like a spring.
 pub(super) fn torque_holes(facts: &Facts<'_>) -> Option<Finding> {
     facts.runs.iter().filter(|_| !facts.gaps_stated).find_map(|run| {
@@ -133,32 +114,6 @@ pub(super) fn torque_holes(facts: &Facts<'_>) -> Option<Finding> {
             add: "gaps = \"unknown\"".into(),
         })
     })
-}
-
-/// The usual time between rows of a torque that is logged by a clock, s; `None` for one that is logged where it changes.
-pub fn by_a_clock(torque: &Table) -> Option<f64> {
-    let usual = typical_gap(torque).filter(|_| torque.len() >= POLICY.rows)?;
-    let gaps = torque.time.windows(2).map(|pair| pair[1] - pair[0]);
-    let regular = gaps.filter(|gap| (gap / usual - 1.0).abs() < 0.5).count();
-    (regular as f64 >= PLAUSIBLE.regular * (torque.len() - 1) as f64).then_some(usual)
-}
-
-/// Holes in a torque that is logged by a clock: row before each, from, to (s).
-pub fn torque_holes_of(run: &Run) -> Vec<(usize, f64, f64)> {
-    let Some((torque, usual)) = run.controller.as_ref().and_then(|log| Some((log, by_a_clock(log)?))) else {
-        return Vec::new();
-    };
-    let others = || [&run.plant, &run.camera].into_iter().flatten();
-    let inside = |from: f64, to: f64| {
-        let rows = |log: &Table| log.time.iter().filter(|time| **time > from + usual && **time < to).count();
-        others().map(rows).max().unwrap_or(0)
-    };
-    let broken: Vec<(f64, f64)> = torque.broken().collect();
-    let hole = |(_, pair): &(usize, &[f64])| {
-        let long = pair[1] - pair[0] > PLAUSIBLE.hole.max(PLAUSIBLE.hole_times * usual);
-        long && !broken.contains(&(pair[0], pair[1])) && inside(pair[0], pair[1]) >= PLAUSIBLE.go_on
-    };
-    torque.time.windows(2).enumerate().filter(hole).map(|(row, pair)| (row, pair[0], pair[1])).collect()
 }
 
 #[cfg(test)]

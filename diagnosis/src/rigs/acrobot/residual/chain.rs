@@ -6,13 +6,13 @@
 //! delays, and what a wrong mount does to the angles). Noise of the first is orthogonal to noise of the second.
 
 use super::image::{ImageCut, Pose, pose_shift};
-use super::plant::jitter::unevenness;
 use super::plant::policy::WINDOWS;
 use super::plant::{PlantCut, Poses};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
 use crate::rigs::acrobot::channels::ANGLES_APART;
+use crate::rigs::acrobot::dataset::row_times::unevenness;
 use crate::rigs::acrobot::dataset::{DataSet, Table};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;

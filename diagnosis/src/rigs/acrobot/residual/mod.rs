@@ -8,27 +8,28 @@
 //!   their noise.
 //! - [`image`]: motion in, image out, frame by frame.
 //! - [`chain`]: commanded torque in, image out, where no encoder was logged.
-//! - [`logged`]: the motion for an image straight from encoders, where no torque was logged.
+//! - [`logged_motion`]: the motion for an image straight from encoders, where no torque was logged.
 
 mod actuator;
 pub mod chain;
-pub mod forced;
+pub mod forced_torques;
 pub mod image;
-pub mod logged;
+pub mod logged_motion;
 mod nuisances;
-pub mod picture;
 pub mod plant;
 pub(crate) mod policy;
 mod settings;
-mod settled;
-mod smooth;
+mod settled_actuator;
+pub mod studio;
 pub mod torque;
 mod tracked;
 pub mod trajectory;
 pub mod weak;
+mod weak_stretches;
 
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::channels::Measures;
 use crate::statistics::linear::Cell;
 pub use nuisances::Nuisances;
 pub use tracked::Tracked;
@@ -49,6 +50,8 @@ pub struct Signal {
     pub name: String,
     /// Unit for people.
     pub unit: &'static str,
+    /// What it measures.
+    pub measures: Measures,
     /// Standard deviation as the data set states it.
     pub known: Option<f64>,
     /// Standard deviation in use.
@@ -143,7 +146,7 @@ pub trait Cut: Send + Sync {
         perturbations: &[Perturbation],
         from: &Nuisances,
     ) -> Result<Linearised, Error>;
-    /// The same by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
+    /// Residuals at a point by the sensitivities of the nuisances that `from` was linearised with: enough while a fit goes on, since the
     /// projection takes care of the rest.
     ///
     /// # Errors

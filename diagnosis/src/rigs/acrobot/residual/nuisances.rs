@@ -8,9 +8,9 @@ use std::sync::Arc;
 /// Where the nuisances of a cut are. Cheap to copy.
 #[derive(Debug, Clone, Default)]
 pub struct Nuisances {
-    /// Of each window; `None` where they begin from the data.
+    /// Start state and slack torques of each window; `None` where windows begin from the data.
     pub(super) windows: Option<Arc<Vec<WindowState>>>,
-    /// Of the frames; `None` where poses are those of a log.
+    /// Poses of all frames; `None` where poses are those of a log.
     pub(super) frames: Option<Arc<ImageState>>,
     /// Doubted windows were settled anew, and none got a better start: not worth another try on these logs.
     pub in_vain: bool,

@@ -9,6 +9,9 @@ use crate::statistics::linear::{Cell, inverse, moved, nuisances};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+/// The torques that a model lacks, as signals: on link 1, and at the joint.
+pub const LACKING: [&str; 2] = ["plant torque on link 1", "plant torque at the joint"];
+
 /// The torques of one part of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Torque {
@@ -32,6 +35,7 @@ pub fn torques(blocks: &[Block], places: &[usize], shifts: &[DVector<f64>], fold
     each.into_iter().flatten().collect()
 }
 
+/// The torques of a cell's parts, N·m: of windows the nuisances that the rows ask for, of the weak form the rows themselves.
 fn parts(block: usize, cell: &Cell, residual: &[f64]) -> Vec<Torque> {
     let (at, solved, floor) = if cell.floor.is_empty() {
         let solved = nuisances(cell, residual, cell.free());

@@ -32,7 +32,7 @@ impl<C: Cut + ?Sized> Tracked<C> {
         Ok(found.blocks)
     }
 
-    /// The same from where the last linearisation had the nuisances, whatever chord steps did since.
+    /// Linearises from where the last linearisation had the nuisances, whatever chord steps did since.
     ///
     /// # Errors
     /// A unit failed.
@@ -45,7 +45,7 @@ impl<C: Cut + ?Sized> Tracked<C> {
         self.linearise(at, perturbations)
     }
 
-    /// The same by the sensitivities of the nuisances at the last linearisation.
+    /// Residuals at a point by the sensitivities of the nuisances at the last linearisation.
     ///
     /// # Errors
     /// A unit failed; nuisances stay where they were.

@@ -3,18 +3,18 @@
 //! The plant is unstable (about 7 1/s), so a replay of a whole run leaves the data even with the exact model. A
 //! window of half a second doesn't, once its four start values are free: multiple shooting, Bock 1983. Each window
 //! begins a little before its scored rows, so that the actuator's delay line has filled up by then, from what a slow actuator
-//! holds (`settled.rs`).
+//! holds (`settled_actuator.rs`).
 
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::rigs::acrobot::residual::settled::Settling;
+use crate::rigs::acrobot::residual::settled_actuator::Settling;
 use orchestrator::fmu::Instance;
 use std::sync::Arc;
 
-/// Time before the scored rows of a window, s: longest delay that can be told.
+/// Time before the scored rows of a window, s: an actuator's delay line fills up in it, so that it is the longest delay that can be told.
 pub const PREROLL: f64 = 0.1;
 
 /// q1, q2, dq1, dq2.
@@ -24,7 +24,7 @@ pub type State = [f64; 4];
 pub const CHANNELS: [Channel; count(File::Plant)] = compared(File::Plant);
 /// Their names.
 pub const COLUMNS: [&str; CHANNELS.len()] = names(&CHANNELS);
-/// So many of them are motion; the torque that arrives follows.
+/// Number of them that are motion; the torque that arrives follows.
 pub const MOTION: usize = places(&CHANNELS, Measures::AppliedTorque).start;
 
 /// What the plant gives at a time, in that order.
@@ -215,6 +215,29 @@ impl Ports {
     }
 }
 
+/// The torques over one interval of a drive: what goes through the inputs, and what is lacking at the joint beside that.
+#[derive(Clone, Copy)]
+struct Torques {
+    /// Commanded torque and external torque on link 1, N·m.
+    inputs: [f64; 2],
+    /// Lacking torque at the joint, N·m: it goes past the actuator, neither delayed nor cut by it.
+    joint: f64,
+}
+
+impl Torques {
+    /// From one event to the next. A unit that doesn't take inputs along lines gets their means.
+    fn between(event: &Event, next: &Event, lines: bool, pushes: &[Push]) -> Self {
+        let on = if lines { 0.0 } else { 0.5 * (next.time - event.time) };
+        let [tau, tau_1] = [event.tau + on * event.rates[0], event.tau_1 + on * event.rates[1]];
+        let (mut joint, mut link) = (0.0, tau_1);
+        for push in pushes.iter().filter(|push| event.time >= push.from - 1e-9 && event.time < push.to - 1e-9)
+        {
+            *if push.joint { &mut joint } else { &mut link } += push.size;
+        }
+        Self { inputs: [tau, link], joint }
+    }
+}
+
 /// Drives the plant from `state`; answers a row at each of the wanted times. A machine that spins ever faster would
 /// take most of the time there is, and tell nothing.
 ///
@@ -229,71 +252,71 @@ pub fn simulate(
     pushes: &[Push],
 ) -> Result<Vec<Row>, Error> {
     let real = |reference: u32, value: f64| (reference, orchestrator::Value::Real(value));
-    // what the model lacks at the joint goes past the actuator: neither delayed nor cut by it
     let bias = settings.iter().rev().find(|(reference, _)| *reference == ports.bias);
     let bias = bias.and_then(|(_, value)| value.as_f64()).unwrap_or_else(|| plant.nominal(ports.bias));
-    let torque = |event: &Event, next: &Event| {
-        // without lines their means
-        let on = if ports.lines { 0.0 } else { 0.5 * (next.time - event.time) };
-        let [tau, tau_1] = [event.tau + on * event.rates[0], event.tau_1 + on * event.rates[1]];
-        let (mut joint, mut link) = (0.0, tau_1);
-        for push in pushes.iter().filter(|push| event.time >= push.from - 1e-9 && event.time < push.to - 1e-9)
-        {
-            *if push.joint { &mut joint } else { &mut link } += push.size;
-        }
-        ([tau, link], joint)
-    };
-    let first = torque(&drive.events[0], &drive.events[drive.events.len().min(2) - 1]);
+    let second = &drive.events[drive.events.len().min(2) - 1];
+    let first = Torques::between(&drive.events[0], second, ports.lines, pushes);
     let mut all = settings.to_vec();
     all.extend(ports.starts.iter().zip(state).map(|(reference, value)| real(*reference, *value)));
-    all.extend(ports.inputs.iter().zip(first.0).map(|(reference, value)| real(*reference, value)));
-    all.push(real(ports.bias, bias + first.1));
+    all.extend(ports.inputs.iter().zip(first.inputs).map(|(reference, value)| real(*reference, value)));
+    all.push(real(ports.bias, bias + first.joint));
     all.push(real(ports.before, ports.settling.before(plant, settings, drive)?));
     all.extend(ports.tolerance.map(|reference| real(reference, RESIDUAL.integrator)));
     // rows at which the links touch are not scored, and a trial state must not be held
     all.push(real(ports.contact, 1e9));
     plant.run(&all, drive.start(), |instance| {
-        let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        let mut rows = Vec::new();
-        let mut last = first;
-        let row = |instance: &mut Instance, joint: f64| {
-            let mut outputs: Row = [0.0; CHANNELS.len()];
-            instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
-            outputs[MOTION] -= joint;
-            Ok::<_, Error>(outputs)
-        };
-        if drive.begins_wanted() {
-            rows.push(row(instance, first.1)?);
-        }
-        for pair in drive.events.windows(2) {
-            let now = torque(&pair[0], &pair[1]);
-            if now.0 != last.0 {
-                instance.set_real(&ports.inputs, &now.0).map_err(failed)?;
-            }
-            if now.1 != last.1 {
-                instance.set_real(&[ports.bias], &[bias + now.1]).map_err(failed)?;
-            }
-            if ports.lines && pair[0].rates != [0.0; 2] {
-                instance.set_input_derivatives(&ports.inputs, &[1, 1], &pair[0].rates).map_err(failed)?;
-            }
-            last = now;
-            step(instance, pair[0].time, pair[1].time - pair[0].time)?;
-            if pair[1].wanted {
-                rows.push(row(instance, now.1)?);
-            }
-            if rows.last().map(state_of).is_some_and(|[_, _, dq1, dq2]| dq1.abs().max(dq2.abs()) > ports.lost)
-            {
-                let wanted = drive.events.iter().filter(|event| event.wanted).count();
-                rows.resize(wanted, rows[rows.len() - 1]);
-                break;
-            }
-        }
+        let rows = follow_drive(instance, ports, drive, (first, bias), pushes)?;
         if rows.iter().flatten().all(|value: &f64| value.is_finite()) {
             Ok(rows)
         } else {
             Err(Error::Model("the plant left the finite numbers".into()))
         }
     })
+}
+
+/// Steps an instance that has its start state and its first torques from event to event; `bias` is the actuator's own, N·m.
+fn follow_drive(
+    instance: &mut Instance,
+    ports: &Ports,
+    drive: &Drive,
+    (first, bias): (Torques, f64),
+    pushes: &[Push],
+) -> Result<Vec<Row>, Error> {
+    let failed = |error: orchestrator::Error| Error::Model(error.to_string());
+    let row = |instance: &mut Instance, joint: f64| {
+        let mut outputs: Row = [0.0; CHANNELS.len()];
+        instance.get_real(&ports.outputs, &mut outputs).map_err(failed)?;
+        outputs[MOTION] -= joint;
+        Ok::<_, Error>(outputs)
+    };
+    let mut rows = Vec::new();
+    let mut last = first;
+    if drive.begins_wanted() {
+        rows.push(row(instance, first.joint)?);
+    }
+    for pair in drive.events.windows(2) {
+        let now = Torques::between(&pair[0], &pair[1], ports.lines, pushes);
+        if now.inputs != last.inputs {
+            instance.set_real(&ports.inputs, &now.inputs).map_err(failed)?;
+        }
+        if now.joint != last.joint {
+            instance.set_real(&[ports.bias], &[bias + now.joint]).map_err(failed)?;
+        }
+        if ports.lines && pair[0].rates != [0.0; 2] {
+            instance.set_input_derivatives(&ports.inputs, &[1, 1], &pair[0].rates).map_err(failed)?;
+        }
+        last = now;
+        step(instance, pair[0].time, pair[1].time - pair[0].time)?;
+        if pair[1].wanted {
+            rows.push(row(instance, now.joint)?);
+        }
+        if rows.last().map(state_of).is_some_and(|[_, _, dq1, dq2]| dq1.abs().max(dq2.abs()) > ports.lost) {
+            let wanted = drive.events.iter().filter(|event| event.wanted).count();
+            rows.resize(wanted, rows[rows.len() - 1]);
+            break;
+        }
+    }
+    Ok(rows)
 }
 
 /// A motion on a grid, with cubic Hermite interpolation between.
@@ -321,7 +344,7 @@ impl Motion {
 }
 
 /// Cubic Hermite interpolation of angles between two states; the rates are those of the cubic.
-pub fn hermite(t0: f64, a: &State, t1: f64, b: &State, time: f64) -> State {
+fn hermite(t0: f64, a: &State, t1: f64, b: &State, time: f64) -> State {
     let h = t1 - t0;
     let s = (time - t0) / h;
     let mut state = [0.0; 4];

@@ -8,18 +8,19 @@
 //! Messenger and Bortz, Multiscale Model. Simul. 19 (2021) 1474; torques as in Gautier, Janot and Vandanjon, IEEE
 //! Trans. Control Syst. Technol. 21 (2013) 428.
 
-mod forced;
+mod forced_stretches;
 
 use super::actuator::{Actuator, key, passing, references};
 use super::plant::jitter::torque_jitter;
 use super::plant::zeros;
 use super::settings::settings;
-use super::smooth::{Node, Stretch, stretches};
 use super::trajectory::State;
+use super::weak_stretches::{Node, Stretch, stretches};
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
@@ -59,6 +60,19 @@ pub struct Weak {
     contact: u32,
 }
 
+/// A torque as a signal, with a standard deviation to begin with.
+fn torque(name: &str) -> Signal {
+    Signal {
+        name: name.into(),
+        unit: "N·m",
+        measures: Measures::LackingTorque,
+        known: None,
+        sigma: 0.1,
+        least: 0.0,
+        tolerance: 0.0,
+    }
+}
+
 impl Weak {
     /// All stretches of all runs with motion and torque; `None` if there are none.
     ///
@@ -86,15 +100,6 @@ impl Weak {
         if found.is_empty() {
             return Ok(None);
         }
-        let signal = |name: &str| Signal {
-            name: name.into(),
-            unit: "N·m",
-            known: None,
-            sigma: 0.1,
-            least: 0.0,
-            tolerance: 0.0,
-        };
-        let signals = vec![signal("plant.tau_1"), signal("plant.tau")];
         let actuator = Actuator::new(data, &bench)?;
         let length = found[0].to - found[0].from;
         let explained = torque_jitter(&data.runs, 0.5 * length);
@@ -105,7 +110,7 @@ impl Weak {
             stretches: found,
             nodes,
             known: VecDeque::new(),
-            signals,
+            signals: ["plant.tau_1", "plant.tau"].map(torque).to_vec(),
             inputs,
             outputs,
             explained,
@@ -140,7 +145,7 @@ impl Weak {
     /// What the unit gives at states, in initialization mode: inputs and start values are set, outputs are read.
     fn accelerations(&self, settings: &[Setting], nodes: &[Node]) -> Result<Vec<[f64; 2]>, Error> {
         let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-        self.bench.initialising(&self.apart(settings), |instance| {
+        self.bench.initialising(&self.with_open_limit(settings), |instance| {
             let mut all = Vec::with_capacity(nodes.len());
             for node in nodes {
                 let [q1, q2, dq1, dq2] = node.state;
@@ -154,7 +159,7 @@ impl Weak {
     }
 
     /// Rows at which the links touch are no part of a stretch, so the unit must not hold them.
-    fn apart(&self, settings: &[Setting]) -> Vec<Setting> {
+    fn with_open_limit(&self, settings: &[Setting]) -> Vec<Setting> {
         let open = (self.contact, Value::Real(FAR));
         settings.iter().cloned().chain([open]).collect()
     }
@@ -168,7 +173,7 @@ impl Weak {
         if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let given = Arc::new(self.ask(all, zeros, point, moved)?);
+        let given = Arc::new(self.weigh_accelerations(all, zeros, point, moved)?);
         // a linearisation with all candidates and the fits around it
         if self.known.len() > FEW * self.candidates.len() {
             self.known.pop_front();
@@ -177,7 +182,41 @@ impl Weak {
         Ok(given)
     }
 
-    fn ask(
+    /// The torques that a stretch lacks at a point, N·m, with the columns of the perturbations. `base` and `columns` are what the unit
+    /// gives there and beside it.
+    fn stretch_cell(
+        &self,
+        place: usize,
+        base: &Given,
+        perturbations: &[Perturbation],
+        columns: &[Option<Given>],
+    ) -> Cell {
+        let stretch = &self.stretches[place];
+        let torque = stretch.inertia * (stretch.measured - base[place]);
+        let mut matrix = DMatrix::zeros(2, perturbations.len());
+        for (column, (perturbation, moved)) in perturbations.iter().zip(columns).enumerate() {
+            let Some(moved) = moved else { continue };
+            let change = stretch.inertia * (moved[place] - base[place]) / perturbation.by;
+            (0..2).for_each(|row| matrix[(row, column)] = change[row]);
+        }
+        Cell {
+            residual: vec![torque[0], torque[1]],
+            sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
+            signal: vec![0, 1],
+            time: vec![self.nodes[stretch.middle()].time; 2],
+            hard: DMatrix::zeros(2, 0),
+            soft: DMatrix::zeros(2, 0),
+            discrepancy: 0,
+            inertia_scale: 1.0,
+            columns: matrix,
+            floor: stretch.floor().to_vec(),
+            state: Vec::new(),
+            lattice: Vec::new(),
+        }
+    }
+
+    /// For each stretch ∫φ q̈ dt, by the unit with all these settings and with encoders' zeros off by `zeros`, rad.
+    fn weigh_accelerations(
         &self,
         all: Vec<Setting>,
         zeros: [f64; 2],
@@ -254,27 +293,7 @@ impl Cut for Weak {
         let covered: f64 = self.stretches.iter().map(|stretch| 0.5 * (stretch.to - stretch.from)).sum();
         let length = (covered / RESIDUAL.blocks).clamp(HALF * RESIDUAL.length, RESIDUAL.block);
         for (place, stretch) in self.stretches.iter().enumerate() {
-            let torque = stretch.inertia * (stretch.measured - base[place]);
-            let mut matrix = DMatrix::zeros(2, perturbations.len());
-            for (column, (perturbation, moved)) in perturbations.iter().zip(&columns).enumerate() {
-                let Some(moved) = moved else { continue };
-                let change = stretch.inertia * (moved[place] - base[place]) / perturbation.by;
-                (0..2).for_each(|row| matrix[(row, column)] = change[row]);
-            }
-            let cell = Cell {
-                residual: vec![torque[0], torque[1]],
-                sigma: self.signals.iter().map(|signal| signal.sigma).collect(),
-                signal: vec![0, 1],
-                time: vec![self.nodes[stretch.middle()].time; 2],
-                hard: DMatrix::zeros(2, 0),
-                soft: DMatrix::zeros(2, 0),
-                discrepancy: 0,
-                inertia_scale: 1.0,
-                columns: matrix,
-                floor: stretch.floor().to_vec(),
-                state: Vec::new(),
-                lattice: Vec::new(),
-            };
+            let cell = self.stretch_cell(place, &base, perturbations, &columns);
             match blocks.last_mut() {
                 Some(block) if block.run == stretch.run && stretch.from - block.from < length - 1e-9 => {
                     block.to = stretch.to;

@@ -4,17 +4,18 @@
 //! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
 
 use super::Step;
-use super::bare::Bare;
+use super::column_loss::{Replaced, linear_loss, predicted_loss, tolerance};
 use super::evaluation::Evaluation;
 use super::refit::{own_fit, refit, refit_towards, settled};
-use super::starts::starts;
+use super::start_points::starts;
+use super::without_effect::WithoutEffect;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side, continuous};
 use crate::rigs::acrobot::residual::{Nuisances, Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
-use crate::statistics::linear::{solve, submatrix, subvector};
+use crate::statistics::linear::submatrix;
 use crate::watch::Watch;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// Half the predicted loss beyond which an alternative isn't even fitted: at 24, noise (a standard deviation of 2 √24)
 /// hardly brings it below `CLASS`.
@@ -37,86 +38,124 @@ pub struct Alternative {
     pub loss: f64,
 }
 
-/// All that could stand in the place of `effect`, the best first (the effect itself included, at loss ≥ 0).
+/// An effect of a model, of which is asked what else it could be.
+#[derive(Clone, Copy)]
+pub struct Questioned<'a> {
+    /// All candidates.
+    pub candidates: &'a [Candidate],
+    /// The model with all its effects.
+    pub last: &'a Evaluation,
+    /// Its effects.
+    pub active: &'a [usize],
+    /// The one that is asked of.
+    pub effect: usize,
+    /// The steps of the search so far.
+    pub steps: &'a [Step],
+}
+
+impl Questioned<'_> {
+    /// The effects beside it.
+    fn others(&self) -> Vec<usize> {
+        self.active.iter().copied().filter(|index| *index != self.effect).collect()
+    }
+
+    /// Whether another candidate may be asked for in its place.
+    fn is_open_to(&self, cut: &Tracked, index: usize) -> bool {
+        let candidate = &self.candidates[index];
+        !self.active.contains(&index)
+            && cut.sees(candidate)
+            && !candidate.side.is_of_log()
+            && (!self.candidates[self.effect].is_discrete() || resembled(self.steps, self.effect, index))
+    }
+}
+
+/// All that could stand in the place of an effect, the best first (the effect itself included, at loss ≥ 0).
 ///
 /// # Errors
 /// A unit failed at the final model.
 pub fn alternatives(
     cut: &mut Tracked,
-    candidates: &[Candidate],
-    last: &Evaluation,
-    active: &[usize],
-    effect: usize,
-    steps: &[Step],
+    asked: &Questioned<'_>,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<Alternative>, Error> {
-    let others: Vec<usize> = active.iter().copied().filter(|index| *index != effect).collect();
-    let (x, own) = own_fit(cut, candidates, last, active, effect)?;
-    let seat = Seat {
+    let Questioned { candidates, last, active, effect, .. } = *asked;
+    let (x, deviance) = own_fit(cut, asked)?;
+    let own = OwnFit {
         unseen: cut.unseen,
         nuisances: cut.nuisances.clone(),
         candidates,
         last,
-        others,
+        others: asked.others(),
         effect,
         temper: temper(last, active, effect, candidates),
         offsets: if cut.policy().lattice { last.offsets(cut.signals()) } else { DMatrix::zeros(0, 0) },
-        own,
+        deviance,
     };
     let mut all = vec![(effect, x, 0.0)];
-    let mut bare: Option<Bare> = None;
+    all.extend(weigh_others(cut, asked, &own, watch)?);
+    cut.restore(&own.nuisances);
+    let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
+    let mut alternatives: Vec<Alternative> = all
+        .into_iter()
+        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / own.temper })
+        .collect();
+    alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    Ok(alternatives)
+}
+
+/// Candidate, coordinate and loss in deviance of each that isn't too far from the effect: by its column where that tells, else fitted.
+fn weigh_others(
+    cut: &mut Tracked,
+    asked: &Questioned<'_>,
+    own: &OwnFit<'_>,
+    watch: &mut Watch<'_>,
+) -> Result<Vec<(usize, f64, f64)>, Error> {
+    let Questioned { candidates, last, effect, .. } = *asked;
+    let mut all = Vec::new();
+    let mut without: Option<WithoutEffect> = None;
     for (index, candidate) in candidates.iter().enumerate() {
-        let resembles = !candidates[effect].is_discrete() || resembled(steps, effect, index);
-        if active.contains(&index) || !cut.sees(candidate) || candidate.side.is_of_log() || !resembles {
+        if !asked.is_open_to(cut, index) {
             continue;
         }
         if watch.is_over(CLASSES) {
             break;
         }
         watch.trying(candidate.name, index + 1, candidates.len());
-        let linear = linear_loss(last, &seat.others, effect, index, candidates);
-        let Some(strength) = seat.near(index, linear.as_ref()) else { continue };
+        let linear = linear_loss(last, &own.others, effect, index, candidates);
+        let Some(strength) = own.near(index, linear.as_ref()) else { continue };
         if let Some(replaced) = linear.filter(|_| by_columns(cut, candidates, effect, index)) {
-            all.push((index, replaced.x, seat.along_columns(cut, index, &replaced, strength)));
+            all.push((index, replaced.x, own.loss_by_columns(cut, index, &replaced, strength)));
             continue;
         }
-        let bare = match &mut bare {
+        let without = match &mut without {
             Some(known) => known,
-            none => none.insert(Bare::of(cut, candidates, last, active, effect)?),
+            none => none.insert(WithoutEffect::of(cut, candidates, last, &own.others, effect)?),
         };
-        if !bare.is_forlorn(effect, index, seat.temper) {
-            all.extend(seat.fitted(cut, index)?);
+        if !without.is_hopeless(effect, index, own.temper) {
+            all.extend(own.fit_instead(cut, index)?);
         }
     }
-    cut.restore(&seat.nuisances);
-    let lowest = all.iter().map(|(_, _, loss)| *loss).fold(f64::INFINITY, f64::min);
-    let mut alternatives: Vec<Alternative> = all
-        .into_iter()
-        .map(|(candidate, x, loss)| Alternative { candidate, x, loss: (loss - lowest) / seat.temper })
-        .collect();
-    alternatives.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-    Ok(alternatives)
+    Ok(all)
 }
 
-/// An effect that others are tried in the place of.
-struct Seat<'a> {
+/// The fit of an effect, against which others in its place are weighed.
+struct OwnFit<'a> {
     candidates: &'a [Candidate],
     last: &'a Evaluation,
     /// The effects beside it.
     others: Vec<usize>,
     effect: usize,
+    /// By how much the likelihood overstates.
     temper: f64,
-    /// The tolerance of renderers, along the columns.
+    /// How each column answers to what right renderers differ by, a column for each such error.
     offsets: DMatrix<f64>,
-    /// Deviance of its own fit.
-    own: f64,
-    /// Nuisances of its own fit.
+    deviance: f64,
     nuisances: Nuisances,
-    /// Frames that the camera lost there, and the data have.
+    /// Frames in which the data show what the model's camera didn't find.
     unseen: usize,
 }
 
-impl Seat<'_> {
+impl OwnFit<'_> {
     /// What the effect explains, unless another is too far from it to be fitted.
     fn near(&self, index: usize, linear: Option<&Replaced>) -> Option<f64> {
         let (predicted, strength) =
@@ -129,7 +168,7 @@ impl Seat<'_> {
     }
 
     /// Loss by another's column, less what is not known of columns. What is nonlinear in its size is believed only if seen from either fit.
-    fn along_columns(&self, cut: &mut Tracked, index: usize, replaced: &Replaced, strength: f64) -> f64 {
+    fn loss_by_columns(&self, cut: &mut Tracked, index: usize, replaced: &Replaced, strength: f64) -> f64 {
         let bent = self.candidates[self.effect].nonlinear || self.candidates[index].nonlinear;
         let tolerance = tolerance(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
         let allowed = |loss: f64| {
@@ -156,13 +195,13 @@ impl Seat<'_> {
     }
 
     /// Fits another through the units: candidate, coordinate and loss.
-    fn fitted(&self, cut: &mut Tracked, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
+    fn fit_instead(&self, cut: &mut Tracked, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
         let candidate = &self.candidates[index];
         cut.restore(&self.nuisances);
         let mut set = self.others.clone();
         set.push(index);
         let mut best: Option<Evaluation> = None;
-        let enough = self.own + self.temper * SELECTION.classes_far;
+        let enough = self.deviance + self.temper * SELECTION.classes_far;
         for x in starts(candidate, self.last, self.effect, index, self.candidates) {
             let mut point = self.last.point.clone();
             point[self.effect] = self.candidates[self.effect].off;
@@ -179,7 +218,7 @@ impl Seat<'_> {
             true => Evaluation::chord(cut, &fit.point, &[]).map_or(0.0, |_| self.lost(cut)),
             false => 0.0,
         };
-        Ok(Some((index, fit.point[index], fit.deviance() - self.own + lost)))
+        Ok(Some((index, fit.point[index], fit.deviance() - self.deviance + lost)))
     }
 }
 
@@ -215,55 +254,13 @@ fn resembled(steps: &[Step], effect: usize, index: usize) -> bool {
 /// How much the likelihood overstates: variance of the score over blocks against what independent rows would give.
 /// Varin, Reid and Firth, Statistica Sinica 21 (2011) 5, section 3.
 fn temper(last: &Evaluation, active: &[usize], effect: usize, candidates: &[Candidate]) -> f64 {
-    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    let free = continuous(candidates, active);
     let place = free.iter().position(|index| *index == effect);
     let bread = crate::statistics::linear::inverse(&submatrix(&last.total.gram, &last.places(&free)));
     match (place, bread, last.covariance(&free)) {
         (Some(i), Some(bread), Some(covariance)) => (covariance[(i, i)] / bread[(i, i)]).max(1.0),
         _ => 1.0,
     }
-}
-
-/// Loss if the effect's column were replaced by another's, its own gain times sin² of the angle between them, halved
-/// since columns are tangents and bend over a finite size; and that gain.
-fn predicted_loss(
-    last: &Evaluation,
-    others: &[usize],
-    effect: usize,
-    index: usize,
-    candidates: &[Candidate],
-) -> Option<(f64, f64)> {
-    if candidates[effect].is_discrete() {
-        return Some((0.0, 0.0));
-    }
-    let own = *last.places(&[effect]).first()?;
-    let places = last.places(others);
-    let gram = &last.total.gram;
-    let gram_oo = submatrix(gram, &places);
-    let across = |column: usize| DVector::from_fn(places.len(), |i, _| gram[(places[i], column)]);
-    let weights = if places.is_empty() { DVector::zeros(0) } else { solve(&gram_oo, &across(own))? };
-    let length = gram[(own, own)] - weights.dot(&across(own));
-    let size = last.point[effect] - candidates[effect].off;
-    let nonlinear = matches!(candidates[effect].motion, Motion::Saturation { .. });
-    last.perturbations
-        .iter()
-        .enumerate()
-        .filter(|(_, perturbation)| perturbation.candidate == index)
-        .map(|(column, _)| {
-            let there = across(column);
-            let product = gram[(own, column)] - weights.dot(&there);
-            let theirs = gram[(column, column)]
-                - if places.is_empty() {
-                    0.0
-                } else {
-                    solve(&gram_oo, &there).map_or(0.0, |w| w.dot(&there))
-                };
-            let cosine = if theirs > 0.0 { product * product / (length * theirs) } else { 0.0 };
-            let loss = size * size * length * (1.0 - cosine.min(1.0));
-            if nonlinear { 0.1 * loss } else { 0.5 * loss }
-        })
-        .min_by(f64::total_cmp)
-        .map(|loss| (loss, size * size * length))
 }
 
 /// A candidate in the place of an effect.
@@ -303,74 +300,6 @@ fn seen_from(
     }
     let there = Evaluation::chord(cut, &fit.point, &perturbations)?;
     Ok(linear_loss(&there, from.others, from.effect, other, candidates).map(|replaced| -replaced.loss))
-}
-
-/// Another column in the place of an effect's.
-struct Replaced {
-    loss: f64,
-    /// The value that the other would take.
-    x: f64,
-    /// The two columns.
-    own: usize,
-    other: usize,
-}
-
-/// Variance, in that of the noise, that right renderers add along what tells two columns apart.
-fn tolerance(last: &Evaluation, offsets: &DMatrix<f64>, others: &[usize], own: usize, other: usize) -> f64 {
-    let gram = &last.total.gram;
-    let mut rest = last.places(others);
-    rest.push(other);
-    let across = DVector::from_fn(rest.len(), |i, _| gram[(rest[i], own)]);
-    let Some(weights) = solve(&submatrix(gram, &rest), &across) else { return 0.0 };
-    let length = gram[(own, own)] - weights.dot(&across);
-    let off = offsets.row(own) - weights.transpose() * offsets.select_rows(&rest);
-    if length > 0.0 { off.norm_squared() / length } else { 0.0 }
-}
-
-/// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
-/// best of its columns.
-fn linear_loss(
-    last: &Evaluation,
-    others: &[usize],
-    effect: usize,
-    index: usize,
-    candidates: &[Candidate],
-) -> Option<Replaced> {
-    let size = last.point[effect] - candidates[effect].off;
-    // all of the effect at once, where that column is there; else its derivative
-    let whole = |perturbation: &Perturbation| perturbation.candidate == effect && perturbation.by == -size;
-    let own = last.perturbations.iter().position(whole).or(last.places(&[effect]).first().copied())?;
-    let rest = last.places(others);
-    let (gram, score) = (&last.total.gram, &last.total.score);
-    let across = |column: usize| DVector::from_fn(rest.len(), |i, _| gram[(rest[i], column)]);
-    // how the effects beside it follow a column: they are fitted again in both cases
-    let followed = |column: usize| match rest.is_empty() {
-        true => Some(DVector::zeros(0)),
-        false => solve(&submatrix(gram, &rest), &across(column)),
-    };
-    let own_followed = followed(own)?;
-    let aa = gram[(own, own)] - own_followed.dot(&across(own));
-    // what the residual would still take of a column, less what those beside it would take of that: where they resemble it, a value
-    // that is a hundredth of a standard error off asks for much of either and for nothing of their difference
-    let asks = |followed: &DVector<f64>, column: usize, along: f64| {
-        size * along + score[column] - followed.dot(&subvector(score, &rest))
-    };
-    let own_asks = asks(&own_followed, own, aa);
-    let columns =
-        last.perturbations.iter().enumerate().filter(|(_, perturbation)| perturbation.candidate == index);
-    columns
-        .filter_map(|(other, _)| {
-            let followed = followed(other)?;
-            let bb = gram[(other, other)] - followed.dot(&across(other));
-            let other_asks = asks(&followed, other, gram[(own, other)] - own_followed.dot(&across(other)));
-            let loss = own_asks * own_asks / aa - other_asks * other_asks / bb;
-            let x = candidates[index].off + other_asks / bb;
-            let steps = candidates[index].steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
-            let straight = (other_asks / bb).abs() <= SELECTION.classes_straight * steps;
-            (bb > 0.0 && straight && x >= candidates[index].range.0 && x <= candidates[index].range.1)
-                .then_some(Replaced { loss, x, own, other })
-        })
-        .min_by(|a, b| a.loss.total_cmp(&b.loss))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 use super::folds::Folds;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -95,7 +96,7 @@ impl Evaluation {
         evaluation
     }
 
-    /// The same residuals under another noise and size of discrepancy.
+    /// These residuals under the noise and the size of discrepancy of another evaluation.
     pub fn under(&self, other: &Evaluation) -> Self {
         let mut same = self.clone();
         rescale(&mut same.blocks, &self.sigmas, &other.sigmas);
@@ -105,7 +106,7 @@ impl Evaluation {
         same
     }
 
-    /// The same residuals with the noise of each signal given.
+    /// These residuals under the given noise of each signal.
     pub fn with(&self, noise: &[f64]) -> Self {
         let mut same = self.clone();
         rescale(&mut same.blocks, &self.sigmas, noise);
@@ -121,6 +122,7 @@ impl Evaluation {
         same
     }
 
+    /// Projects nuisances and discrepancy out of each block, and sums up.
     fn reduce(&mut self) {
         let discrepancy_sd = self.discrepancy_sd;
         let p = self.perturbations.len();
@@ -185,8 +187,8 @@ impl Evaluation {
             .sum()
     }
 
-    /// How far the active values would still move.
-    pub fn wanted(&self, active: &[usize]) -> Option<DVector<f64>> {
+    /// How far a Newton step would still move the coordinates of the active candidates.
+    pub fn newton_step(&self, active: &[usize]) -> Option<DVector<f64>> {
         let places = self.places(active);
         solve(&submatrix(&self.total.gram, &places), &subvector(&self.total.score, &places))
     }
@@ -204,6 +206,7 @@ impl Evaluation {
             .collect()
     }
 
+    /// Sum over the blocks of one fold.
     fn fold(&self, folds: &Folds, fold: usize) -> Reduced {
         let mut sum = Reduced::zero(self.perturbations.len());
         for (reduced, of) in self.reduced.iter().zip(&folds.of) {
@@ -249,6 +252,7 @@ impl Evaluation {
 /// say nothing of noise.
 fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
     let count = sigmas.len();
+    let pixels = |measures| matches!(measures, Measures::Centroid | Measures::Area);
     let each: Vec<Vec<(f64, f64)>> = blocks
         .par_iter()
         .map(|block| {
@@ -269,7 +273,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
                 each.iter().filter(|sums| sums[s].1 > 1.0).map(|sums| sums[s].0 / sums[s].1).collect();
             ratios.sort_by(f64::total_cmp);
             let most = match ratios.get(ratios.len() / 2) {
-                Some(median) if signals[s].unit != "px" => POLICY.wild * median,
+                Some(median) if !pixels(signals[s].measures) => POLICY.wild * median,
                 // areas in whole pixels may not scatter at all in most blocks
                 _ => f64::INFINITY,
             };
@@ -280,6 +284,7 @@ fn scatter(blocks: &[Block], sigmas: &[f64], signals: &[Signal]) -> Vec<f64> {
         .collect()
 }
 
+/// Puts other standard deviations of the signals in the place of those that rows were weighted by.
 fn rescale(blocks: &mut [Block], from: &[f64], to: &[f64]) {
     for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
         for (sigma, signal) in cell.sigma.iter_mut().zip(&cell.signal) {

@@ -4,6 +4,7 @@ use super::evaluation::Evaluation;
 use super::screen::{Hit, Screen};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
+use crate::rigs::acrobot::channels::Measures;
 use crate::rigs::acrobot::residual::{
     Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked,
 };
@@ -98,8 +99,15 @@ pub(crate) fn toy_like(
     policy: Policy,
     rows: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static,
 ) -> Tracked<Toy> {
-    let signal =
-        Signal { name: "plant.q1".into(), unit: "rad", known: None, sigma: 1.0, least: 0.0, tolerance: 0.0 };
+    let signal = Signal {
+        name: "plant.q1".into(),
+        unit: "rad",
+        measures: Measures::Angle,
+        known: None,
+        sigma: 1.0,
+        least: 0.0,
+        tolerance: 0.0,
+    };
     Tracked::new(Toy { rows: Box::new(rows), signals: vec![signal], policy })
 }
 

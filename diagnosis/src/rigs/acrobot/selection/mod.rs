@@ -1,36 +1,39 @@
 //! Forward selection on one cut: screen linearly, refit the best few through the units, accept what survives the
 //! bootstrap and the runs left out, drop what became superfluous, linearise again.
 
-mod bare;
 mod classes;
+mod column_loss;
 mod evaluation;
 mod evidence;
 #[cfg(test)]
 pub(crate) mod examples;
 mod folds;
-mod follow;
 pub(crate) mod policy;
 mod refit;
+mod replace_effect;
+mod restarted_fit;
 mod screen;
 mod search;
-mod seated;
 mod settle;
-mod starts;
-mod steady;
-mod switched;
-mod together;
+mod start_points;
+mod steadiness;
+mod subsets;
+mod switches;
 mod tolerance;
 mod trials;
+mod without_effect;
 
-pub use classes::{Alternative, CLASS, HOPELESS, alternatives};
+pub use classes::{Alternative, CLASS, HOPELESS, Questioned, alternatives};
 pub use evaluation::{Evaluation, all_perturbations, discrepancies};
 pub use evidence::{discrepancy, lacking};
 pub use folds::Folds;
 pub use refit::refit;
+pub use replace_effect::replace_effect;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
-pub use seated::seated;
-pub use steady::{Steadiness, steadiness};
+pub use steadiness::{Steadiness, steadiness};
+
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
 
 /// One step of the search, as the story tells it.
 #[derive(Debug, Clone)]
@@ -81,4 +84,11 @@ pub struct Study {
     pub discrepancy_dominated: bool,
     /// Standard deviation that noise alone gives a row of each signal, whatever the model.
     pub noise: Vec<f64>,
+}
+
+impl Study {
+    /// The active candidates whose coordinate is continuous.
+    pub fn continuous(&self, list: &[Candidate]) -> Vec<usize> {
+        continuous(list, &self.active)
+    }
 }

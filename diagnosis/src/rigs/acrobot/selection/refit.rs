@@ -1,9 +1,11 @@
 //! Fitting the values of the active candidates through the units: Gauss-Newton with bounds and a careful step.
 
+use super::Questioned;
 use super::evaluation::Evaluation;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::residual::{Perturbation, Tracked};
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
+use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::residual::{Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 
@@ -49,6 +51,33 @@ pub(super) fn refit_towards(
     fitted(cut, candidates, start, active, enough, |_, best| some_ran_away(best))
 }
 
+/// By how much the next step of a fit is damped, and by how much it goes beyond what columns predict.
+struct StepSize {
+    damping: f64,
+    stride: f64,
+    /// Damping of the first step after a refused one.
+    shorter: f64,
+}
+
+impl StepSize {
+    /// A step was taken that brought more than its columns predict, if `straight`.
+    fn taken(&mut self, straight: bool) {
+        self.stride = if straight && self.damping == 0.0 { SELECTION.stretch * self.stride } else { 1.0 };
+        self.damping *= 0.1;
+    }
+
+    /// A step was refused: the next one is shorter. Whether there is a next one.
+    fn refused(&mut self) -> bool {
+        if self.stride > 1.0 {
+            self.stride = 1.0;
+            return true;
+        }
+        self.damping = (10.0 * self.damping).max(self.shorter);
+        self.damping <= 1e4
+    }
+}
+
+/// Fits `active` from `start`, by chord steps; where the arm sticks and the first evaluation is `doubted`, by a linearisation at each.
 fn fitted(
     cut: &mut Tracked,
     candidates: &[Candidate],
@@ -57,23 +86,16 @@ fn fitted(
     enough: f64,
     doubted: fn(&Tracked, &Evaluation) -> bool,
 ) -> Result<Evaluation, Error> {
-    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
-    cut.restore_linearised();
-    let mut best = chord(cut, candidates, start, &free)?;
-    let sticks = free.iter().any(|index| candidates[*index].sticks());
-    // columns and start states of another friction hold for no window in which the arm sticks
-    let chords = cut.policy().lattice || !sticks || !doubted(cut, &best);
+    let free = continuous(candidates, active);
+    let (mut best, chords) = first_evaluation(cut, candidates, start, &free, doubted)?;
     let judge = if chords { chord } else { linearised };
-    if !chords {
-        best = linearised(cut, candidates, start, &free)?;
-    }
     // where each step settles them anew, a refused one must leave no trace
     let mut settled = cut.nuisances.clone();
     let shorter = if cut.policy().lattice { SELECTION.shorter_seen } else { SELECTION.shorter };
-    let (mut damping, mut stride): (f64, f64) = (0.0, 1.0);
+    let mut step = StepSize { damping: 0.0, stride: 1.0, shorter };
     for _ in 0..SELECTION.rounds {
-        let Some((next, predicted)) = propose(&best, candidates, &free, damping, stride) else { break };
-        let least = if damping < shorter { SELECTION.settled } else { SELECTION.refused };
+        let Some((next, predicted)) = propose(&best, candidates, &free, &step) else { break };
+        let least = if step.damping < shorter { SELECTION.settled } else { SELECTION.refused };
         if predicted < least || best.deviance() - SELECTION.reach * predicted > enough {
             break;
         }
@@ -81,32 +103,24 @@ fn fitted(
         let lower = |bare: Evaluation| bare.deviance() < best.deviance();
         let taken = !cut.policy().steady || judge(cut, candidates, &next, &[]).is_ok_and(lower);
         let trial = if taken { judge(cut, candidates, &next, &free).ok() } else { None };
-        match trial {
-            Some(trial) if trial.deviance() < best.deviance() => {
-                let straight =
-                    best.deviance() - trial.deviance() > SELECTION.refit_straight * stride * predicted;
-                stride = if straight && damping == 0.0 { SELECTION.stretch * stride } else { 1.0 };
-                best = trial;
-                damping *= 0.1;
-                settled = cut.nuisances.clone();
-            }
-            _ if predicted < SELECTION.refused && stride == 1.0 => break,
-            _ => {
-                // what the refused step did to nuisances is no beginning for the next one
-                if chords {
-                    cut.restore_linearised();
-                } else {
-                    cut.restore(&settled);
-                }
-                if stride > 1.0 {
-                    stride = 1.0;
-                    continue;
-                }
-                damping = (10.0 * damping).max(shorter);
-                if damping > 1e4 {
-                    break;
-                }
-            }
+        if let Some(trial) = trial.filter(|trial| trial.deviance() < best.deviance()) {
+            let decrease = best.deviance() - trial.deviance();
+            step.taken(decrease > SELECTION.refit_straight * step.stride * predicted);
+            best = trial;
+            settled = cut.nuisances.clone();
+            continue;
+        }
+        if predicted < SELECTION.refused && step.stride == 1.0 {
+            break;
+        }
+        // what the refused step did to nuisances is no beginning for the next one
+        if chords {
+            cut.restore_linearised();
+        } else {
+            cut.restore(&settled);
+        }
+        if !step.refused() {
+            break;
         }
     }
     if !chords {
@@ -115,16 +129,27 @@ fn fitted(
     Ok(best)
 }
 
-/// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
-/// one, less what they predict.
-pub(super) fn own_fit(
+/// Where a fit begins, and whether it goes on by chord steps: columns and start states of another friction hold for no window in which the
+/// arm sticks.
+fn first_evaluation(
     cut: &mut Tracked,
     candidates: &[Candidate],
-    last: &Evaluation,
-    active: &[usize],
-    effect: usize,
-) -> Result<(f64, f64), Error> {
-    let free: Vec<usize> = active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+    start: &[f64],
+    free: &[usize],
+    doubted: fn(&Tracked, &Evaluation) -> bool,
+) -> Result<(Evaluation, bool), Error> {
+    cut.restore_linearised();
+    let first = chord(cut, candidates, start, free)?;
+    let sticks = free.iter().any(|index| candidates[*index].sticks());
+    let chords = cut.policy().lattice || !sticks || !doubted(cut, &first);
+    Ok((if chords { first } else { linearised(cut, candidates, start, free)? }, chords))
+}
+
+/// The coordinate of the effect and the deviance of its own fit: where the last linearisation predicts little more decrease, it is that
+/// one, less what they predict.
+pub(super) fn own_fit(cut: &mut Tracked, asked: &Questioned<'_>) -> Result<(f64, f64), Error> {
+    let Questioned { candidates, last, active, effect, .. } = *asked;
+    let free = continuous(candidates, active);
     let predicted = last
         .predicted_decrease(&free)
         .filter(|predicted| !cut.policy().lattice && *predicted < SELECTION.refused);
@@ -162,6 +187,7 @@ fn linearised(
     Evaluation::at(cut, point, &derivatives(candidates, point, free))
 }
 
+/// A small step of each free candidate, for its derivative.
 fn derivatives(candidates: &[Candidate], point: &[f64], free: &[usize]) -> Vec<Perturbation> {
     let derivative = |index: &usize| Perturbation {
         candidate: *index,
@@ -176,8 +202,7 @@ fn propose(
     best: &Evaluation,
     candidates: &[Candidate],
     free: &[usize],
-    damping: f64,
-    stride: f64,
+    step: &StepSize,
 ) -> Option<(Vec<f64>, f64)> {
     let total = followed(best, candidates, free);
     let mut moving: Vec<usize> = (0..free.len()).collect();
@@ -188,7 +213,7 @@ fn propose(
         }
         let mut gram = submatrix(&total.gram, &moving);
         for i in 0..moving.len() {
-            gram[(i, i)] *= 1.0 + damping;
+            gram[(i, i)] *= 1.0 + step.damping;
         }
         let score = subvector(&total.score, &moving);
         let shift = solve(&gram, &score)?;
@@ -197,9 +222,9 @@ fn propose(
         for (i, place) in moving.iter().enumerate() {
             let candidate = &candidates[free[*place]];
             let x = best.point[free[*place]];
-            let wanted = limited(candidate, x, x + stride * shift[i]);
-            let within = wanted.clamp(candidate.range.0, candidate.range.1);
-            if within != wanted && within == x {
+            let target = limited(candidate, x, x + step.stride * shift[i]);
+            let within = target.clamp(candidate.range.0, candidate.range.1);
+            if within != target && within == x {
                 stopped.push(*place);
             }
             next[free[*place]] = within;
@@ -224,9 +249,9 @@ fn some_ran_away(best: &Evaluation) -> bool {
 
 /// Encoders are fine enough to see how the arm sticks, and more is left in some windows than noise leaves.
 fn some_doubted(cut: &Tracked, best: &Evaluation) -> bool {
+    let angle = |signal: &Signal| matches!(signal.measures, Measures::Angle | Measures::VisionAngle);
     let mut sigmas = cut.signals().iter().zip(&best.sigmas);
-    let fine =
-        sigmas.any(|(signal, sigma)| signal.unit == "rad" && signal.known.unwrap_or(*sigma) < SELECTION.fine);
+    let fine = sigmas.any(|(signal, sigma)| angle(signal) && signal.known.unwrap_or(*sigma) < SELECTION.fine);
     if !fine || cut.nuisances.in_vain {
         return false;
     }
@@ -310,7 +335,9 @@ mod tests {
             let candidates = [candidate(Side::Plant, false)];
             let mut cut = toy(move |x| vec![decrease.sqrt() - x[0]]);
             let last = linearised(&mut cut, &candidates, &[0.0], &[0]).expect("runs");
-            let (x, deviance) = own_fit(&mut cut, &candidates, &last, &[0], 0).expect("runs");
+            let asked =
+                Questioned { candidates: &candidates, last: &last, active: &[0], effect: 0, steps: &[] };
+            let (x, deviance) = own_fit(&mut cut, &asked).expect("runs");
             assert!(deviance.abs() < 1e-9, "{deviance}");
             x
         };

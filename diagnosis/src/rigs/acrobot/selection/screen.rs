@@ -44,23 +44,45 @@ pub struct Screen {
     pub p_value: f64,
 }
 
+/// What the columns of all perturbations predict, each by itself beside the active ones.
+struct Columns {
+    scores: Scores,
+    /// Decrease of the sum of squares.
+    gains: Vec<f64>,
+    /// Displacement of x that each asks for.
+    displacements: Vec<f64>,
+    /// Standard error of that.
+    errors: Vec<f64>,
+}
+
 /// Screens every column that is not active.
 pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize]) -> Screen {
+    let columns = score_columns(evaluation, candidates, active);
+    let null = Null::of(&columns.scores);
+    let hits = best_columns(evaluation, &columns);
+    let best = hits.iter().map(|hit| hit.statistic).fold(0.0, f64::max);
+    let p_value = null.p_value(best);
+    Screen { hits, null, errors: columns.errors, p_value }
+}
+
+/// Scores each column that is not active, block by block.
+fn score_columns(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize]) -> Columns {
     let total = &evaluation.total;
-    let columns = evaluation.perturbations.len();
+    let count = evaluation.perturbations.len();
     let places = evaluation.places(active);
     let gram_aa = submatrix(&total.gram, &places);
     let score_a = subvector(&total.score, &places);
-    let blocks = evaluation.reduced.len();
-    let mut scores = Scores {
-        blocks: DMatrix::zeros(blocks, columns),
-        total: DVector::zeros(columns),
-        deviation: DVector::zeros(columns),
-        sided: vec![0; columns],
+    let mut columns = Columns {
+        scores: Scores {
+            blocks: DMatrix::zeros(evaluation.reduced.len(), count),
+            total: DVector::zeros(count),
+            deviation: DVector::zeros(count),
+            sided: vec![0; count],
+        },
+        gains: vec![0.0; count],
+        displacements: vec![0.0; count],
+        errors: vec![f64::INFINITY; count],
     };
-    let mut gains = vec![0.0; columns];
-    let mut displacements = vec![0.0; columns];
-    let mut errors = vec![f64::INFINITY; columns];
     let integrated =
         evaluation.blocks.iter().flat_map(|block| &block.cells).all(|cell| cell.floor.is_empty());
     let excited = if integrated { SELECTION.excited } else { SELECTION.excited_torque };
@@ -79,39 +101,52 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
             continue;
         }
         let score = total.score[column] - weights.dot(&score_a);
-        let mut squares = 0.0;
-        let shift = score / length;
-        for (row, reduced) in evaluation.reduced.iter().enumerate() {
-            let own = reduced.score[column] - weights.dot(&subvector(&reduced.score, &places));
-            // about the fit: an effect that shows in a few blocks must not count as scatter between blocks
-            let centred = own - shift * own_length(&reduced.gram, column, &places, &weights);
-            scores.blocks[(row, column)] = centred;
-            squares += centred * centred;
-        }
+        columns.gains[column] = score * score / length;
+        columns.displacements[column] = score / length;
+        let scores = &mut columns.scores;
+        let squares = score_blocks(evaluation, (column, score / length), &places, &weights, scores);
         scores.total[column] = score;
         scores.deviation[column] = squares.max(length).sqrt();
-        errors[column] = scores.deviation[column] / length;
-        scores.sided[column] = sided(
-            &candidates[perturbation.candidate],
-            evaluation.point[perturbation.candidate],
-            perturbation.by,
-        );
-        gains[column] = score * score / length;
-        displacements[column] = shift;
+        columns.errors[column] = scores.deviation[column] / length;
+        let x = evaluation.point[perturbation.candidate];
+        scores.sided[column] = sided(&candidates[perturbation.candidate], x, perturbation.by);
     }
-    let null = Null::of(&scores);
+    columns
+}
+
+/// The scores of a column in each block, beside active ones with these weights, and the sum of their squares. They are taken about the fit,
+/// `shift` along the column: an effect that shows in a few blocks must not count as scatter between blocks.
+fn score_blocks(
+    evaluation: &Evaluation,
+    (column, shift): (usize, f64),
+    places: &[usize],
+    weights: &DVector<f64>,
+    scores: &mut Scores,
+) -> f64 {
+    let mut squares = 0.0;
+    for (row, reduced) in evaluation.reduced.iter().enumerate() {
+        let own = reduced.score[column] - weights.dot(&subvector(&reduced.score, places));
+        let centred = own - shift * own_length(&reduced.gram, column, places, weights);
+        scores.blocks[(row, column)] = centred;
+        squares += centred * centred;
+    }
+    squares
+}
+
+/// The best column of each candidate, largest gain first.
+fn best_columns(evaluation: &Evaluation, columns: &Columns) -> Vec<Hit> {
     let mut hits: Vec<Hit> = Vec::new();
     for (column, perturbation) in evaluation.perturbations.iter().enumerate() {
-        let statistic = scores.statistic(column);
+        let statistic = columns.scores.statistic(column);
         if statistic == 0.0 {
             continue;
         }
         let hit = Hit {
             candidate: perturbation.candidate,
             column,
-            gain: gains[column],
+            gain: columns.gains[column],
             statistic,
-            displacement: displacements[column],
+            displacement: columns.displacements[column],
         };
         match hits.iter_mut().find(|known| known.candidate == perturbation.candidate) {
             Some(known) if known.gain < hit.gain => *known = hit,
@@ -120,9 +155,7 @@ pub fn screen(evaluation: &Evaluation, candidates: &[Candidate], active: &[usize
         }
     }
     hits.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let best = hits.iter().map(|hit| hit.statistic).fold(0.0, f64::max);
-    let p_value = null.p_value(best);
-    Screen { hits, null, errors, p_value }
+    hits
 }
 
 /// A block's share of a column's squared length, active ones taken out.

@@ -5,17 +5,17 @@ use super::evaluation::{Evaluation, all_perturbations};
 use super::folds::Folds;
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
-use super::switched::switched;
+use super::switches::best_switch;
 use super::trials::{Accepted, Trials, shortlist};
-use super::{Alternative, Step, Study};
+use super::{Alternative, Questioned, Step, Study};
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::floor;
+use crate::rigs::acrobot::candidates::{Candidate, continuous};
+use crate::rigs::acrobot::noise_floor;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
 
-mod at_once;
+mod subset_steps;
 
 /// What ends early where time is up.
 pub(super) const SEARCH: &str = "the search for effects";
@@ -37,7 +37,7 @@ pub fn study(
 /// Says of the effects that are on whether to search no further.
 pub type Enough<'a> = &'a mut dyn FnMut(&[usize], &mut Watch<'_>) -> Result<bool, Error>;
 
-/// The same, ended when it is `enough`.
+/// Selects on one cut as [`study`] does, ended when it is `enough`.
 ///
 /// # Errors
 /// A unit failed at the nominal model.
@@ -62,6 +62,7 @@ pub fn study_until(
     Ok(search.end())
 }
 
+/// A search on one cut, as far as it has come.
 struct Search<'a> {
     cut: &'a mut Tracked,
     candidates: &'a [Candidate],
@@ -70,7 +71,7 @@ struct Search<'a> {
     nominal: Evaluation,
     last: Evaluation,
     found: Screen,
-    /// Those that turned out to be superfluous, or to explain no runs that were left out.
+    /// Candidates that turned out to be superfluous, or to explain no runs that were left out.
     refused: Vec<usize>,
     /// All that were ever accepted, and who took whose place.
     accepted: Vec<usize>,
@@ -84,6 +85,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
+    /// Linearises the nominal model, and the model with the `known` effects on if there are any.
     fn begin(
         cut: &'a mut Tracked,
         candidates: &'a [Candidate],
@@ -142,7 +144,7 @@ impl<'a> Search<'a> {
             held_out: (f64::NAN, f64::NAN),
         };
         watch.stage(self.cut.name());
-        let Some(Accepted { candidate, trial, held_out }) = self.best(watch)? else {
+        let Some(Accepted { candidate, trial, held_out }) = self.best_candidate(watch)? else {
             self.steps.push(step);
             return Ok(false);
         };
@@ -162,21 +164,21 @@ impl<'a> Search<'a> {
         } else {
             // accepted and swapped away in turns, two would go on for ever
             self.vain += usize::from(again);
-            self.doubt(candidate, watch)?;
+            self.ask_second_opinion(candidate, watch)?;
         }
         Ok(true)
     }
 
     /// The likeliest of what isn't on yet, if it is worth a name.
-    fn best(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
+    fn best_candidate(&mut self, watch: &mut Watch<'_>) -> Result<Option<Accepted>, Error> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
         let cut: &mut Tracked = cut;
         let threshold = found.null.threshold(SELECTION.alpha);
         let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().discrepancy_dominated);
-        let switched = switched(cut, candidates, last, active, refused, in_vain)?;
+        let switched = best_switch(cut, candidates, last, active, refused, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };
-        match set.best(cut, &shortlist, switched, refused, watch)? {
-            None => set.sparse(cut, refused),
+        match set.best_that_holds(cut, &shortlist, switched, refused, watch)? {
+            None => set.best_of_sparse(cut, refused),
             best => Ok(best),
         }
     }
@@ -189,7 +191,7 @@ impl<'a> Search<'a> {
         self.cut.reset();
         step.dropped = settle(self.cut, self.candidates, &mut self.active, &mut point)?;
         self.last = linearise(self.cut, self.candidates, &point, &self.active)?;
-        step.dropped.extend(self.again()?);
+        step.dropped.extend(self.settle_again()?);
         step.mean_square.1 = mean_square(&self.last);
         self.refused.extend(&step.dropped);
         Ok(())
@@ -200,29 +202,30 @@ impl<'a> Search<'a> {
         for candidate in self.active.clone() {
             if self.active.contains(&candidate) {
                 self.class = None;
-                self.doubt(candidate, watch)?;
+                self.ask_second_opinion(candidate, watch)?;
             }
         }
         Ok(())
     }
 
     /// A second opinion on what was accepted last.
-    fn doubt(&mut self, candidate: usize, watch: &mut Watch<'_>) -> Result<(), Error> {
+    fn ask_second_opinion(&mut self, candidate: usize, watch: &mut Watch<'_>) -> Result<(), Error> {
         let Self { cut, candidates, last, active, steps, .. } = self;
         let before: Vec<usize> =
             self.swaps.iter().filter(|(out, _)| *out == candidate).map(|(_, into)| *into).collect();
-        let opinion = second_opinion(cut, candidates, last, active, candidate, &before, steps, watch)?;
-        let other = match opinion {
+        let asked = Questioned { candidates, last, active, effect: candidate, steps };
+        let (active, other) = match second_opinion(cut, &asked, &before, watch)? {
             Opinion::Stays(others) => {
                 self.class = Some((candidate, others));
                 return Ok(());
             }
-            Opinion::Swapped(other) => other,
+            Opinion::Swapped { active, point } => (active, point),
         };
+        self.active = active;
         let swapped = self.active.last().copied();
         self.swaps.extend(swapped.map(|into| (candidate, into)));
         self.last = linearise(self.cut, self.candidates, &other, &self.active)?;
-        let dropped = self.again()?;
+        let dropped = self.settle_again()?;
         self.found = screen(&self.last, self.candidates, &self.active);
         self.refused.extend(&dropped);
         // what was swapped for it could be accepted again and again
@@ -237,11 +240,10 @@ impl<'a> Search<'a> {
 
     /// Fits again and linearises again where a linearisation has put frames elsewhere, so that values aren't at their best any more. Answers who
     /// was dropped.
-    fn again(&mut self) -> Result<Vec<usize>, Error> {
+    fn settle_again(&mut self) -> Result<Vec<usize>, Error> {
         let mut dropped = Vec::new();
         for _ in 0..SELECTION.again {
-            let continuous = |index: &usize| !self.candidates[*index].is_discrete();
-            let free: Vec<usize> = self.active.iter().copied().filter(continuous).collect();
+            let free = continuous(self.candidates, &self.active);
             let settled =
                 self.last.predicted_decrease(&free).is_none_or(|predicted| predicted < SELECTION.unsettled);
             if settled || !self.cut.policy().free_pose {
@@ -254,6 +256,7 @@ impl<'a> Search<'a> {
         Ok(dropped)
     }
 
+    /// What was found.
     fn end(self) -> Study {
         let cut = self.cut;
         Study {
@@ -261,8 +264,8 @@ impl<'a> Search<'a> {
             explained: cut.policy().explained,
             tick_drift: cut.policy().tick_drift,
             discrepancy_dominated: cut.policy().discrepancy_dominated,
-            seen: seen(cut, self.candidates),
-            noise: floor::of(&self.nominal, &self.last, cut.signals()),
+            seen: candidates_seen(cut, self.candidates),
+            noise: noise_floor::estimate(&self.nominal, &self.last, cut.signals()),
             active: self.active,
             nominal: self.nominal,
             last: self.last,
@@ -274,7 +277,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
+/// Indices of the candidates that a cut sees.
+fn candidates_seen(cut: &Tracked, candidates: &[Candidate]) -> Vec<usize> {
     (0..candidates.len()).filter(|index| cut.sees(&candidates[*index])).collect()
 }
 

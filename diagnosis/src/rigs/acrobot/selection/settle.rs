@@ -1,11 +1,10 @@
 //! After a candidate was accepted: values and nuisances settle, what became superfluous goes, and a second opinion.
 
-use super::Step;
-use super::classes::{Alternative, alternatives};
+use super::classes::{Alternative, Questioned, alternatives};
 use super::evaluation::Evaluation;
 use super::refit::refit_closely;
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::candidates::{Candidate, Side, continuous};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -15,25 +14,21 @@ use crate::watch::Watch;
 pub(super) enum Opinion {
     /// The effect stays where it is; all that could stand in its place.
     Stays(Vec<Alternative>),
-    /// Another took its place, at this point.
-    Swapped(Vec<f64>),
+    /// Another takes its place: the effects then, that one last, and the coordinates of all candidates.
+    Swapped { active: Vec<usize>, point: Vec<f64> },
 }
 
 /// Asks at the fitted model, where noise is small again and columns are short, whether another candidate in the place of
-/// the one just accepted is better, and puts it there: at the model before, what was missing counted as noise. Not one that had its
+/// the one just accepted is better, and settles it there: at the model before, what was missing counted as noise. Not one that had its
 /// place `before`, and lost it again.
-#[allow(clippy::too_many_arguments)] // one stage of the search: a struct would only rename its locals
 pub(super) fn second_opinion(
     cut: &mut Tracked,
-    candidates: &[Candidate],
-    last: &Evaluation,
-    active: &mut Vec<usize>,
-    candidate: usize,
+    asked: &Questioned<'_>,
     before: &[usize],
-    steps: &[Step],
     watch: &mut Watch<'_>,
 ) -> Result<Opinion, Error> {
-    let others = alternatives(cut, candidates, last, active, candidate, steps, watch)?;
+    let Questioned { candidates, last, active, effect: candidate, .. } = *asked;
+    let others = alternatives(cut, asked, watch)?;
     let kept = cut.nuisances.clone();
     let own = others.iter().find(|other| other.candidate == candidate).map_or(0.0, |own| own.loss);
     let first = others.first().filter(|best| !before.contains(&best.candidate));
@@ -54,8 +49,7 @@ pub(super) fn second_opinion(
             return Ok(Opinion::Stays(others));
         }
     }
-    *active = swapped;
-    Ok(Opinion::Swapped(point))
+    Ok(Opinion::Swapped { active: swapped, point })
 }
 
 /// Nuisances and values in turns, until no value moves much. Answers who was dropped.
@@ -110,8 +104,7 @@ fn prune(
     loop {
         let fit = refit_closely(cut, candidates, point, active, f64::INFINITY)?;
         point.clone_from(&fit.point);
-        let free: Vec<usize> =
-            active.iter().copied().filter(|index| !candidates[*index].is_discrete()).collect();
+        let free = continuous(candidates, active);
         let Some(covariance) = fit.covariance(&free) else {
             let Some(dead) = idle(cut, candidates, &fit, &free)? else { return Ok((dropped, tiny)) };
             active.retain(|other| *other != dead);

@@ -1,4 +1,4 @@
-//! Who is fitted, from where, and who of them is accepted.
+//! Trials of the search: which candidates are fitted, from which coordinates, and which of them is accepted.
 
 use super::classes::HOPELESS;
 use super::evaluation::Evaluation;
@@ -36,7 +36,7 @@ pub(super) struct Trials<'a> {
 
 impl Trials<'_> {
     /// Fits the shortlist and takes the best that also explains the runs left out.
-    pub(super) fn best(
+    pub(super) fn best_that_holds(
         &self,
         cut: &mut Tracked,
         shortlist: &[Hit],
@@ -44,18 +44,18 @@ impl Trials<'_> {
         refused: &mut Vec<usize>,
         watch: &mut Watch<'_>,
     ) -> Result<Option<Accepted>, Error> {
-        // half a law of motion is a matter of fits, whatever columns say
+        // a switch is judged by fits: columns say nothing of terms that are left out of the equations of motion
         let small = switched.is_none();
         let large = SELECTION.large * self.last.total.square;
         let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
         let of_log = |hit: &Hit| self.candidates[hit.candidate].side.is_of_log();
         if linear && !cut.policy().free_pose && !shortlist.iter().any(of_log) {
-            return Ok(self.first(cut, shortlist, refused, watch));
+            return Ok(self.first_that_holds(cut, shortlist, refused, watch));
         }
         let mut trials: Vec<Trial> = Vec::new();
         if let Some((candidate, decrease, trial)) = switched {
             let left = trial.deviance();
-            let trial = self.followed(cut, candidate, trial);
+            let trial = self.refit_from_end(cut, candidate, trial);
             trials.push((candidate, decrease + left - trial.deviance(), trial));
         }
         for (place, hit) in shortlist.iter().enumerate() {
@@ -63,8 +63,8 @@ impl Trials<'_> {
                 break;
             }
             watch.trying(self.candidates[hit.candidate].name, place + 1, shortlist.len());
-            let enough = self.least(cut, hit, &trials);
-            self.fit(cut, hit, enough, &mut trials);
+            let enough = self.least_deviance(cut, hit, &trials);
+            self.fit_from_starts(cut, hit, enough, &mut trials);
         }
         if linear {
             trials.iter_mut().for_each(|trial| trial.1 = self.gain(trial.0));
@@ -82,8 +82,8 @@ impl Trials<'_> {
         Ok(None)
     }
 
-    /// The first of a shortlist by columns, best first, that explains the runs left out: nobody behind it needs a fit.
-    fn first(
+    /// The first of a shortlist by columns, best first, that explains the runs left out: those behind it need no fit.
+    fn first_that_holds(
         &self,
         cut: &mut Tracked,
         shortlist: &[Hit],
@@ -99,7 +99,7 @@ impl Trials<'_> {
             watch.trying(self.candidates[candidate].name, place + 1, shortlist.len());
             let own = trials.len();
             let straight = self.is_straight(candidate) && !hit.shows_seldom(self.candidates);
-            self.fit(cut, hit, f64::INFINITY, &mut trials);
+            self.fit_from_starts(cut, hit, f64::INFINITY, &mut trials);
             for place in own..trials.len() {
                 let held_out = self.held_out(&trials[place].2, candidate, straight);
                 if held_out.1 < held_out.0 {
@@ -120,7 +120,7 @@ impl Trials<'_> {
 
     /// The deviance that a fit to an image must come down to, if only the best counts: near that of the best so far. Faults of the log are
     /// weighed otherwise, and where images follow a plant a fit leaves frames elsewhere for the next one.
-    fn least(&self, cut: &Tracked, hit: &Hit, trials: &[Trial]) -> f64 {
+    fn least_deviance(&self, cut: &Tracked, hit: &Hit, trials: &[Trial]) -> f64 {
         let mut all = trials.iter().map(|trial| trial.0).chain([hit.candidate]);
         let of_log = all.any(|candidate| self.candidates[candidate].side.is_of_log());
         if !cut.policy().lattice || cut.policy().free_pose || of_log {
@@ -131,7 +131,11 @@ impl Trials<'_> {
 
     /// What shows in a few windows only, a saturation or a short delay, has a small statistic over all blocks. Where more than noise
     /// remains of a plant and nothing else is named, the likeliest is taken with which the residual is noise, if runs left out agree.
-    pub(super) fn sparse(&self, cut: &mut Tracked, refused: &[usize]) -> Result<Option<Accepted>, Error> {
+    pub(super) fn best_of_sparse(
+        &self,
+        cut: &mut Tracked,
+        refused: &[usize],
+    ) -> Result<Option<Accepted>, Error> {
         let (explained, pictured) = (cut.policy().explained, cut.policy().lattice);
         let driven = !pictured || cut.policy().free_pose;
         if cut.policy().discrepancy_dominated
@@ -143,10 +147,10 @@ impl Trials<'_> {
         let kept = cut.nuisances.clone();
         let plants = |hit: &&Hit| !pictured || self.candidates[hit.candidate].side == Side::Plant;
         let mut trials: Vec<Trial> = Vec::new();
-        let hits = self.pure();
+        let hits = self.hits_without_discrepancy();
         let open = hits.iter().filter(|hit| !refused.contains(&hit.candidate) && hit.gain > SELECTION.sparse);
         for hit in open.filter(plants).take(SELECTION.sparse_trials) {
-            self.fit(cut, hit, f64::INFINITY, &mut trials);
+            self.fit_from_starts(cut, hit, f64::INFINITY, &mut trials);
         }
         trials.retain(|(_, decrease, _)| *decrease > SELECTION.sparse);
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -164,7 +168,7 @@ impl Trials<'_> {
 
     /// What each could take away at most, best first: beside the discrepancy that is reckoned with, or in its place. What pushes all
     /// along, a bias, passes for discrepancy and then for nothing.
-    fn pure(&self) -> Vec<Hit> {
+    fn hits_without_discrepancy(&self) -> Vec<Hit> {
         let hard = self.last.hard();
         let more = self.last.deviance() - hard.deviance();
         let mut hits = self.found.hits.clone();
@@ -180,7 +184,7 @@ impl Trials<'_> {
     }
 
     /// Fits a hit from wherever that may begin, and no further where the deviance won't come down to `enough`.
-    fn fit(&self, cut: &mut Tracked, hit: &Hit, enough: f64, into: &mut Vec<Trial>) {
+    fn fit_from_starts(&self, cut: &mut Tracked, hit: &Hit, enough: f64, into: &mut Vec<Trial>) {
         let mut beginnings = starts(self.candidates, self.last, hit);
         let mut place = 0;
         while let Some(x) = beginnings.get(place).copied() {
@@ -188,15 +192,15 @@ impl Trials<'_> {
             let mut point = self.last.point.clone();
             point[hit.candidate] = x;
             // a value that the unit refuses is no trial
-            let active = with(self.active, hit.candidate);
+            let active = active_with(self.active, hit.candidate);
             let Ok(trial) = refit_closely(cut, self.candidates, &point, &active, enough) else { continue };
             let best = into.iter().map(|trial| trial.2.deviance()).fold(self.last.deviance(), f64::min);
-            let trial = self.found_back(cut, hit.candidate, &point, trial);
+            let trial = self.refit_lost_windows(cut, hit.candidate, &point, trial);
             let trial =
-                if trial.deviance() < best { self.followed(cut, hit.candidate, trial) } else { trial };
+                if trial.deviance() < best { self.refit_from_end(cut, hit.candidate, trial) } else { trial };
             // the largest whole number that was tried needn't be the largest that fits
             if trial.deviance() < best && place == beginnings.len() {
-                beginnings.extend(self.candidates[hit.candidate].after(x));
+                beginnings.extend(self.candidates[hit.candidate].count_after(x));
             }
             // a composite likelihood's gain counts as much as its blocks agree
             let temper = if cut.policy().discrepancy_dominated {
@@ -228,20 +232,21 @@ impl Trials<'_> {
         }
     }
 
-    /// Of the angle between the columns of two candidates.
+    /// Cosine of the angle between the columns of two candidates.
     fn cosine(&self, one: usize, other: usize) -> f64 {
         let places = self.last.places(&[one, other]);
         let gram = submatrix(&self.last.total.gram, &places);
         if places.len() < 2 { 0.0 } else { gram[(0, 1)].abs() / (gram[(0, 0)] * gram[(1, 1)]).sqrt() }
     }
 
+    /// Decrease of the squares that the screen predicts of a candidate.
     fn gain(&self, index: usize) -> f64 {
         self.found.hits.iter().find(|hit| hit.candidate == index).map_or(0.0, |hit| hit.gain)
     }
 
     /// Held-out squares without and with a candidate.
     fn held_out(&self, trial: &Evaluation, candidate: usize, linear: bool) -> (f64, f64) {
-        let more = with(self.active, candidate);
+        let more = active_with(self.active, candidate);
         if linear {
             return (self.last.held_out(self.folds, self.active), self.last.held_out(self.folds, &more));
         }
@@ -256,7 +261,7 @@ pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
     candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
 }
 
-/// Who is worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
+/// Candidates that are worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
 /// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
 /// large it is, so below the threshold it still competes by its gain.
 pub(super) fn shortlist(
@@ -287,7 +292,8 @@ pub(super) fn shortlist(
     hits
 }
 
-pub(super) fn with(active: &[usize], candidate: usize) -> Vec<usize> {
+/// The active candidates and one more.
+pub(super) fn active_with(active: &[usize], candidate: usize) -> Vec<usize> {
     let mut all = active.to_vec();
     all.push(candidate);
     all
@@ -303,7 +309,7 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
         let near = |at: &f64| (at - wanted).abs() <= 1.0;
         let all: Vec<f64> = candidate.steps.iter().map(|step| candidate.off + step).collect();
         let some: Vec<f64> = all.iter().copied().filter(near).collect();
-        // who is wanted beyond the largest that is tried begins there
+        // a fit to beyond the largest value that is tried begins there
         let nearest = all.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
         return if some.is_empty() { nearest.into_iter().collect() } else { some };
     }
@@ -327,7 +333,7 @@ mod tests {
     #[test]
     fn a_clock_is_doubted_only_where_stamps_scatter() {
         let clock = Candidate {
-            name: crate::rigs::acrobot::candidates::CLOCK,
+            name: "a clock",
             side: Side::Clock,
             phrase: "",
             motion: Motion::Switch,

@@ -3,11 +3,11 @@
 use crate::diagnosis::{Effect, Gap, Unknown};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction::Correction;
-use crate::rigs::acrobot::selection::Study;
+use crate::rigs::acrobot::selection::{Step, Study};
 pub use crate::text::brief;
 
 /// One study in sentences.
-pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
+pub fn of_study(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: the nominal model leaves {} {} of {} (noise alone: {}).",
         study.name,
@@ -26,28 +26,7 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             ));
             continue;
         }
-        let best: Vec<String> = step
-            .best
-            .iter()
-            .take(4)
-            .map(|hit| format!("{} ({:.1})", list[hit.candidate].name, hit.statistic))
-            .collect();
-        let looked = if best.is_empty() { "no candidate".into() } else { best.join(", ") };
-        match step.accepted {
-            Some(index) => lines.push(format!(
-                "The residual looks most like {looked} (in standard deviations; by chance the best of all would look so \
-                 with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
-                step.p_value,
-                list[index].name,
-                list[index].phrase,
-                decrease(step.mean_square)
-            )),
-            None => lines.push(format!(
-                "What remains resembles {looked}; the best of all candidates looks so by chance with probability \
-                 {:.3}. Nothing more is named.",
-                step.p_value
-            )),
-        }
+        lines.push(of_step(step, list));
         for index in &step.dropped {
             let why = match list[*index].side {
                 Side::Camera => "became superfluous, or is no larger than what right renderers differ by,",
@@ -56,21 +35,51 @@ pub fn of(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) 
             lines.push(format!("{} {why} and was dropped.", list[*index].name));
         }
     }
+    lines.push(of_end_of_search(gap, left));
+    lines
+}
+
+/// What a step of the search saw, and whom it accepted.
+fn of_step(step: &Step, list: &[Candidate]) -> String {
+    let best: Vec<String> = step
+        .best
+        .iter()
+        .take(4)
+        .map(|hit| format!("{} ({:.1})", list[hit.candidate].name, hit.statistic))
+        .collect();
+    let seen = if best.is_empty() { "no candidate".into() } else { best.join(", ") };
+    match step.accepted {
+        Some(index) => format!(
+            "The residual looks most like {seen} (in standard deviations; by chance the best of all would look so \
+             with probability {:.4}). Fitted through the units, {} - {} - explains it best{}, and left-out runs agree.",
+            step.p_value,
+            list[index].name,
+            list[index].phrase,
+            decrease(step.mean_square)
+        ),
+        None => format!(
+            "What remains resembles {seen}; the best of all candidates looks so by chance with probability \
+             {:.3}. Nothing more is named.",
+            step.p_value
+        ),
+    }
+}
+
+/// What is left in the end: something without a name, a gap, or noise.
+fn of_end_of_search(gap: &Gap, left: Option<&Unknown>) -> String {
     match (gap.closed, left) {
-        (_, Some(left)) => lines.push(format!(
-            "But more than noise remains: {} - {}. {}.",
-            left.signal, left.shape, left.nearest
-        )),
-        (Some(closed), None) => lines.push(format!(
+        (_, Some(left)) => {
+            format!("But more than noise remains: {} - {}. {}.", left.signal, left.shape, left.nearest)
+        }
+        (Some(closed), None) => format!(
             "By cross-validation (values fitted without each run in turn) the gap goes from {} to {} {}: {:.0} % of it is closed.",
             brief(gap.before),
             brief(gap.after),
             gap.unit,
             100.0 * closed
-        )),
-        (None, None) => lines.push("No gap stands above the noise here.".into()),
+        ),
+        (None, None) => "No gap stands above the noise here.".into(),
     }
-    lines
 }
 
 /// How the residual decreases, where that says something: what a model lacks at large counts as noise, and is 1 before and after.

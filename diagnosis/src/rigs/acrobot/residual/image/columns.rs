@@ -1,12 +1,18 @@
 //! What moving a candidate, or the arm, does to the image: secants over steps of some pixels, smooth over poses.
 
+use super::frame_cache::MadeFrames;
 use super::laws::{Law, powers};
 use super::surface::{Surface, Terms};
-use super::*;
+use super::{Column, ImageCut};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::residual::Perturbation;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS, Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::random::Random;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// How far a pose is moved (rad) before a candidate's column is taken there: half a pixel at circle 1 and more at the
 /// others, twice, to either side. At the pose itself, residual and column would share the lattice's error of the very
@@ -99,7 +105,7 @@ impl ImageCut {
         Ok(column)
     }
 
-    /// The same, taken anew; what it is at all poses is kept.
+    /// A candidate's column, taken anew; what it is at all poses is kept.
     fn taken(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
         let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
         let blurs = Some(perturbation.candidate) == self.exposure;
@@ -213,13 +219,13 @@ impl ImageCut {
         phase: (f64, f64),
         shots: Vec<Shot>,
         seed: Option<i32>,
-    ) -> Result<Arc<Made>, Error> {
+    ) -> Result<Arc<MadeFrames>, Error> {
         let camera = self.studio.exposed(&self.shifted(still, phase)?, seed)?;
         let studio = &self.studio;
         self.still.frames(camera, shots, |camera, shots| studio.shoot(camera, shots))
     }
 
-    /// The same camera with its image moved by so many pixels.
+    /// Settings of a camera whose image is moved along u and v, px.
     pub(super) fn shifted(&self, settings: &[Setting], by: (f64, f64)) -> Result<Vec<Setting>, Error> {
         let (bench, half) = (self.studio.bench(), self.studio.half_width());
         let mut all = settings.to_vec();
@@ -239,6 +245,7 @@ fn sides(rounds: u64) -> impl Iterator<Item = (u64, f64, (f64, f64))> {
     sides.zip(PHASES.into_iter().cycle()).map(|((round, side), phase)| (round, side, phase))
 }
 
+/// Change per unit of each frame between two sides that lie `by` apart; `None` where either shows nothing.
 fn slopes(moved: &[Option<Seen>], base: &[Option<Seen>], by: f64) -> Vec<Option<Seen>> {
     moved
         .iter()

@@ -1,9 +1,10 @@
 //! Which of a log's images are compared, and what of each: any of the camera's outputs will do where a motion was logged; where
 //! none was, two circles must tell a pose, or angles that the rig's own vision read.
 
-use super::*;
+use super::Frame;
+use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{ANGLES, AREAS, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot};
 use std::f64::consts::{PI, TAU};
 
 /// Coordinates of circles 2 and 3: where circle 1 is then, the angles say.

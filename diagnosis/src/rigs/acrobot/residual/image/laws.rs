@@ -3,7 +3,7 @@
 
 use super::surface::Surface;
 use super::{COLUMNS, Column, ImageCut};
-use crate::rigs::acrobot::residual::picture::AREAS;
+use crate::rigs::acrobot::residual::studio::AREAS;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub struct Laws(BTreeMap<(&'static str, u64), Arc<Law>>);
 pub(super) enum Law {
     /// A surface; of what blurs, beyond an earlier middle of the exposure.
     Smooth { surface: Surface, blurs: bool },
-    /// Of a short exposure: the polynomial of [`powers`], by which areas change beyond its earlier middle.
+    /// A short exposure's: the polynomial of [`powers`], by which areas change beyond its earlier middle.
     Blurred { weights: Vector3<f64>, from: f64, by: f64 },
 }
 

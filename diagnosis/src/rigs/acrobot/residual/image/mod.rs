@@ -6,45 +6,41 @@
 //!
 //! Where no motion was logged, the pose of each frame is free: six coordinates over-determine two angles.
 
-use super::picture::{ANGLES, AREAS, CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
-use super::plant::zero;
 use super::settings::settings;
+use super::studio::{CENTROIDS, CHANNELS, COLUMNS, Seen, Shot, Studio};
 use super::trajectory::Motion;
-use super::{Block, Cut, Linearised, Nuisances, Perturbation, Signal};
+use super::{Block, Nuisances, Perturbation, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
-use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::channels::{Channel, Measures};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
-use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::linear::Cell;
-use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+mod area_level;
 mod columns;
 mod cut;
-mod fields;
+mod frame_cache;
 mod frames;
+mod interlaced_fields;
 mod laws;
-mod level;
 mod noise;
 mod policy;
 mod poses;
-mod reel;
+mod rows;
 mod state;
 mod surface;
 
+use frame_cache::{FrameCache, MadeFrames};
 use frames::frames;
 pub use laws::Laws;
-use level::level;
 pub use noise::Noise;
 pub use poses::pose_shift;
 use poses::{back, free_poses, turned};
-use reel::{Made, Reel};
 pub use state::ImageState;
 
 /// A measured frame.
@@ -102,9 +98,9 @@ pub struct ImageCut {
     laws: Laws,
     /// Frames that were made lately, with what they were made from: a candidate of the plant leaves them as they are, and a search comes back
     /// to where it was.
-    made: Reel,
+    made: FrameCache,
     /// Frames beside the poses, without a candidate moved.
-    still: Reel,
+    still: FrameCache,
     /// Settings of the camera that poses read off the image have followed, and its E_t.
     followed: Option<Followed>,
     /// No circle was logged, only angles that were read off them.
@@ -115,6 +111,29 @@ pub struct ImageCut {
     linearised: Poses,
     /// Poses as the data have them.
     first: Arc<ImageState>,
+}
+
+/// The camera's signals. Where vision angles are all that was `read`, their circles' places on the lattice aren't known.
+fn signals_of(data: &DataSet, read: bool) -> Vec<Signal> {
+    let signal = |(channel, column): (&Channel, &str)| {
+        let name = format!("camera.{column}");
+        let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+        let noise = channel.noise.unwrap_or_default();
+        let unplaced = read && channel.measures == Measures::VisionAngle;
+        // a threshold puts circles off by 0.03 px
+        let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
+        let sigma = known.unwrap_or(noise.guess);
+        Signal {
+            name,
+            unit: channel.unit,
+            measures: channel.measures,
+            known,
+            sigma,
+            least: noise.least,
+            tolerance,
+        }
+    };
+    CHANNELS.iter().zip(COLUMNS).map(signal).collect()
 }
 
 impl ImageCut {
@@ -143,30 +162,7 @@ impl ImageCut {
         if model.interlaced() {
             every |= 1; // fields of both kinds
         }
-        let frames: Vec<Frame> = frames
-            .into_iter()
-            .enumerate()
-            .filter(|(place, _)| place % every == 0)
-            .map(|(_, frame)| frame)
-            .collect();
-        let signals = (CHANNELS.iter().zip(COLUMNS))
-            .map(|(channel, column)| {
-                let name = format!("camera.{column}");
-                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let noise = channel.noise.unwrap_or_default();
-                let unplaced = read && channel.measures == Measures::VisionAngle;
-                // nobody knows the circles' places on the lattice then, and a threshold puts them off by 0.03 px
-                let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
-                Signal {
-                    name,
-                    unit: channel.unit,
-                    known,
-                    sigma: known.unwrap_or(noise.guess),
-                    least: noise.least,
-                    tolerance,
-                }
-            })
-            .collect();
+        let frames: Vec<Frame> = frames.into_iter().step_by(every).collect();
         let delay = place(&candidates, Attribute::ImageDelay);
         let exposure = place(&candidates, Attribute::Exposure);
         let nominal_delay = model.number(name(Attribute::ImageDelay)).unwrap_or(0.0);
@@ -179,12 +175,12 @@ impl ImageCut {
             exposure,
             nominal_delay,
             zeros: None,
-            signals,
+            signals: signals_of(data, read),
             turns: None,
             kept: BTreeMap::new(),
             laws: Laws::default(),
-            made: Reel::default(),
-            still: Reel::default(),
+            made: FrameCache::default(),
+            still: FrameCache::default(),
             followed: None,
             read,
             unseen: 0,
@@ -233,6 +229,7 @@ impl ImageCut {
         Ok(all)
     }
 
+    /// Puts frames at the logged motion, as a camera with this point's delay sees it and angles without their zeros.
     fn place(&mut self, point: &[f64]) {
         let delay = self.delay(point);
         let (interval, off) = (self.studio.interval(), self.turned_back(point));
@@ -252,7 +249,7 @@ impl ImageCut {
     }
 
     /// Renders at the poses.
-    fn base(&mut self, point: &[f64]) -> Result<Arc<Made>, Error> {
+    fn base(&mut self, point: &[f64]) -> Result<Arc<MadeFrames>, Error> {
         let settings = self.settings(point, None)?;
         let shots = self.frames.iter().map(|frame| frame.shot).collect();
         let studio = &self.studio;
@@ -289,89 +286,5 @@ impl ImageCut {
         self.place(point);
         self.follow(point)?;
         self.compare(point, perturbations)
-    }
-
-    /// Residuals and sensitivities at the poses as they are.
-    fn compare(&mut self, point: &[f64], perturbations: &[Perturbation]) -> Result<Vec<Block>, Error> {
-        let made = self.base(point)?;
-        let base = &made.seen;
-        let mut columns = Vec::with_capacity(perturbations.len());
-        for perturbation in perturbations {
-            let seen = self.sees(&self.candidates[perturbation.candidate]);
-            let posed = Some(perturbation.candidate) == self.delay
-                || zero(&self.candidates[perturbation.candidate]).is_some();
-            columns.push(if !seen || posed { None } else { Some(self.column(point, *perturbation)?) });
-        }
-        let (delay, free) = (self.delay, !matches!(self.pose, Pose::Logged(..)));
-        self.unseen = (self.frames.iter().zip(base))
-            .filter(|(frame, here)| (free || frame.known) && here.is_none())
-            .count();
-        let uncertain = if let Pose::Logged(_, sigma) = self.pose { sigma } else { 0.0 };
-        let turns = self.turns.as_deref().unwrap_or(&[]);
-        let mut blocks: Vec<Block> = Vec::new();
-        for (index, frame) in self.frames.iter().enumerate() {
-            let (Some(here), [Some(one), Some(two)]) = (&base[index], &turns[index]) else { continue };
-            if !free && !frame.known {
-                continue;
-            }
-            let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
-            let pose =
-                DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
-            let none = DMatrix::zeros(rows.len(), 0);
-            let mut matrix = DMatrix::zeros(rows.len(), perturbations.len());
-            for (place, column) in columns.iter().enumerate() {
-                for (r, s) in rows.iter().enumerate() {
-                    matrix[(r, place)] = match column {
-                        Some(column) => column[index].map_or(0.0, |slope| slope[*s]),
-                        None if Some(perturbations[place].candidate) == delay && !free => {
-                            -(one[*s] * frame.shot.end[2] + two[*s] * frame.shot.end[3])
-                        }
-                        // a reading that is too large has the arm nearer to the upright
-                        None if self.sees(&self.candidates[perturbations[place].candidate]) => {
-                            match zero(&self.candidates[perturbations[place].candidate]) {
-                                Some(0) => -one[*s],
-                                Some(_) => -two[*s],
-                                None => 0.0,
-                            }
-                        }
-                        None => 0.0,
-                    };
-                }
-            }
-            let cell = Cell {
-                residual: rows.iter().map(|s| frames::residual(*s, &frame.seen, here)).collect(),
-                sigma: rows.iter().map(|s| self.signals[*s].sigma).collect(),
-                time: vec![frame.time; rows.len()],
-                hard: if free { pose.clone() } else { none.clone() },
-                soft: if free { none } else { pose * uncertain },
-                discrepancy: if free { 0 } else { 2 },
-                inertia_scale: 1.0,
-                columns: matrix,
-                floor: Vec::new(),
-                state: frame.shot.end.to_vec(),
-                lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
-                signal: rows,
-            };
-            match blocks.last_mut() {
-                Some(block) if block.run == frame.run && frame.time - block.from < IMAGES.image_block => {
-                    block.to = frame.time;
-                    block.cells.push(cell);
-                }
-                _ => blocks.push(Block {
-                    run: frame.run,
-                    from: frame.time,
-                    to: frame.time,
-                    cells: vec![cell],
-                    state: frame.shot.end,
-                }),
-            }
-        }
-        level(&mut blocks);
-        if blocks.is_empty() {
-            return Err(Error::Model(
-                "the camera unit finds its circles in none of the measured poses".into(),
-            ));
-        }
-        Ok(blocks)
     }
 }

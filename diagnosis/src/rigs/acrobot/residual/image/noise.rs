@@ -11,8 +11,8 @@ use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::channels::{AREAS_APART, CENTROIDS_APART};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{AREAS, CENTROIDS};
-use crate::rigs::acrobot::residual::picture::{Seen, Shot};
+use crate::rigs::acrobot::residual::studio::{AREAS, CENTROIDS};
+use crate::rigs::acrobot::residual::studio::{Seen, Shot};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::levels::{FINE, HALF, WITHIN};
 use crate::statistics::random::Random;
@@ -63,36 +63,21 @@ impl ImageCut {
         else {
             return Ok(None);
         };
-        let candidate = &self.candidates[index];
         let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
         let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
+        let rendered = Rendered { cut: self, point, index, clean };
         let residual = |place: usize| {
-            let (here, seen) = (clean[place]?, &self.frames[place].seen);
+            let (here, seen) = (rendered.clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
         };
-        let measured: [Vec<Option<Seen>>; 1] = [(0..shots.len()).map(residual).collect()];
-        let Some(mut seen) = self.scatter(&measured) else { return Ok(None) };
-        let made = |sigma: f64| -> Result<Vec<Vec<Option<Seen>>>, Error> {
-            let mut there = point.to_vec();
-            there[index] = sigma;
-            let settings = self.settings(&there, None)?;
-            let mut sets = Vec::new();
-            for seed in 0..IMAGES.made {
-                let made = self.studio.noisy(&settings, &self.unsure(seed), seed)?;
-                let residual = |place: usize| {
-                    let (here, made) = (clean[place]?, made[place]?);
-                    self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
-                };
-                sets.push((0..shots.len()).map(residual).collect());
-            }
-            Ok(sets)
-        };
-        let predicted = |sigma: f64| made(sigma).map(|sets| self.scatter(&sets));
-        let nominal = candidate.off;
+        let measured: Vec<Option<Seen>> = (0..shots.len()).map(residual).collect();
+        let Some(mut seen) = self.scatter(std::slice::from_ref(&measured)) else { return Ok(None) };
+        let nominal = self.candidates[index].off;
         let from = nominal.max(IMAGES.least);
-        let (Some(here), Some(more)) = (predicted(nominal)?, predicted(1.5 * from)?) else { return Ok(None) };
-        let mut here = here;
-        self.unsure_lattice(point, &clean, &mut here)?;
+        let (Some(mut here), Some(more)) = (rendered.scatter(nominal)?, rendered.scatter(1.5 * from)?) else {
+            return Ok(None);
+        };
+        self.unsure_lattice(point, &rendered.clean, &mut here)?;
         let mut apart = compare(&seen, &here);
         let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
@@ -101,43 +86,21 @@ impl ImageCut {
         };
         let clear = |apart: &Ratio| apart.mean.abs() > POLICY.clear * apart.error;
         if nominal > 0.0 && apart.mean < 0.0 && clear(&apart) {
-            let Some(quiet) = predicted(from / IMAGES.most)? else { return Ok(None) };
+            let Some(quiet) = rendered.scatter(from / IMAGES.most)? else { return Ok(None) };
             poses_alone(&mut seen, &quiet);
             apart = compare(&seen, &here);
         }
         // a sensor without noise can't have less: poses are known better than they need be
         let none = nominal == 0.0 && apart.mean < 0.0;
         if none || !clear(&apart) {
-            return Ok(Some(Noise {
-                nominal,
-                value: nominal,
-                error: detectable / POLICY.clear,
-                detectable,
-                clear: false,
-                larger: 0.0,
-            }));
+            let error = detectable / POLICY.clear;
+            return Ok(Some(Noise { nominal, value: nominal, error, detectable, clear: false, larger: 0.0 }));
         }
-        // as far as the unit goes, and what is compared above it
-        let most = (from * IMAGES.most).min(self.candidates[index].range.1 / IMAGES.beside).max(from);
-        let (mut low, mut high) = if apart.mean > 0.0 { (from, most) } else { (from / IMAGES.most, from) };
-        while high > (1.0 + FINE) * low {
-            let middle = (low * high).sqrt();
-            let Some(there) = predicted(middle)? else { return Ok(None) };
-            if compare(&seen, &there).mean > 0.0 { low = middle } else { high = middle }
-        }
-        let value = (low * high).sqrt();
-        let (Some(mut there), Some(below), Some(above)) =
-            (predicted(value)?, predicted(value / IMAGES.beside)?, predicted(value * IMAGES.beside)?)
-        else {
+        let Some(value) = rendered.noise_that_scatters_as(&seen, from, apart.mean > 0.0)? else {
             return Ok(None);
         };
-        let mut found = point.to_vec();
-        found[index] = value;
-        self.unsure_lattice(&found, &clean, &mut there)?;
-        let there = compare(&seen, &there);
-        let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
-        let error = value * there.error / slope.max(0.1);
-        let larger = made(value)?.first().map_or(0.0, |made| larger(&measured[0], made));
+        let Some(error) = rendered.error_of(&seen, value)? else { return Ok(None) };
+        let larger = rendered.residuals(value)?.first().map_or(0.0, |made| larger(&measured, made));
         Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger }))
     }
 
@@ -179,6 +142,7 @@ impl ImageCut {
         self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
     }
 
+    /// Whether a frame has a pose.
     fn placed(&self, place: usize) -> bool {
         !matches!(self.pose, super::Pose::Logged(..)) || self.frames[place].known
     }
@@ -215,6 +179,73 @@ impl ImageCut {
     }
 }
 
+/// The frames of a cut as the camera makes them with some noise.
+struct Rendered<'a> {
+    cut: &'a ImageCut,
+    point: &'a [f64],
+    /// Place of the noise in the list of candidates.
+    index: usize,
+    /// What the camera makes without noise, frame by frame.
+    clean: Vec<Option<Seen>>,
+}
+
+impl Rendered<'_> {
+    /// The point, with a noise of `sigma` grey levels.
+    fn with_noise(&self, sigma: f64) -> Vec<f64> {
+        let mut there = self.point.to_vec();
+        there[self.index] = sigma;
+        there
+    }
+
+    /// What noise of `sigma` grey levels adds to each frame, one set for each of several seeds.
+    fn residuals(&self, sigma: f64) -> Result<Vec<Vec<Option<Seen>>>, Error> {
+        let settings = self.cut.settings(&self.with_noise(sigma), None)?;
+        let mut sets = Vec::new();
+        for seed in 0..IMAGES.made {
+            let made = self.cut.studio.noisy(&settings, &self.cut.unsure(seed), seed)?;
+            let residual = |place: usize| {
+                let (here, made) = (self.clean[place]?, made[place]?);
+                self.cut.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
+            };
+            sets.push((0..self.clean.len()).map(residual).collect());
+        }
+        Ok(sets)
+    }
+
+    /// How noise of `sigma` grey levels scatters circle 1.
+    fn scatter(&self, sigma: f64) -> Result<Option<Scatter>, Error> {
+        Ok(self.cut.scatter(&self.residuals(sigma)?))
+    }
+
+    /// The noise that scatters circle 1 as seen, grey levels: by bisection, above or below `from`.
+    fn noise_that_scatters_as(&self, seen: &Scatter, from: f64, above: bool) -> Result<Option<f64>, Error> {
+        // as far as the unit goes, and what is compared above it
+        let ends = self.cut.candidates[self.index].range;
+        let most = (from * IMAGES.most).min(ends.1 / IMAGES.beside).max(from);
+        let (mut low, mut high) = if above { (from, most) } else { (from / IMAGES.most, from) };
+        while high > (1.0 + FINE) * low {
+            let middle = (low * high).sqrt();
+            let Some(there) = self.scatter(middle)? else { return Ok(None) };
+            if compare(seen, &there).mean > 0.0 { low = middle } else { high = middle }
+        }
+        Ok(Some((low * high).sqrt()))
+    }
+
+    /// The standard error of a noise that scatters circle 1 as seen, grey levels.
+    fn error_of(&self, seen: &Scatter, value: f64) -> Result<Option<f64>, Error> {
+        let (Some(mut there), Some(below), Some(above)) = (
+            self.scatter(value)?,
+            self.scatter(value / IMAGES.beside)?,
+            self.scatter(value * IMAGES.beside)?,
+        ) else {
+            return Ok(None);
+        };
+        self.cut.unsure_lattice(&self.with_noise(value), &self.clean, &mut there)?;
+        let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
+        Ok(Some(value * compare(seen, &there).error / slope.max(0.1)))
+    }
+}
+
 /// By how much circles are larger in one set than in another, px: the mean over all areas that both have.
 fn larger(one: &[Option<Seen>], other: &[Option<Seen>]) -> f64 {
     let both = one.iter().zip(other).filter_map(|(one, other)| one.zip(*other));
@@ -243,6 +274,7 @@ fn poses_alone(seen: &mut Scatter, quiet: &Scatter) {
     }
 }
 
+/// How much more what was seen scatters than what was predicted, over the channels weighted by what is known of each.
 fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
     let each: Vec<(f64, f64)> = seen
         .iter()
@@ -259,7 +291,7 @@ fn compare(seen: &Scatter, predicted: &Scatter) -> Ratio {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::residual::picture::COLUMNS;
+    use crate::rigs::acrobot::residual::studio::COLUMNS;
 
     #[test]
     fn value_another_light_is_one_from_half_a_pixel_on() {

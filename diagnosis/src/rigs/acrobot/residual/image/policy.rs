@@ -13,39 +13,42 @@ pub struct Images {
     pub image_block: f64,
     /// Angle over which the image's change with pose is taken: not two pixels at the joint.
     pub turn: f64,
-    /// Rounds of such poses, and for a small step of the exposure, whose blur is little beside the lattice's error.
+    /// Rounds of poses beside the measured ones at which a column is taken.
     pub rounds: u64,
+    /// Rounds for a small step of the exposure, whose blur is little beside the lattice's error.
     pub more_rounds: u64,
     /// Most frames at which a column is taken.
     pub sampled: usize,
     /// Way of a circle of 10 px during the exposure, px, beyond which a blur is more than that. A shorter smear is nearly straight
     /// and keeps the blob's middle: where the circle speeds up by 500 px/s², a third of a 30 Hz interval leaves 0.002 px of it.
     pub blurring: f64,
-    /// The share of frames whose circles go that far or less.
+    /// Share of frames whose circles go that far or less.
     pub usual: f64,
-    /// Least step of E_t over which the blur of a short exposure is taken, and its rounds.
+    /// Least step of E_t over which the blur of a short exposure is taken, in frame intervals.
     pub blur_step: f64,
+    /// Rounds of poses for that step.
     pub blur_rounds: u64,
     /// Frames to either side over which a change of poses is averaged where a plant smooths them afterwards: a lens or mount that
     /// moves shifts poses smoothly.
     pub poses_beside: usize,
-    /// Rounds in which a circle 1 that wasn't measured is put where the angle says, each a sixth as far off as the one before, and the
-    /// angle by which it is rolled to see how far it goes, rad.
+    /// Rounds in which a circle 1 that wasn't measured is put where the angle says, each a sixth as far off as the one before.
     pub rolls: usize,
+    /// Angle by which it is rolled to see how far it goes, rad.
     pub rolled: f64,
     /// A change of poses below this moves no pixel that matters, rad.
     pub still: f64,
-    /// Powers of the angles: cubic lens terms over half an image need four.
+    /// Highest power of the angles in a surface: cubic lens terms over half an image need four.
     pub degree: usize,
-    /// A fit needs so many samples for each term.
+    /// Samples that a surface needs for each of its terms.
     pub each: usize,
-    /// A surface whose mean square is below so many times what scatter alone gives it is none. A lens that only shifts or scales an image
-    /// turns no link; but steps that are large against the lattice leave a little of its error.
+    /// Times what scatter alone gives it, from which a surface's mean square makes it one. A lens that only shifts or scales an image turns
+    /// no link; but steps that are large against the lattice leave a little of its error.
     pub chance: f64,
-    /// By how much all areas may differ alike, px, with no effect behind it: a light or threshold that is a twentieth off makes as much,
+    /// Difference of all areas alike up to which no effect is behind it, px: a light or threshold that is a twentieth off makes as much,
     /// and renderers that round grey levels or cut them off a tenth of it. A defocus of 1 makes four times as much.
     pub level: f64,
-    /// From this on the light is not the nominal one, px, and noise against it another one: a fiftieth lower makes as much.
+    /// Difference of all areas alike from which the light is not the nominal one, px, so that noise against it is another one: a light that
+    /// is a fiftieth lower makes as much.
     pub unlit: f64,
     /// Realisations of the noise for each frame.
     pub made: i32,
@@ -53,7 +56,7 @@ pub struct Images {
     pub read: f64,
     /// How far the image may lie from where the model has it, px: an effect of this size would hardly be seen.
     pub noise_beside: f64,
-    /// Neighbours that are needed to speak of scatter.
+    /// Fewest pairs of neighbouring frames that tell a scatter.
     pub enough: usize,
     /// Rows of one block, whose scatter is independent of the next one's.
     pub noise_block: usize,
@@ -64,9 +67,9 @@ pub struct Images {
     pub least: f64,
     /// Largest ratio to the nominal one, or to the least, that is tried.
     pub most: f64,
-    /// So many places a pixel and direction has: the difference of two renderers changes from one to the next.
+    /// Places that are told apart in a pixel along each direction: the difference of two renderers changes from one to the next.
     pub lattice: usize,
-    /// How far to either side of a noise the slope is taken that says how well it is known, times.
+    /// Factor to either side of a noise over which the slope is taken that says how well it is known.
     pub beside: f64,
 }
 

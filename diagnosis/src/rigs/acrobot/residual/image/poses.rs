@@ -1,10 +1,14 @@
 //! Poses read off images.
 
-use super::*;
+use super::{Frame, ImageCut, Pose};
+use crate::error::Error;
+use crate::rigs::acrobot::residual::Block;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
 use crate::rigs::acrobot::residual::plant::zeros;
+use crate::rigs::acrobot::residual::studio::{ANGLES, AREAS, Shot, Studio};
 use crate::rigs::acrobot::residual::trajectory::State;
-use nalgebra::{DVector, Matrix2, Vector2};
+use crate::statistics::linear::Cell;
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 pub(super) fn back(state: &State, by: f64) -> State {
     [state[0] - by * state[2], state[1] - by * state[3], state[2], state[3]]

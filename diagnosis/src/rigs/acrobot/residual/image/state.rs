@@ -1,6 +1,8 @@
 //! Nuisances of the images: where the poses of all frames are.
 
-use super::*;
+use super::{ImageCut, Poses};
+use crate::rigs::acrobot::residual::{Block, Linearised, Nuisances};
+use std::sync::Arc;
 
 /// Where the poses of all frames are, and where the last linearisation had them.
 #[derive(Debug, Clone)]

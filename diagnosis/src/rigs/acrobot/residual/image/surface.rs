@@ -5,7 +5,7 @@
 //! through all frames leaves it out.
 
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::picture::{ANGLES, COLUMNS, Seen};
+use crate::rigs::acrobot::residual::studio::{ANGLES, COLUMNS, Seen};
 use crate::rigs::acrobot::residual::trajectory::State;
 use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::solve;
@@ -72,11 +72,12 @@ impl Surface {
         Some(std::array::from_fn(|s| weights[s].dot(&row)))
     }
 
-    /// The same, or what the frame itself shows; nothing where it shows nothing.
+    /// The surface at a state, or what the frame itself shows where there is no surface; nothing where the frame shows nothing.
     pub(super) fn or(&self, raw: Option<Seen>, state: &State) -> Option<Seen> {
         raw.map(|raw| self.at(state).unwrap_or(raw))
     }
 
+    /// The terms of the surface at a state: products of powers of the scaled angles, and of the rates where these count, too.
     fn row(&self, state: &State) -> Vec<f64> {
         let x: State = std::array::from_fn(|i| (state[i] - self.middle[i]) / self.scale[i]);
         let degree = if self.terms == Terms::Poses { IMAGES.degree } else { 2 };

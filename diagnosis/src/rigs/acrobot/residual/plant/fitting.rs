@@ -1,7 +1,16 @@
 //! Fits a window: its start state and slack torques, by Gauss-Newton through the unit, and the columns that are left.
 
-use super::*;
+use super::layout::Layout;
+use super::window::Window;
+use super::{NUDGE, PlantCut};
+use crate::error::Error;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{Row, State, simulate};
+use crate::rigs::acrobot::residual::{Block, Cut, Perturbation};
+use crate::statistics::linear::{Cell, nuisances};
+use nalgebra::{DMatrix, DVector};
 
 /// A window, simulated.
 #[derive(Debug, Clone)]
@@ -84,6 +93,7 @@ impl PlantCut {
         Ok(fit)
     }
 
+    /// A window simulated from a start state with slack torques, N·m; no columns yet.
     pub(super) fn fit(
         &self,
         window: &Window,
@@ -98,6 +108,7 @@ impl PlantCut {
         Ok(Fit { start, slack, base, cell, here: [false; 2] })
     }
 
+    /// Puts the columns of the start state into a fit's cell, and those of slack torques if `soft`, unless they were taken here already.
     pub(super) fn nuisance_columns(
         &self,
         window: &Window,

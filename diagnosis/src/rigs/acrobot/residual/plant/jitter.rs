@@ -1,13 +1,21 @@
 //! Timestamps that scatter: a row is stamped a little early or late, so that both angles are off by their rates times
 //! the same time. That is a nuisance with a prior for each row; its size is found by maximum likelihood.
 
+use super::PlantCut;
 use super::fitting::Fit;
-use super::*;
+use super::layout::Layout;
+use super::window::Window;
+use crate::error::Error;
+use crate::rigs::acrobot::dataset::Run;
+use crate::rigs::acrobot::dataset::row_times::{typical_gaps, unevenness};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{MOTION, Row};
+use crate::rigs::acrobot::residual::{Block, Nuisances, Tracked};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::{MIDDLE, anywhere_in};
-use crate::statistics::linear::Reduced;
+use crate::statistics::levels::anywhere_in;
+use crate::statistics::linear::{Cell, Reduced};
+use nalgebra::DMatrix;
 
 impl PlantCut {
     /// Linearises at a point, finds how much the timestamps scatter, and settles the windows with that. Answers where they are then.
@@ -25,41 +33,7 @@ impl PlantCut {
         let unit = self.settle_all(point, &[], from.in_vain);
         self.jitter = 0.0;
         let (unit, mut in_vain) = unit?;
-        let runs = self.runs.clone();
-        let judged = |size: f64| {
-            let mut blocks = unit.clone();
-            for block in &mut blocks {
-                let ticks = usize::from(runs[block.run].tick_error() > 0.0);
-                for cell in &mut block.cells {
-                    for place in ticks..cell.discrepancy {
-                        cell.soft.column_mut(place).scale_mut(size / uneven);
-                    }
-                }
-            }
-            Evaluation::of(blocks, point, &[], &self.signals)
-        };
-        let steady = judged(0.0);
-        let mut best = (steady.deviance() - POLICY.evidence, 0.0);
-        let mut more_likely = |size: f64| {
-            let there = judged(size);
-            if there.deviance() < best.0 && spread(&steady, &there) >= POLICY.evidence {
-                best = (there.deviance(), size);
-            }
-            best.1
-        };
-        let twice = std::iter::successors(Some(WINDOWS.smallest), |size| Some(2.0 * size));
-        for size in twice.take_while(|size| *size < POLICY.motion_step) {
-            self.jitter = more_likely(size);
-        }
-        // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
-        let mut finer = 2.0_f64;
-        for _ in 0..2 {
-            finer = finer.sqrt();
-            let coarse = self.jitter;
-            for size in [coarse / finer, coarse * finer].into_iter().filter(|size| *size > 0.0) {
-                self.jitter = more_likely(size);
-            }
-        }
+        self.jitter = self.likeliest_jitter(point, &unit, uneven);
         if uneven <= WINDOWS.jitter && self.jitter > WINDOWS.evenly * self.spacing() {
             self.jitter = 0.0;
         }
@@ -70,6 +44,47 @@ impl PlantCut {
         Ok(self.nuisances(in_vain))
     }
 
+    /// The most likely scatter of the timestamps, s, by a linearisation whose timestamps' columns are those of a scatter of `unit_size` s; 0
+    /// where no other is much more likely.
+    fn likeliest_jitter(&self, point: &[f64], unit: &[Block], unit_size: f64) -> f64 {
+        let judged = |size: f64| {
+            let mut blocks = unit.to_vec();
+            for block in &mut blocks {
+                let ticks = usize::from(self.runs[block.run].tick_error() > 0.0);
+                for cell in &mut block.cells {
+                    for place in ticks..cell.discrepancy {
+                        cell.soft.column_mut(place).scale_mut(size / unit_size);
+                    }
+                }
+            }
+            Evaluation::of(blocks, point, &[], &self.signals)
+        };
+        let steady = judged(0.0);
+        let mut best = (steady.deviance() - POLICY.evidence, 0.0);
+        let mut more_likely = |size: f64| {
+            let there = judged(size);
+            if there.deviance() < best.0 && gain_all_along(&steady, &there) >= POLICY.evidence {
+                best = (there.deviance(), size);
+            }
+            best.1
+        };
+        let mut jitter = 0.0;
+        let twice = std::iter::successors(Some(WINDOWS.smallest), |size| Some(2.0 * size));
+        for size in twice.take_while(|size| *size < POLICY.motion_step) {
+            jitter = more_likely(size);
+        }
+        // then to either side of it: a sixth too little leaves the rows a tenth more scatter than noise has
+        let mut finer = 2.0_f64;
+        for _ in 0..2 {
+            finer = finer.sqrt();
+            let coarse = jitter;
+            for size in [coarse / finer, coarse * finer].into_iter().filter(|size| *size > 0.0) {
+                jitter = more_likely(size);
+            }
+        }
+        jitter
+    }
+
     /// By how much the timestamps scatter, s: found by `find_jitter`.
     pub fn scatter(&self) -> f64 {
         self.jitter
@@ -78,7 +93,7 @@ impl PlantCut {
     /// Usual time between rows, s: the least over runs.
     fn spacing(&self) -> f64 {
         let logs = self.runs.iter().filter_map(|run| run.plant.as_ref());
-        logs.filter_map(|log| typical(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
+        logs.filter_map(|log| typical_gaps(&log.time).map(|gaps| gaps.0)).fold(f64::INFINITY, f64::min)
     }
 
     /// Puts the timestamps' columns before the slack torques: one for all rows, whose ticks are off together, then one for each row.
@@ -165,7 +180,7 @@ impl Tracked<PlantCut> {
 }
 
 /// The gain of deviance without the windows that gain most: timestamps scatter all along, what happens now and then is something else.
-fn spread(steady: &Evaluation, scattering: &Evaluation) -> f64 {
+fn gain_all_along(steady: &Evaluation, scattering: &Evaluation) -> f64 {
     let deviance = |block: &Reduced| block.square + block.log_det;
     let pairs = steady.reduced.iter().zip(&scattering.reduced);
     let mut gains: Vec<f64> = pairs.map(|(before, after)| deviance(before) - deviance(after)).collect();
@@ -207,25 +222,6 @@ pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
         }
     }
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
-}
-
-/// Standard deviation of timestamps about even spacing, s; 0 where they are not even at all (a torque logged on change).
-pub fn unevenness(time: &[f64]) -> f64 {
-    let Some((typical, gaps)) = typical(time) else { return 0.0 };
-    // neighbours: a clock that drifts, or lost rows, don't count
-    let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
-    off.sort_by(f64::total_cmp);
-    let median = off[off.len() / 2];
-    let sigma = median / MIDDLE / std::f64::consts::SQRT_2;
-    if sigma < 0.5 * typical { sigma } else { 0.0 }
-}
-
-/// Median of the gaps between rows, and all of them, s.
-fn typical(time: &[f64]) -> Option<(f64, Vec<f64>)> {
-    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    let middle = *gaps.get(gaps.len() / 2)?;
-    Some((middle, gaps))
 }
 
 /// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.

@@ -1,7 +1,11 @@
 //! Which simulated row goes into which bin of a window.
 
-use super::*;
+use super::window::Window;
+use super::{PlantCut, applied_torque};
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
+use crate::rigs::acrobot::residual::trajectory::{COLUMNS, MOTION, Row};
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
 
 /// Which simulated row goes into which bin.
 pub(super) struct Layout {
@@ -17,6 +21,7 @@ fn repeats(values: &[f64]) -> Vec<usize> {
 }
 
 impl Layout {
+    /// The bins of a window, each of some rows in a row of one signal that were measured and aren't in doubt.
     pub(super) fn of(cut: &PlantCut, window: &Window) -> Self {
         let mut layout = Self { bins: Vec::new(), repeats: Vec::new() };
         let run = &cut.runs[window.run];
@@ -29,7 +34,8 @@ impl Layout {
             let reach = if cut.applied(signal) { cut.reach[window.run] } else { 0.0 };
             // scattering stamps may put it on either side of a change, and all rows on the same
             let sure = |place: usize| {
-                applied::in_doubt(run, log.time[window.rows[place]], reach) <= cut.signals[signal].sigma
+                applied_torque::in_doubt(run, log.time[window.rows[place]], reach)
+                    <= cut.signals[signal].sigma
             };
             for chunk in (0..window.rows.len()).collect::<Vec<_>>().chunks(size) {
                 // what arrives as a log begins is of commands before it
@@ -48,10 +54,12 @@ impl Layout {
         layout
     }
 
+    /// Number of bins.
     pub(super) fn len(&self) -> usize {
         self.bins.len()
     }
 
+    /// Puts the change of each bin's mean per unit into a column: `moved` are the rows with a value moved by `by`.
     pub(super) fn column(&self, base: &[Row], moved: &[Row], by: f64, into: &mut DMatrix<f64>, place: usize) {
         for (bin, (signal, rows)) in self.bins.iter().enumerate() {
             let sum: f64 = rows.iter().map(|row| moved[*row][*signal] - base[*row][*signal]).sum();
@@ -59,6 +67,7 @@ impl Layout {
         }
     }
 
+    /// Residuals of the bins beside simulated rows, without columns.
     pub(super) fn cell(&self, cut: &PlantCut, window: &Window, base: &[Row]) -> Cell {
         let empty = || DMatrix::zeros(self.len(), 0);
         let mut cell = Cell {

@@ -2,44 +2,42 @@
 
 use super::settings::settings;
 pub use super::trajectory::MOTION;
-use super::trajectory::{CHANNELS, COLUMNS, Drive, PREROLL, Ports, Push, Row, State, simulate, state_of};
-use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal, Tracked};
+use super::trajectory::{CHANNELS, Ports, Row, State};
+use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::channels::Measures;
+use crate::rigs::acrobot::channels::{Channel, Measures};
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::{FAR, HALF};
-use crate::statistics::linear::{Cell, nuisances};
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-mod applied;
+mod applied_torque;
+mod camera_poses;
+mod fitted_motion;
 mod fitting;
-mod following;
-mod forced;
-mod handed;
+mod follows_log;
+mod forced_windows;
 pub mod jitter;
 mod layout;
-mod log;
-mod motion;
+mod log_correction;
 pub(crate) mod policy;
-mod through;
 mod window;
+mod window_restart;
 
+pub use camera_poses::Poses;
+use camera_poses::Through;
 use fitting::WindowFit;
 use layout::Layout;
-use log::steered;
-pub use log::{zero, zeros};
-pub use through::Poses;
-use through::Through;
+use log_correction::has_changing_torque;
+pub use log_correction::zeros;
 pub use window::WindowState;
-use window::{Kept, Window, cut_run, lost, most, thin};
+use window::{Kept, Window, cut_run, most_windows, runaway_rate, thin_windows};
 
 /// Perturbations for derivatives: far above the integrator's 1e-9, far below where the plant bends.
 const NUDGE: State = {
@@ -76,6 +74,43 @@ pub struct PlantCut {
     inertia_scale: f64,
 }
 
+/// The plant's signals; torques of an arm of this inertia scale.
+fn signals_of(data: &DataSet, inertia_scale: f64) -> Vec<Signal> {
+    let signal = |channel: &Channel| {
+        let name = format!("plant.{}", channel.column);
+        let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
+        let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
+        let noise = channel.noise.unwrap_or_default();
+        let sigma = known.unwrap_or(scale * noise.guess);
+        Signal {
+            name,
+            unit: channel.unit,
+            measures: channel.measures,
+            known,
+            sigma,
+            least: scale * noise.least,
+            tolerance: 0.0,
+        }
+    };
+    CHANNELS.iter().map(signal).collect()
+}
+
+/// The windows of all runs that are compared, and how many there were. `contact` is the angle at which links touch, rad, and `pace` the
+/// share of the usual time that a quick arm's windows last.
+fn cut_windows(data: &DataSet, contact: f64, pace: f64) -> (Vec<Window>, usize) {
+    let mut windows = Vec::new();
+    for (index, run) in data.runs.iter().enumerate() {
+        cut_run(index, run, contact, pace, &mut windows);
+    }
+    let count = windows.len();
+    // where there are images each window has frames to tell of
+    if data.runs.iter().all(|run| run.camera.is_none()) {
+        let most = most_windows(&windows, &data.runs);
+        thin_windows(&mut windows, most);
+    }
+    (windows, count)
+}
+
 impl PlantCut {
     /// Windows over all runs that have a torque and a motion; `None` if there is none.
     ///
@@ -86,42 +121,24 @@ impl PlantCut {
         model: &Model,
         candidates: Arc<Vec<Candidate>>,
     ) -> Result<Option<Self>, Error> {
-        let (ports, inertia_scale) = (Ports::of(&model.plant, lost(data, model))?, model.inertia_scale());
+        let (ports, inertia_scale) =
+            (Ports::of(&model.plant, runaway_rate(data, model))?, model.inertia_scale());
         let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
         let growth = model.growth();
         let pace = growth.map_or(1.0, |growth| (WINDOWS.quick / growth).min(1.0));
-        let mut windows = Vec::new();
-        for (index, run) in data.runs.iter().enumerate() {
-            cut_run(index, run, contact, pace, &mut windows);
-        }
-        let cut = windows.len();
-        // where there are images each window has frames to tell of
-        if data.runs.iter().all(|run| run.camera.is_none()) {
-            let most = most(&windows, &data.runs);
-            thin(&mut windows, most);
-        }
+        let (windows, cut) = cut_windows(data, contact, pace);
         if windows.is_empty() {
             return Ok(None);
         }
-        let signals = (CHANNELS.iter())
-            .map(|channel| {
-                let name = format!("plant.{}", channel.column);
-                let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
-                let scale = if channel.measures == Measures::AppliedTorque { inertia_scale } else { 1.0 };
-                let noise = channel.noise.unwrap_or_default();
-                let sigma = known.unwrap_or(scale * noise.guess);
-                Signal { name, unit: channel.unit, known, sigma, least: scale * noise.least, tolerance: 0.0 }
-            })
-            .collect();
         let runs = Arc::new(data.runs.clone());
         // without a torque that changes there is no other log that this one could be late against
         let clock = candidates
             .iter()
             .position(|candidate| candidate.side == Side::Clock)
-            .filter(|_| runs.iter().any(steered));
+            .filter(|_| runs.iter().any(has_changing_torque));
         let part = windows.first().map_or(WINDOWS.window, |window| window.edges[1] - window.edges[0]);
         let explained = jitter::torque_jitter(&runs, part);
-        let reach = Arc::new(runs.iter().map(applied::reach).collect());
+        let reach = Arc::new(runs.iter().map(applied_torque::doubt_of_torque).collect());
         let first = Arc::new(windows.iter().map(Window::state).collect());
         let through = clock.map(|_| Through { index: clock, delay: 0.0, poses: Poses::new(runs.len()) });
         Ok(Some(Self {
@@ -130,7 +147,7 @@ impl PlantCut {
             candidates,
             runs,
             windows,
-            signals,
+            signals: signals_of(data, inertia_scale),
             through,
             clock,
             zeros: [0.0; 2],
@@ -162,7 +179,7 @@ impl PlantCut {
     pub(super) fn begin_from(&mut self, from: &Nuisances) {
         match &from.windows {
             Some(states) => {
-                self.windows.iter_mut().zip(&**states).for_each(|(window, state)| window.put(state))
+                self.windows.iter_mut().zip(&**states).for_each(|(window, state)| window.restore(state))
             }
             None => self.begin_anew(),
         }
@@ -205,7 +222,7 @@ impl PlantCut {
     ) -> Result<(Vec<Block>, bool), Error> {
         let fit = |place: &usize| self.linearised(&self.windows[*place], point, perturbations);
         let mut done: Vec<_> = places.par_iter().map(fit).collect();
-        let in_vain = !self.handed(places, point, perturbations, &mut done, in_vain)? || in_vain;
+        let in_vain = !self.restart_windows(places, point, perturbations, &mut done, in_vain)? || in_vain;
         let settings = self.settings(point, None)?;
         let mut blocks = Vec::with_capacity(done.len());
         for (place, result) in places.iter().zip(done) {
@@ -278,7 +295,7 @@ impl PlantCut {
         place: usize,
         candidate: usize,
     ) -> Vec<f64> {
-        if let Some(angle) = zero(&self.candidates[candidate]) {
+        if let Some(angle) = self.candidates[candidate].zero() {
             return layout.bins.iter().map(|(signal, _)| f64::from(u8::from(*signal == angle))).collect();
         }
         let Some(through) = &self.through else { return vec![0.0; layout.len()] };

@@ -1,5 +1,6 @@
 //! Numbers by which logs of a plant are cut into windows and these are fitted, each with its reason.
 
+use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, PART, SAMPLE, SEVERAL, SMALL};
 
@@ -11,33 +12,35 @@ pub struct Windows {
     pub window: f64,
     /// Growth at the upright up to which windows are as long, 1/s: an arm of 30 cm has 10. Quicker ones have shorter windows.
     pub quick: f64,
+    /// Rows in half a window, from which these are plenty: windows of an arm that tumbles are half as long then.
     pub plenty: f64,
-    /// Rows closer than this are averaged: a bin per window and signal; more would cost time and tell no more.
+    /// Most bins of a window and signal, each the mean of its rows: more would cost time and tell no more.
     pub bins: usize,
     /// Parts of a window that each get a torque the model may lack.
     pub parts: usize,
-    /// So many rows tell a curvature from noise; the fewest that are used.
+    /// Rows that tell a curvature from noise.
     pub curved: usize,
+    /// Fewest rows of a window.
     pub fewest: usize,
-    /// Where an arm tumbles, so many rows on either side, and no less than a step of a motion: at 50 rad/s a parabola through 0.06 s is
-    /// off by 10 rad/s, and a fit that begins there ends anywhere.
+    /// Rows on either side of a time that tell the state of an arm that tumbles, over no less than a step of a motion: at 50 rad/s a
+    /// parabola through 0.06 s is off by 10 rad/s, and a fit that begins there ends anywhere.
     pub near_rows: f64,
     /// Most usual windows that are compared, 320 s of a balanced arm: the time goes with them, what they tell with their root.
     pub most: usize,
-    /// A link that turns so many times as fast as in the logs, or as the upright grows (1/s), has run away.
+    /// Times the fastest rate in the logs, or that of the upright's growth (1/s), from which a link has run away.
     pub lost: f64,
-    /// Where the residual is this many standard deviations, the plant is first held to the log by slack torques, so that
-    /// everything is linearised about the motion that was measured and not about one that the lacking model invents.
+    /// Standard deviations of the residual from which the plant is first held to the log by slack torques, so that everything is linearised
+    /// about the motion that was measured and not about one that the lacking model invents.
     pub slack: f64,
-    /// A mean square of the whitened residual that no noise gives.
+    /// Mean square of the whitened residual from which a window is lost: no noise gives it.
     pub far: f64,
-    /// The window before says more than this one where it has no more than this share of its squares.
+    /// Share of a window's squares up to which the window before has to have squares to know its start better.
     pub better: f64,
     /// Standard deviations by which noise alone gives more squares than in the usual window, beyond which a fit is doubted.
     pub doubt: f64,
-    /// A valley is left for one that is deeper by this share.
+    /// Share of the squares of what was found that a fit from another start may have at most, to be taken instead.
     pub deeper: f64,
-    /// Smallest scatter of timestamps that is tried, s; then twice as much, up to a step of a motion.
+    /// Smallest scatter of timestamps that is tried, s: a plant's log tells its clock no better; then twice as much, up to a step of a motion.
     pub smallest: f64,
     /// Share of the windows in which something else than timestamps may have happened: a saturation of the torque that cut two windows of sixty
     /// passed for timestamps that scatter, which then hid it.
@@ -46,7 +49,7 @@ pub struct Windows {
     /// 0.29 of it, root mean square. More is what a model lacks that is far from the log (a delay of 10 ms passed for 6 ms at rows
     /// every 5 ms).
     pub evenly: f64,
-    /// Share of it that timestamps must scatter by still with effects on.
+    /// Share of their scatter that timestamps must keep with effects on.
     pub still: f64,
     /// Length of a piece, s: friction changes its sign within one or two of them.
     pub piece: f64,
@@ -74,7 +77,7 @@ pub const WINDOWS: Windows = Windows {
     better: PART,
     doubt: DOUBTED,
     deeper: 1.0 - SMALL,
-    smallest: 2e-5,
+    smallest: LOGS.known,
     events: SMALL,
     evenly: PART,
     still: HALF,

@@ -1,13 +1,19 @@
 //! Windows of a log: where they begin and end, which rows count, and a guess of the state at their begin.
 
 use super::fitting::Fit;
-use super::*;
+use super::log_correction::has_changing_torque;
+use crate::rigs::acrobot::bench::Setting;
+use crate::rigs::acrobot::dataset::{DataSet, Run};
+use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::rigs::acrobot::residual::trajectory::{Drive, PREROLL, Push, State};
 use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What a linearisation found of a window's nuisances.
 #[derive(Debug, Clone)]
@@ -33,7 +39,7 @@ impl Kept {
 
 /// Most windows that are compared. Where an arm tumbles, or is quick, they are short, each takes twice as long, and what it tells grows
 /// with the square of the rates.
-pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
+pub(super) fn most_windows(windows: &[Window], runs: &[Run]) -> usize {
     let length = |window: &Window| {
         let time = &runs[window.run].plant.as_ref()?.time;
         Some(time[*window.rows.last()?] - time[*window.rows.first()?])
@@ -45,12 +51,12 @@ pub(super) fn most(windows: &[Window], runs: &[Run]) -> usize {
 }
 
 /// From this rate on (rad/s) nothing is simulated any more.
-pub(super) fn lost(data: &DataSet, model: &Model) -> f64 {
+pub(super) fn runaway_rate(data: &DataSet, model: &Model) -> f64 {
     WINDOWS.lost * data.runs.iter().map(Run::speed).fold(model.growth().unwrap_or(0.0), f64::max)
 }
 
 /// Evenly chosen windows, at most so many.
-pub(super) fn thin(windows: &mut Vec<Window>, most: usize) {
+pub(super) fn thin_windows(windows: &mut Vec<Window>, most: usize) {
     let all = windows.len();
     let mut place = 0;
     windows.retain(|_| {
@@ -83,6 +89,7 @@ impl WindowState {
     }
 }
 
+/// A stretch of a run with a free start state.
 #[derive(Clone)]
 pub(super) struct Window {
     pub(super) run: usize,
@@ -104,7 +111,7 @@ pub(super) struct Window {
 
 impl Window {
     /// The same window, begun anew at a state.
-    pub(super) fn begun_at(&self, start: State) -> Self {
+    pub(super) fn started_at(&self, start: State) -> Self {
         Self {
             run: self.run,
             drive: self.drive.clone(),
@@ -135,7 +142,7 @@ impl Window {
         WindowState { start: self.start, slack: self.slack.clone(), kept, free }
     }
 
-    pub(super) fn put(&mut self, state: &WindowState) {
+    pub(super) fn restore(&mut self, state: &WindowState) {
         let WindowState { start, slack, kept, free } = state.clone();
         (self.start, self.slack, self.kept, self.free) = (start, slack, kept, free);
     }
@@ -180,7 +187,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &m
         typical * usable.len() as f64 / usable.iter().filter(|row| q2[**row].is_finite()).count() as f64;
     let curve = if tumbling || pace < 1.0 { Curve::near(each) } else { Curve::USUAL };
     // only an actuator has a past that must fill up
-    let before = if steered(run) { pace * PREROLL } else { 0.0 };
+    let before = if has_changing_torque(run) { pace * PREROLL } else { 0.0 };
     let length = usual.max(POLICY.rows as f64 * typical).min(WINDOWS.window.max(6.0 * typical));
     // rows before the first torque may start a window, and say nothing else
     let (begin, end) = run.driven();

@@ -1,18 +1,23 @@
 //! What a class is drawn by, on both sides of each of its numbers.
 
-use super::*;
+use super::{OwnFit, Replaced, linear_loss, resembled};
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::residual::Nuisances;
+use crate::rigs::acrobot::selection::Step;
+use crate::rigs::acrobot::selection::evaluation::Evaluation;
 use crate::rigs::acrobot::selection::examples::{candidate, evaluation, hit, toy};
+use nalgebra::DMatrix;
 
 /// The first of two in the place that others are tried in.
-fn seat<'a>(candidates: &'a [Candidate], last: &'a Evaluation) -> Seat<'a> {
-    Seat {
+fn own_fit_of<'a>(candidates: &'a [Candidate], last: &'a Evaluation) -> OwnFit<'a> {
+    OwnFit {
         candidates,
         last,
         others: Vec::new(),
         effect: 0,
         temper: 1.0,
         offsets: DMatrix::zeros(0, 0),
-        own: 0.0,
+        deviance: 0.0,
         nuisances: Nuisances::default(),
         unseen: 0,
     }
@@ -23,9 +28,9 @@ fn is_near(strength: f64, shared: f64, nonlinear: bool, linear: Option<f64>) -> 
     let candidates = [candidate(Side::Camera, false), candidate(Side::Camera, nonlinear)];
     let across = (strength * shared).sqrt();
     let last = evaluation(&[1.0, 0.0], &[0.0; 2], &[strength, across, across, 1.0]);
-    let seat = seat(&candidates, &last);
+    let own = own_fit_of(&candidates, &last);
     let replaced = linear.map(|loss| Replaced { loss, x: 0.0, own: 0, other: 1 });
-    seat.near(1, replaced.as_ref()).is_some()
+    own.near(1, replaced.as_ref()).is_some()
 }
 
 #[test]
@@ -77,11 +82,11 @@ fn value_another_resembles_a_whole_number_that_foretold_half_of_it() {
 fn along(loss: f64, strength: f64, nonlinear: bool) -> (f64, f64) {
     let candidates = [candidate(Side::Plant, false), candidate(Side::Plant, nonlinear)];
     let last = evaluation(&[1.0, 0.0], &[0.0; 2], &[1.0, 0.0, 0.0, 1.0]);
-    let seat = Seat { offsets: DMatrix::zeros(2, 0), unseen: 1, ..seat(&candidates, &last) };
+    let own = OwnFit { offsets: DMatrix::zeros(2, 0), unseen: 1, ..own_fit_of(&candidates, &last) };
     let mut cut = toy(|_| vec![0.0]);
     cut.unseen = 3;
     let replaced = Replaced { loss, x: 0.0, own: 0, other: 1 };
-    (seat.along_columns(&mut cut, 1, &replaced, strength), seat.lost(&cut))
+    (own.loss_by_columns(&mut cut, 1, &replaced, strength), own.lost(&cut))
 }
 
 #[test]

@@ -1,0 +1,330 @@
+//! What a residual of images looks like: single frames that show another moment, a value that swings, angles of the log that are off, or
+//! a simple law of place, motion or time.
+
+use super::policy::CHECK;
+use super::torque_shape::Form;
+use crate::diagnosis::Unknown;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::residual::studio::ANGLES;
+use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::levels::{HALF, PART, ROUNDING, SMALL};
+use crate::statistics::linear::{Cell, Reduced, reduce};
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// The signal that is blamed, what its residual depends on, and its form.
+pub(super) type Shape = (String, Vec<String>, String);
+
+/// The shape of what a model leaves of images, the signal `worst` most of all. `noise` is what noise alone gives each signal: the scatter
+/// that a model leaves hides in it what it lacks.
+pub(super) fn image_shape(
+    at: &Evaluation,
+    worst: usize,
+    noise: &[f64],
+    signals: &[Signal],
+    list: &[Candidate],
+) -> Shape {
+    let noise: Vec<f64> =
+        noise.iter().zip(&at.sigmas).map(|(own, seen)| if *own > 0.0 { *own } else { *seen }).collect();
+    let at = &at.with(&noise);
+    let shape = |signal: &str, on: &[&str], shape: String| {
+        (signal.to_owned(), on.iter().map(|name| (*name).to_owned()).collect(), shape)
+    };
+    let own = signals[worst].name.as_str();
+    let frames = Frames::of(at);
+    if let Some(text) = frames.single(at, list) {
+        return shape(own, &["time"], text);
+    }
+    // of what noise doesn't leave
+    let loud = 1.0 - quiet(at, worst, noise[worst]);
+    let law = law_of_image(at, worst).map(|(share, form)| ((share / loud).min(1.0), form));
+    let share = law.map_or(0.0, |(share, _)| share);
+    if let Some((link, angle)) = angle_of_log(at).filter(|(_, angle)| *angle > share.max(HALF)) {
+        let name = ["q1", "q2"][link];
+        let text = format!(
+            "the log's {name} is off in proportion to itself, as by an encoder's scale ({:.0} % of it)",
+            100.0 * angle
+        );
+        return shape(ANGLES_OF_LOG[link], &[name], text);
+    }
+    if let Some((candidate, hertz, swung)) = frames.swing(at, list).filter(|swing| swing.2 > share + SMALL) {
+        let Candidate { name, phrase, .. } = &list[candidate];
+        let text = format!(
+            "swinging {hertz:.2} times a second, as if {name} ({phrase}) did ({:.0} % of it)",
+            100.0 * swung
+        );
+        return shape(own, &["time"], text);
+    }
+    match law.filter(|(share, _)| *share > SMALL) {
+        Some((share, (variables, form))) => {
+            shape(own, variables, format!("{form} ({:.0} % of it)", 100.0 * share))
+        }
+        _ => shape(own, &[], "no simple law of place, motion or time".into()),
+    }
+}
+
+/// The angles that a log of encoders holds.
+const ANGLES_OF_LOG: [&str; 2] = ["plant.q1", "plant.q2"];
+
+/// Whether what has no name is in the angles of the log.
+pub fn is_of_angles(left: &Unknown) -> bool {
+    ANGLES_OF_LOG.contains(&left.signal.as_str())
+}
+
+/// Simple laws of a residual of the image.
+const LAWS: [Form; 8] = [
+    (&[], "constant: this circle sits elsewhere than the model has it"),
+    (&["u"], "linear in u"),
+    (&["v"], "linear in v"),
+    (&["u", "v"], "with the square of the distance from the centre"),
+    (&["dq2"], "with the motion: a matter of time, the same all along"),
+    (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
+    (&["dq2", "time"], "with motion times time: clocks that drift apart"),
+    (&["time"], "drifting with time"),
+];
+
+/// The law that takes most of a signal's residual away, and the share of it.
+pub(super) fn law_of_image(at: &Evaluation, signal: usize) -> Option<(f64, Form)> {
+    let mut rows: Vec<(f64, [f64; LAWS.len()])> = Vec::new();
+    for block in &at.blocks {
+        for cell in &block.cells {
+            let Some(row) = cell.signal.iter().position(|s| *s == signal) else { continue };
+            let [q1, q2, dq1, dq2] = block.state;
+            let (u, v) =
+                (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
+            let speed = match signal {
+                _ if signal < 4 || signal == ANGLES.start => dq1,
+                _ if signal == ANGLES.start + 1 => dq2,
+                _ => dq1 + dq2,
+            };
+            let time = cell.time[row];
+            rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time, time]));
+        }
+    }
+    let total: f64 = rows.iter().map(|(y, _)| y * y).sum();
+    let share = |law: usize| {
+        let design = DVector::from_iterator(rows.len(), rows.iter().map(|(_, x)| x[law]));
+        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
+        let xx = design.dot(&design);
+        if xx > 0.0 && total > 0.0 { design.dot(&residual).powi(2) / xx / total } else { 0.0 }
+    };
+    (0..LAWS.len()).map(|law| (share(law), LAWS[law])).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The share of a signal's squares that noise leaves.
+fn quiet(at: &Evaluation, signal: usize, noise: f64) -> f64 {
+    let cells = at.blocks.iter().flat_map(|block| &block.cells);
+    let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual)).filter(|row| *row.0 == signal);
+    let (square, count) = rows.fold((0.0, 0.0), |(sum, count), (_, rest)| (sum + rest * rest, count + 1.0));
+    if square > 0.0 { (count * noise * noise / square).min(HALF) } else { 0.0 }
+}
+
+/// The link of whose angle in the log a share explains most of what noise doesn't leave of all circles, and how much of that. `None` where poses are
+/// not those of a log.
+fn angle_of_log(at: &Evaluation) -> Option<(usize, f64)> {
+    let cells = || at.blocks.iter().flat_map(|block| &block.cells).filter(|cell| cell.soft.ncols() == 2);
+    let white = |cell: &Cell, row: usize| cell.residual[row] / cell.sigma[row];
+    let square =
+        |cell: &Cell| (0..cell.residual.len()).map(|row| white(cell, row).powi(2) - 1.0).sum::<f64>();
+    let more: f64 = cells().map(square).sum();
+    let share = |link: usize| {
+        let (mut xy, mut xx) = (0.0, 0.0);
+        for cell in cells() {
+            let angle = cell.state.get(link).copied().unwrap_or(0.0);
+            for row in 0..cell.residual.len() {
+                let x = angle * cell.soft[(row, link)] / cell.sigma[row];
+                xy += x * white(cell, row);
+                xx += x * x;
+            }
+        }
+        if xx > 0.0 { (xy * xy / xx / more).min(1.0) } else { 0.0 }
+    };
+    let best = [0, 1].map(|link| (link, share(link))).into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    best.filter(|_| more > 0.0)
+}
+
+/// Frames in the order of time, each with its run, its time, and what is left of it.
+struct Frames {
+    all: Vec<(usize, f64, Reduced)>,
+    /// Squares that noise doesn't leave.
+    more: f64,
+}
+
+impl Frames {
+    fn of(at: &Evaluation) -> Self {
+        let cells: Vec<(usize, &Cell)> = at
+            .blocks
+            .iter()
+            .flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell)))
+            .collect();
+        let reduced = |(run, cell): &(usize, &Cell)| {
+            (*run, cell.time.first().copied().unwrap_or(0.0), reduce(cell, at.discrepancy_sd))
+        };
+        let all: Vec<_> = cells.par_iter().map(reduced).collect();
+        let more = all.iter().map(|(_, _, left)| left.square - left.freedom).sum();
+        Self { all, more }
+    }
+
+    /// In words, if single frames hold nearly all of what is left.
+    fn single(&self, at: &Evaluation, list: &[Candidate]) -> Option<String> {
+        let far = |place: usize| {
+            self.all
+                .get(place)
+                .is_some_and(|(_, _, left)| left.square > CHECK.far_frame * left.freedom.max(1.0))
+        };
+        let those: Vec<usize> = (0..self.all.len()).filter(|place| far(*place)).collect();
+        let groups = those.iter().filter(|place| !far(place.wrapping_sub(1))).count();
+        let squares: f64 = those.iter().map(|place| self.all[*place].2.square).sum();
+        // two that were exchanged stand side by side
+        if squares < HALF * self.more
+            || those.len() > 2 * groups
+            || those.len() as f64 > HALF * self.all.len() as f64
+        {
+            return None;
+        }
+        let (count, of) = (those.len(), self.all.len());
+        let first = self.all[*those.first()?].1;
+        let delay = list.iter().position(|candidate| candidate.is(Attribute::ImageDelay));
+        let column = delay.and_then(|delay| at.places(&[delay]).first().copied());
+        let moved: f64 = column.map_or(0.0, |column| {
+            let gain = |place: &usize| gain(&self.all[*place].2, column);
+            those.iter().map(gain).sum::<f64>() / squares
+        });
+        let how = if moved > 1.0 - PART {
+            "they show another moment than their time stamp says: repeated, exchanged or held up"
+        } else {
+            "they don't show what the others do"
+        };
+        Some(format!("single frames, {count} of {of}, the first at {first:.2} s: {how}"))
+    }
+
+    /// The effect of the camera that swings with time, how often a second, and the share of what noise doesn't leave that this explains. Each run
+    /// has a phase of its own.
+    fn swing(&self, at: &Evaluation, list: &[Candidate]) -> Option<(usize, f64, f64)> {
+        let runs: Vec<&[(usize, f64, Reduced)]> = self.all.chunk_by(|a, b| a.0 == b.0).collect();
+        let length = |run: &&[(usize, f64, Reduced)]| run[run.len() - 1].1 - run[0].1;
+        let longest = runs.iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
+        let (span, count) = (length(longest), longest.len());
+        // by half the resolution of the longest run, as fast as frames tell
+        let swings = count.checked_sub(2).filter(|_| span > 0.0)?;
+        let still = |candidate: &Candidate| {
+            candidate.side == Side::Camera && !candidate.is_discrete() && !candidate.is(Attribute::ImageDelay)
+        };
+        let columns: Vec<(usize, usize)> = (0..list.len())
+            .filter(|index| still(&list[*index]))
+            .filter_map(|index| Some((index, *at.places(&[index]).first()?)))
+            .collect();
+        let best = (2..swings).into_par_iter().map(|half| {
+            let hertz = HALF * half as f64 / span;
+            let phases: Vec<Vec<(f64, f64)>> = (runs.iter())
+                .map(|run| run.iter().map(|(_, time, _)| libm::sincos(TAU * hertz * time)).collect())
+                .collect();
+            let gain = |column: usize| {
+                runs.iter().zip(&phases).map(|(run, phases)| swung(run, phases, column)).sum::<f64>()
+            };
+            columns
+                .iter()
+                .map(|(index, column)| (*index, hertz, gain(*column)))
+                .max_by(|a, b| a.2.total_cmp(&b.2))
+        });
+        let (index, hertz, gain) = best.flatten().max_by(|a, b| a.2.total_cmp(&b.2))?;
+        Some((index, hertz, gain / self.more)).filter(|swing| self.more > 0.0 && swing.2 > PART)
+    }
+}
+
+/// Decrease of the squares that a value of its own brings.
+fn gain(left: &Reduced, column: usize) -> f64 {
+    let length = left.gram[(column, column)];
+    if length > 0.0 { left.score[column].powi(2) / length } else { 0.0 }
+}
+
+/// Decrease of a run's squares by a value that swings, of the best size and phase.
+fn swung(run: &[(usize, f64, Reduced)], phases: &[(f64, f64)], column: usize) -> f64 {
+    let (mut score, mut gram) = ([0.0; 2], [0.0; 3]);
+    for ((_, _, left), (sin, cos)) in run.iter().zip(phases) {
+        let (own, length) = (left.score[column], left.gram[(column, column)]);
+        score[0] += cos * own;
+        score[1] += sin * own;
+        gram[0] += cos * cos * length;
+        gram[1] += cos * sin * length;
+        gram[2] += sin * sin * length;
+    }
+    let determinant = gram[0] * gram[2] - gram[1] * gram[1];
+    // a phase that no frame shows
+    if determinant <= ROUNDING * gram[0] * gram[2] {
+        return 0.0;
+    }
+    (gram[2] * score[0] * score[0] - 2.0 * gram[1] * score[0] * score[1] + gram[0] * score[1] * score[1])
+        / determinant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{Moment, candidates, frames, moved, noise, read, signals};
+    use super::super::torque_shape::widest;
+    use super::*;
+    use crate::rigs::acrobot::residual::studio::COLUMNS;
+
+    /// The shape of what is left, signal and text.
+    fn told(left: impl Fn(&Moment, usize) -> f64) -> (String, String) {
+        let at = frames(left);
+        let noise: Vec<f64> = (0..COLUMNS.len()).map(noise).collect();
+        let (signal, _, text) = image_shape(&at, widest(&at), &noise, &signals(), &candidates());
+        (signal, text)
+    }
+
+    #[test]
+    fn value_a_camera_that_swings_is_told_with_its_frequency() {
+        let along_u = |signal: usize| if signal < 6 && signal.is_multiple_of(2) { 1.0 } else { 0.0 };
+        let swings = |size: f64, hertz: f64| {
+            told(move |moment, signal| size * along_u(signal) * libm::sin(TAU * hertz * moment.time))
+        };
+        for hertz in [0.4, 1.7, 11.3] {
+            let (signal, text) = swings(0.1, hertz);
+            assert!(signal.contains("camera.u"), "{signal}");
+            let words = format!("swinging {hertz:.2} times a second, as if shift (moved along u) did");
+            assert!(text.starts_with(&words), "{text}");
+        }
+    }
+
+    #[test]
+    fn value_frames_of_another_moment_are_told_by_their_number() {
+        // the frame before once more, and two that were exchanged
+        let late = |moment: &Moment| match moment.frame {
+            120 | 500 => 1.0,
+            300 => 1.0,
+            301 => -1.0,
+            _ => 0.0,
+        };
+        let (_, text) = told(|moment, signal| late(moment) / 30.0 * moved(moment, signal));
+        assert!(
+            text.starts_with("single frames, 4 of 900, the first at 4.00 s: they show another moment"),
+            "{text}"
+        );
+        // spots that no motion gives
+        let spot = |moment: &Moment| if moment.frame % 200 == 7 { 3.0 } else { 0.0 };
+        let (_, text) = told(|moment, signal| if signal == 5 { spot(moment) } else { 0.0 });
+        assert!(text.contains("5 of 900") && text.contains("don't show what the others do"), "{text}");
+        // ten times the squares of nine rows' noise: 0.24 px on one of them
+        let one =
+            |size: f64| told(move |moment, signal| if signal == 5 && moment.frame == 7 { size } else { 0.0 });
+        assert!(!one(0.18).1.starts_with("single") && one(3.0).1.starts_with("single frames, 1 of"));
+    }
+
+    #[test]
+    fn value_an_encoder_that_reads_in_proportion_is_told_as_that() {
+        let (signal, text) = told(|moment, signal| read(moment, signal, 0.02 * moment.state[1]));
+        assert_eq!(signal, "plant.q2");
+        assert!(text.starts_with("the log's q2 is off in proportion to itself"), "{text}");
+        assert!(is_of_angles(&Unknown { signal, ..Unknown::default() }));
+    }
+
+    #[test]
+    fn law_a_circle_that_sits_elsewhere_stays_one() {
+        let (signal, text) = told(|_, signal| if signal == 5 { 0.3 } else { 0.0 });
+        assert_eq!(signal, "camera.v3");
+        assert!(text.starts_with("constant: this circle sits elsewhere"), "{text}");
+    }
+}

@@ -1,0 +1,207 @@
+//! What a residual looks like: the simple law of state, place or time that takes most of it away. Torques stand here, images in `image_shape`.
+
+use super::image_shape::{image_shape, law_of_image};
+use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::gap::measures;
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
+use crate::rigs::acrobot::residual::torque::{LACKING, torques};
+use crate::rigs::acrobot::selection::{Evaluation, Study};
+
+/// What of the list comes nearest to it.
+pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
+    let total = study.last.total.square.max(1.0);
+    match study.screen.hits.iter().find(|hit| !study.active.contains(&hit.candidate)) {
+        Some(hit) => format!(
+            "{} ({}) comes nearest, but takes away only {:.1} % of what is left",
+            candidates[hit.candidate].name,
+            candidates[hit.candidate].phrase,
+            100.0 * hit.gain / total
+        ),
+        None => "no listed effect resembles it".into(),
+    }
+}
+
+/// Simple variables on which a residual may depend.
+fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'static str, f64)> {
+    let [q1, q2, dq1, dq2] = *state;
+    let (bend, slip) = (q2 - q1, dq2 - dq1);
+    let sign = |x: f64| libm::tanh(x / 0.05);
+    vec![
+        (&[], "constant", 1.0),
+        (&["time"], "drifting with time", time),
+        (&["q1"], "odd in q1, like a spring", q1),
+        (&["q2"], "odd in q2, like a spring", q2),
+        (&["q1", "q2"], "odd in the joint angle q2 - q1, like a spring", bend),
+        (&["q1", "q2"], "cubic in the joint angle q2 - q1, like a stiffening spring", bend * bend * bend),
+        (&["q2"], "even in q2", q2 * q2),
+        (&["dq1"], "odd in dq1, growing with speed", dq1),
+        (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, growing with speed", slip),
+        (&["dq1"], "odd in dq1, of constant size: sticking", sign(dq1)),
+        (
+            &["dq1", "dq2"],
+            "odd in the joint's rate dq2 - dq1, of constant size: sticking or play",
+            sign(slip),
+        ),
+        (&["dq1"], "odd in dq1, with the square of speed: drag", dq1 * dq1.abs()),
+        (&["dq1", "dq2"], "odd in the joint's rate, with the square of speed: drag", slip * slip.abs()),
+        (
+            &["dq1", "dq2"],
+            "strongest at small rates of the joint: Stribeck or sticking",
+            sign(slip) / (1.0 + slip * slip / 0.04),
+        ),
+    ]
+}
+
+/// Names of what a law depends on, and its form.
+pub(super) type Form = (&'static [&'static str], &'static str);
+
+/// Which of the lacking torques a signal is.
+pub fn link_of(signal: &str) -> Option<usize> {
+    LACKING.iter().position(|name| *name == signal)
+}
+
+/// What torques that lack look like.
+struct Torques {
+    /// The simple law that takes most of one link's squares away, with the share of them, and the link.
+    best: Option<(f64, usize, Form)>,
+    /// Sum of squares of each link's torques, (N·m)².
+    squares: [f64; 2],
+    /// Where few windows hold most of it, which is an event and no law.
+    event: Option<Held>,
+}
+
+/// What few windows hold.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    /// Their share of all squares.
+    share: f64,
+    /// The block of the largest.
+    largest: usize,
+    /// These windows follow one another in one run.
+    at_once: bool,
+}
+
+/// Finds the law, and whether few windows hold nearly all of it, which is an event.
+fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
+    let lacking = torques(&at.blocks, &[], &[], &study.folds.of);
+    let mut best: Option<(f64, usize, Form)> = None;
+    let mut squares = [0.0; 2];
+    for (link, square) in squares.iter_mut().enumerate() {
+        let values: Vec<(f64, [f64; 4], f64)> = lacking
+            .iter()
+            .filter(|t| t.floor[link].is_finite())
+            .map(|t| {
+                let block = &at.blocks[t.block];
+                (t.torque[link], block.state, 0.5 * (block.from + block.to))
+            })
+            .collect();
+        let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
+        *square = total;
+        let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else {
+            continue;
+        };
+        for place in 0..count {
+            let (mut xy, mut xx) = (0.0, 0.0);
+            let mut name = None;
+            for (y, state, time) in &values {
+                let all = regressors(state, *time);
+                let (variables, shape, x) = all[place];
+                xy += x * y;
+                xx += x * x;
+                name = Some((variables, shape));
+            }
+            let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
+            if let Some(form) = name.filter(|_| best.is_none_or(|(known, ..)| share > known)) {
+                best = Some((share, link, form));
+            }
+        }
+    }
+    let mut sizes: Vec<(f64, usize)> =
+        lacking.iter().map(|t| (t.torque.iter().map(|x| x * x).sum::<f64>(), t.block)).collect();
+    sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let few = sizes.len().div_ceil(20);
+    let share: f64 = sizes[..few].iter().map(|(size, _)| size).sum::<f64>()
+        / sizes.iter().map(|(s, _)| s).sum::<f64>().max(1e-300);
+    let event = sizes.first().filter(|_| share > 0.8).map(|(_, largest)| {
+        let near =
+            |block: usize| at.blocks[block].run == at.blocks[*largest].run && block.abs_diff(*largest) <= few;
+        let (near, all) = sizes[..few].iter().fold((0.0, 0.0), |(near_by, all), (size, block)| {
+            (near_by + if near(*block) { *size } else { 0.0 }, all + size)
+        });
+        Held { share, largest: *largest, at_once: near > 0.8 * all }
+    });
+    Torques { best, squares, event }
+}
+
+/// Which signal is off, in words, on what it depends, and its form in words.
+pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, String) {
+    let Torques { best, squares, event } = law_of_torques(study, at);
+    let link = if squares[0] > squares[1] { 0 } else { 1 };
+    let signal = |link: usize| LACKING[link].to_owned();
+    match (event, best) {
+        (Some(held), _) => {
+            let largest = held.largest;
+            let block = &at.blocks[largest];
+            let shape = if held.at_once {
+                format!(
+                    "an event, {:.0} % of it in few windows around {:.1} s: a push from outside",
+                    100.0 * held.share,
+                    block.from
+                )
+            } else {
+                format!(
+                    "{:.0} % of it in few windows that lie apart, the largest at {:.1} s: pushes from outside, or rows of a log that are far off",
+                    100.0 * held.share,
+                    block.from
+                )
+            };
+            (signal(link), vec!["time".into()], shape)
+        }
+        (None, Some((share, link, (variables, shape)))) if share > 0.15 => (
+            signal(link),
+            variables.iter().map(|name| (*name).to_owned()).collect(),
+            format!("{shape} ({:.0} % of it)", 100.0 * share),
+        ),
+        _ => (signal(link), Vec::new(), "no simple law of angles, rates or time".into()),
+    }
+}
+
+/// Share of what a model leaves that one law takes away which is common to all runs: of the torques, or of the image's worst signal.
+pub(super) fn common(study: &Study, at: &Evaluation, torque: bool) -> f64 {
+    if torque {
+        let Torques { best, squares, event } = law_of_torques(study, at);
+        let all = squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let law = best.map_or(0.0, |(share, link, _)| share * squares[link] / all);
+        return event.map_or(law, |held| held.share.max(law));
+    }
+    law_of_image(at, widest(at)).map_or(0.0, |(share, _)| share)
+}
+
+/// Where and how the nominal model misses the data.
+pub(super) fn nominal_shape(
+    study: &Study,
+    signals: &[Signal],
+    list: &[Candidate],
+    torque: bool,
+) -> Option<(String, Vec<String>, String)> {
+    let nominal = &study.nominal;
+    if torque {
+        return Some(torque_shape(study, nominal));
+    }
+    Some(image_shape(nominal, widest(nominal), &study.noise, signals, list))
+}
+
+/// The centroid that a model misses most; where no circle was logged, the angle that was read off them.
+pub(super) fn widest(at: &Evaluation) -> usize {
+    let of = if measures(&at.blocks, &CENTROIDS) { CENTROIDS } else { ANGLES };
+    let (start, most) = (of.start, |a: &usize, b: &usize| square(at, *a).total_cmp(&square(at, *b)));
+    of.max_by(most).unwrap_or(start)
+}
+
+/// Sum of squares of one signal, in its unit.
+fn square(at: &Evaluation, signal: usize) -> f64 {
+    let cells = at.blocks.iter().flat_map(|block| &block.cells);
+    let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual));
+    rows.filter(|(own, _)| **own == signal).map(|(_, residual)| residual * residual).sum()
+}

@@ -8,7 +8,10 @@
 //! - `grid.rs`: the rows of a run and its values
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
 //! - `linearise.rs`: differences, many rows at once on all threads
-//! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
+//! - `assemble.rs`: a linearised run of these differences
+//! - `build.rs`: from a problem to an engine: sizes of states and inputs, noises to begin with
+//! - `probe.rs`: what the units can do, tried on the first run
+//! - `parameter_steps.rs`: over what steps of a parameter a difference is a derivative
 //! - `refused.rs`: values with which a unit can't be run
 //! - `fitted.rs`: the engine as what a fit linearises
 //! - `excluded.rs`: outliers
@@ -25,6 +28,7 @@
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod about;
+mod assemble;
 mod at_once;
 pub mod build;
 mod clock;
@@ -37,7 +41,9 @@ mod lag_begin;
 pub mod linearise;
 pub mod machine;
 mod memory;
+mod parameter_steps;
 mod policy;
+mod probe;
 mod refused;
 mod scales;
 pub mod schedule;

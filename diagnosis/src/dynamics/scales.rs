@@ -7,8 +7,8 @@ use super::worker::Job;
 use crate::error::Error;
 
 impl Engine {
-    /// The size of a state that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
-    pub(super) fn unmeasured_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
+    /// The scales of all states, with one for each that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
+    pub(super) fn unmeasured_scales(&self, sizes: &[f64]) -> Result<Vec<f64>, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row) = (self.machine.order(), grid.time.len() / 2);
@@ -34,12 +34,11 @@ impl Engine {
             }
             Ok(())
         })?;
-        self.scales = scales;
-        Ok(())
+        Ok(scales)
     }
 
-    /// The size of an input that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
-    pub(super) fn unlogged_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
+    /// The scales of all inputs, with one for each that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
+    pub(super) fn unlogged_scales(&self, sizes: &[f64]) -> Result<Vec<f64>, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row, width) = (self.machine.order(), grid.time.len() / 2, self.machine.inputs.len());
@@ -70,7 +69,6 @@ impl Engine {
             }
             Ok(())
         })?;
-        self.input_scales = scales;
-        Ok(())
+        Ok(scales)
     }
 }

@@ -5,14 +5,12 @@
 //! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ), with O from x(k+1). No noise is in Y and O, so the horizon may be short.
 
 use super::about::{About, Along};
-use super::grid::Grid;
-use super::linearise::{Chord, Engine, RowParts, difference};
+use super::linearise::{Chord, Engine, RowParts, RunAt, difference};
 use super::machine::Role;
 use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
-use crate::infer::fit::Path;
 use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SEVERAL, TASK};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -59,7 +57,7 @@ impl Engine {
     ///
     /// # Errors
     /// A unit failed.
-    pub(super) fn look_ahead(&mut self) -> Result<usize, Error> {
+    pub(super) fn choose_horizon(&mut self) -> Result<usize, Error> {
         let (n, outputs) = (self.machine.order(), self.machine.channels.len());
         let first = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
         let half = self.grids[0].time.len() / 2;
@@ -177,20 +175,9 @@ struct Reading {
     shown: Option<Vec<Vec<f64>>>,
 }
 
-/// A run with its parameters, about its path.
-#[derive(Clone, Copy)]
-pub(super) struct Followed<'a> {
-    pub engine: &'a Engine,
-    pub grid: &'a Grid,
-    pub schedule: &'a Schedule,
-    pub theta: &'a [f64],
-    pub path: &'a Path,
-    pub chords: &'a [Chord],
-}
-
-impl Followed<'_> {
+impl RunAt<'_> {
     /// Puts next states and their derivatives where a unit that shows them would have.
-    pub fn next_states(&self, parts: &mut [RowParts]) {
+    pub(super) fn next_states(&self, parts: &mut [RowParts]) {
         let intervals = parts.len().saturating_sub(1);
         let tasks: Vec<usize> = (0..intervals).step_by(TASK).collect();
         let readings: Vec<Vec<Reading>> = tasks

@@ -86,14 +86,18 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
     let linear = |place: usize| machine.inputs[place].hold == Hold::Linear;
     let mut added: Vec<(usize, bool, UnitEntry)> = Vec::new();
     for (place, effects) in &inputs {
-        let unit = machine.inputs[*place].variable.unit;
-        let entry = entry(&before(*place), scenario.units[unit].interval, effects, linear(*place))?;
-        added.push((unit, true, entry));
+        let instance = machine.inputs[*place].variable.instance;
+        let entry = entry(&before(*place), scenario.units[instance].interval, effects, linear(*place))?;
+        added.push((instance, true, entry));
         connect(&mut scenario, &format!("{}.y", before(*place)), &machine.inputs[*place].name)?;
     }
     for (place, effects) in &outputs {
-        let unit = machine.channels[*place].variable.unit;
-        added.push((unit, false, entry(&behind(*place), scenario.units[unit].interval, effects, true)?));
+        let instance = machine.channels[*place].variable.instance;
+        added.push((
+            instance,
+            false,
+            entry(&behind(*place), scenario.units[instance].interval, effects, true)?,
+        ));
         connect(&mut scenario, &machine.channels[*place].name, &format!("{}.u", behind(*place)))?;
     }
     scenario.units = ordered(std::mem::take(&mut scenario.units), added);

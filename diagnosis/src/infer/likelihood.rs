@@ -203,11 +203,11 @@ pub fn maximise_within(
             break;
         }
         let mut length = (INFER.longest_move / longest).min(1.0);
-        let promised = -gradient.dot(&direction);
+        let predicted_decrease = -gradient.dot(&direction);
         let accepted = (0..8).find_map(|_| {
             let there = swept(clamped(&here.at + &direction * length));
-            let good =
-                there.value.is_finite() && there.value <= here.value - 1e-4 * length * promised.max(0.0);
+            let good = there.value.is_finite()
+                && there.value <= here.value - 1e-4 * length * predicted_decrease.max(0.0);
             length *= if good { 1.0 } else { 0.35 };
             good.then_some(there)
         });

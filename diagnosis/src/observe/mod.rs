@@ -86,7 +86,7 @@ pub struct Nominal {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VariableId {
     /// Place of its unit in [`Nominal::fmus`] and in the scenario.
-    pub unit: usize,
+    pub instance: usize,
     /// Place of the variable in the unit's description.
     pub place: usize,
 }
@@ -322,18 +322,18 @@ impl Nominal {
     }
 
     /// The description of a unit.
-    pub fn description(&self, unit: usize) -> &Description {
-        self.fmus[unit].description()
+    pub fn description(&self, instance: usize) -> &Description {
+        self.fmus[instance].description()
     }
 
     /// A variable's description.
     pub fn variable(&self, id: VariableId) -> &Variable {
-        &self.description(id.unit).variables[id.place]
+        &self.description(id.instance).variables[id.place]
     }
 
     /// `instance.variable`.
     pub fn name(&self, id: VariableId) -> String {
-        format!("{}.{}", self.scenario.units[id.unit].name, self.variable(id).name)
+        format!("{}.{}", self.scenario.units[id.instance].name, self.variable(id).name)
     }
 
     /// The nominal value: from `[set]` or the scenario, else the start value.

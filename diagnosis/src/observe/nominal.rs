@@ -114,10 +114,10 @@ fn apply(scenario: &mut Scenario, fmus: &[Fmu], file: &File) -> Result<(), Error
             problem: format!("[set] {problem}"),
         };
         let id = find(scenario, fmus, name).map_err(|problem| wrong(problem.clone()))?;
-        let unit = &scenario.units[id.unit].name;
-        let variable = &fmus[id.unit].description().variables[id.place].name;
+        let instance = &scenario.units[id.instance].name;
+        let variable = &fmus[id.instance].description().variables[id.place].name;
         scenario
-            .set(&format!("{unit}.{variable}"), &text(value))
+            .set(&format!("{instance}.{variable}"), &text(value))
             .map_err(|error| wrong(format!("{name}: {error}")))?;
     }
     Ok(())
@@ -141,8 +141,8 @@ fn flatten(
 /// A variable by its full name; an error is what is wrong and what would be right.
 pub(super) fn find(scenario: &Scenario, fmus: &[Fmu], full: &str) -> Result<VariableId, String> {
     let of = |unit: &UnitEntry| full.strip_prefix(unit.name.as_str())?.strip_prefix('.').map(str::to_owned);
-    let found = scenario.units.iter().enumerate().find_map(|(unit, entry)| Some((unit, of(entry)?)));
-    let Some((unit, name)) = found else {
+    let found = scenario.units.iter().enumerate().find_map(|(place, entry)| Some((place, of(entry)?)));
+    let Some((instance, name)) = found else {
         let instances: Vec<&str> = scenario.units.iter().map(|unit| unit.name.as_str()).collect();
         let holders =
             scenario.units.iter().zip(fmus).filter(|(_, fmu)| fmu.description().variable(full).is_some());
@@ -160,17 +160,17 @@ pub(super) fn find(scenario: &Scenario, fmus: &[Fmu], full: &str) -> Result<Vari
             }
         });
     };
-    let description = fmus[unit].description();
-    description.place(&name).map(|place| VariableId { unit, place }).ok_or_else(|| {
+    let description = fmus[instance].description();
+    description.place(&name).map(|place| VariableId { instance, place }).ok_or_else(|| {
         let known = description.variables.iter().map(|variable| variable.name.as_str());
-        format!("{} has no variable {name:?}: {}", scenario.units[unit].name, nearest(&name, known))
+        format!("{} has no variable {name:?}: {}", scenario.units[instance].name, nearest(&name, known))
     })
 }
 
 /// What the units are given, as values of the variables' types.
 fn values(scenario: &Scenario, fmus: &[Fmu], file: &File) -> Result<Vec<(VariableId, Value)>, Error> {
     let mut set = Vec::new();
-    for (unit, (entry, fmu)) in scenario.units.iter().zip(fmus).enumerate() {
+    for (instance, (entry, fmu)) in scenario.units.iter().zip(fmus).enumerate() {
         for (name, given) in &entry.set {
             let Some(place) = fmu.description().place(name) else { continue };
             let kind = fmu.description().variables[place].kind;
@@ -182,7 +182,7 @@ fn values(scenario: &Scenario, fmus: &[Fmu], file: &File) -> Result<Vec<(Variabl
                     problem: format!("{full} = {:?}: not a value of type {kind}", shown(&given.value)),
                 });
             };
-            set.push((VariableId { unit, place }, value));
+            set.push((VariableId { instance, place }, value));
         }
     }
     Ok(set)

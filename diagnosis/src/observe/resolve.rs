@@ -155,7 +155,7 @@ fn conversion(model: &Nominal, raw: &raw::Channel, id: VariableId, file: &File) 
                 "`unit` and `scale` or `offset` both: one of them says how the log's numbers are converted";
             Err(file.wrong(&unit.span(), problem))
         }
-        Some(unit) => measure::conversion(unit.get_ref(), model.variable(id), model.description(id.unit))
+        Some(unit) => measure::conversion(unit.get_ref(), model.variable(id), model.description(id.instance))
             .map_err(|problem| file.wrong(&unit.span(), problem)),
     }
 }
@@ -271,9 +271,9 @@ fn seconds(raw: &raw::Run, file: &File) -> Result<f64, Error> {
 
 /// Variables that are states where no `[[state]]` says otherwise.
 fn states_by_default(model: &Nominal) -> impl Iterator<Item = VariableId> {
-    let every = (0..model.fmus.len()).flat_map(|unit| {
-        let places = 0..model.description(unit).variables.len();
-        places.map(move |place| VariableId { unit, place })
+    let every = (0..model.fmus.len()).flat_map(|instance| {
+        let places = 0..model.description(instance).variables.len();
+        places.map(move |place| VariableId { instance, place })
     });
     every.filter(|id| shows_its_start(model.variable(*id)))
 }

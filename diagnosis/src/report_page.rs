@@ -13,6 +13,26 @@ use report::{Cell, Figure, Page, Standing, Table};
 /// A graph can't be drawn.
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
+    show_verdict(diagnosis, &mut page);
+    show_missing(diagnosis, &mut page)?;
+    show_next(diagnosis, &mut page)?;
+    report_graphs::overlays(diagnosis, &mut page)?;
+    page.heading("Step by step");
+    for line in &diagnosis.story {
+        page.text(line);
+    }
+    show_gap(diagnosis, &mut page)?;
+    show_detectable(diagnosis, &mut page);
+    if !diagnosis.notices.is_empty() {
+        page.heading("The data");
+        for notice in &diagnosis.notices {
+            page.text(&notice.to_string());
+        }
+    }
+    Ok(page.to_html())
+}
+
+fn show_verdict(diagnosis: &Diagnosis, page: &mut Page) {
     page.verdict(&verdict(diagnosis));
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -21,29 +41,30 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         ));
     }
     page.facts(&diagnosis.provenance.lines());
+}
+
+fn show_missing(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
         page.table(&effects(diagnosis));
     }
-    if let Some(unknown) = &diagnosis.unknown {
-        page.heading("What has no name");
-        page.text(&format!(
-            "{}: {}. {}.",
-            sentence(&unknown.signal),
-            unknown.shape,
-            sentence(&unknown.nearest)
-        ));
-        report_graphs::unlisted(unknown, &mut page)?;
-        if let Some(correction) = &diagnosis.correction {
-            page.text(&corrected(correction));
-            page.table(&terms(correction));
-        }
+    let Some(unknown) = &diagnosis.unknown else { return Ok(()) };
+    page.heading("What has no name");
+    page.text(&format!("{}: {}. {}.", sentence(&unknown.signal), unknown.shape, sentence(&unknown.nearest)));
+    report_graphs::unlisted(unknown, page)?;
+    if let Some(correction) = &diagnosis.correction {
+        page.text(&corrected(correction));
+        page.table(&terms(correction));
     }
+    Ok(())
+}
+
+fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
         page.text(&told(next));
         if let Some(planned) = &next.planned {
-            planned::show(planned, &mut page)?;
+            planned::show(planned, page)?;
         }
         if !next.separation.is_empty() {
             page.text(&format!(
@@ -59,11 +80,10 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     for line in now(diagnosis) {
         page.text(&line);
     }
-    report_graphs::overlays(diagnosis, &mut page)?;
-    page.heading("Step by step");
-    for line in &diagnosis.story {
-        page.text(line);
-    }
+    Ok(())
+}
+
+fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     page.heading("How the gap shrinks");
     page.text(&judged(diagnosis));
     page.table(&gaps(&diagnosis.gaps));
@@ -76,7 +96,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         );
         page.table(&gaps(&diagnosis.cross_validation));
     }
-    report_graphs::residuals(diagnosis, &mut page)?;
+    report_graphs::residuals(diagnosis, page)?;
     if !diagnosis.place.is_empty() {
         page.heading("Where they disagree");
         page.table(&places(diagnosis));
@@ -87,6 +107,10 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
              nothing explains, and its interval covers where it would stand if another name went.",
         );
     }
+    Ok(())
+}
+
+fn show_detectable(diagnosis: &Diagnosis, page: &mut Page) {
     page.heading("What this data would show");
     if diagnosis.minimum_detectable.is_empty() {
         page.text("Beside a residual without a name nobody knows what would have been found.");
@@ -100,13 +124,6 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
             .map(|(name, size)| vec![name.clone().into(), Cell::Number(brief(*size)), unit(diagnosis, name)])
             .collect(),
     });
-    if !diagnosis.notices.is_empty() {
-        page.heading("The data");
-        for notice in &diagnosis.notices {
-            page.text(&notice.to_string());
-        }
-    }
-    Ok(page.to_html())
 }
 
 /// What stays open on the rows left out, in words.

@@ -81,18 +81,7 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let engine = question.engine;
     let longest = engine.grids.iter().map(|grid| &grid.time).max_by_key(|time| time.len())?;
     let waves: Vec<Wave> = times(longest).iter().flat_map(|time| waves(problem, engine, time)).collect();
-    let screened: Vec<Option<f64>> = waves.par_iter().map(|wave| screen(&question, wave).ok()).collect();
-    let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
-    // stable: of equal ones the simplest comes first
-    order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
-    // far from where it was linearised a long one may tell nothing: some of each length
-    let of_its_length = |(at, place): &(usize, &usize)| {
-        let before = order[..*at].iter().filter(|other| waves[**other].time == waves[**place].time);
-        before.count() < EXPERIMENTS.finalists
-    };
-    let finalists: Vec<usize> =
-        order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect();
-    let tried: Vec<(usize, Losses)> = finalists
+    let tried: Vec<(usize, Losses)> = finalists(&question, &waves)
         .par_iter()
         .filter_map(|place| Some((*place, losses(&question, &waves[*place]).ok()?)))
         .collect();
@@ -113,20 +102,11 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         }
     });
     let (one, other, loss) = worst(losses);
-    let too_little = if loss < SLIGHT * EXPERIMENTS.told {
-        format!(
-            ": nothing that can be driven here tells {} and {} apart. Measure another variable, or strike out one of them",
-            separates[one], separates[other]
-        )
-    } else if loss < EXPERIMENTS.told {
-        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
-    } else {
-        String::new()
-    };
     let what = format!(
-        "{}; start it at rest. One name for another would lose {} of deviance there{too_little}",
+        "{}; start it at rest. One name for another would lose {} of deviance there{}",
         waves[*best].what,
         brief(loss),
+        too_little(loss, &separates[one], &separates[other]),
     );
     let scenario = scenario(problem, engine, &waves[*best], units);
     let next = NextExperiment {
@@ -139,6 +119,33 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         planned: planned(&question, &waves[*best]).ok(),
     };
     Some((next, scenario))
+}
+
+/// The waves of each length that the model's Fisher information says tell most, the best first.
+fn finalists(question: &Question<'_>, waves: &[Wave]) -> Vec<usize> {
+    let screened: Vec<Option<f64>> = waves.par_iter().map(|wave| screen(question, wave).ok()).collect();
+    let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
+    // stable: of equal ones the simplest comes first
+    order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
+    // far from where it was linearised a long one may tell nothing: some of each length
+    let of_its_length = |(at, place): &(usize, &usize)| {
+        let before = order[..*at].iter().filter(|other| waves[**other].time == waves[**place].time);
+        before.count() < EXPERIMENTS.finalists
+    };
+    order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect()
+}
+
+/// What to add where the best experiment loses too little deviance to tell two members apart.
+fn too_little(loss: f64, one: &str, other: &str) -> String {
+    if loss < SLIGHT * EXPERIMENTS.told {
+        format!(
+            ": nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them"
+        )
+    } else if loss < EXPERIMENTS.told {
+        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
+    } else {
+        String::new()
+    }
 }
 
 /// When rows would be: as in the longest log while they last, and spread over all of it. What is slow needs the one, a delay below the

@@ -6,12 +6,12 @@ use super::parted::parted;
 use super::residual::{self, Residual};
 use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
 use crate::design::Question;
-use crate::diagnosis::{Diagnosis, Gap, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Verdict};
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
-use crate::infer::Sizes;
 use crate::infer::fit::{Fit, Options as FitOptions, Path, fit, fit_from};
+use crate::infer::{Noise, Sizes};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::class::Alternative;
@@ -77,25 +77,12 @@ fn found(
     let (through, Searched { trained, held, all }) = begun::searched(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
-        mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
+        mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
     });
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
     let effects = told::effects(problem, &all, unknown.is_some());
-    let verdict = if unknown.is_some() {
-        Verdict::Unknown
-    } else if effects.iter().any(|effect| effect.class.len() > 1) {
-        Verdict::Ambiguous
-    } else if effects.is_empty() {
-        Verdict::None
-    } else {
-        Verdict::Named
-    };
-    let proposal =
-        open(&all).filter(|_| !watch.is_over("the search for a next experiment")).and_then(|question| {
-            watch.stage("simulating experiments");
-            crate::design::next(problem, &question, units)
-        });
-    let (next_experiment, experiment) = proposal.map_or((None, None), |(next, text)| (Some(next), text));
+    let verdict = verdict(unknown.is_some(), &effects);
+    let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
@@ -129,6 +116,34 @@ fn found(
     })
 }
 
+/// The verdict, by whether something has no name and by the effects that were named.
+fn verdict(is_unknown: bool, effects: &[Effect]) -> Verdict {
+    if is_unknown {
+        Verdict::Unknown
+    } else if effects.iter().any(|effect| effect.class.len() > 1) {
+        Verdict::Ambiguous
+    } else if effects.is_empty() {
+        Verdict::None
+    } else {
+        Verdict::Named
+    }
+}
+
+/// The experiment that tells the first open class apart, and its scenario, while there is time.
+fn next_experiment(
+    problem: &Problem,
+    all: &Studied,
+    units: &UnitPath,
+    watch: &mut Watch<'_>,
+) -> (Option<NextExperiment>, Option<String>) {
+    let question = open_class(all).filter(|_| !watch.is_over("the search for a next experiment"));
+    let proposal = question.and_then(|question| {
+        watch.stage("simulating experiments");
+        crate::design::next(problem, &question, units)
+    });
+    proposal.map_or((None, None), |(next, text)| (Some(next), text))
+}
+
 /// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
 /// for a part of that. What a user asked for stays.
 fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
@@ -137,7 +152,7 @@ fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
 }
 
 /// Whether the rows left out judged what was found in all rows.
-fn judged(trained: &Studied, all: &Studied) -> bool {
+fn is_judged(trained: &Studied, all: &Studied) -> bool {
     !all.effects.is_empty() && all.effects.iter().all(|effect| trained.effects.contains(effect))
 }
 
@@ -215,8 +230,8 @@ pub(super) fn continued(
     Ok(Searched { trained, held, all })
 }
 
-/// The first class that is open.
-fn open(studied: &Studied) -> Option<Question<'_>> {
+/// The first effect whose class is open.
+fn open_class(studied: &Studied) -> Option<Question<'_>> {
     let policy = studied.policy;
     let near = |list: &[Alternative]| -> Vec<_> {
         list.iter().filter(|one| one.loss < policy.class).copied().collect()
@@ -287,16 +302,7 @@ pub fn studied(
         last: None,
     };
     search.visited.insert(Vec::new(), nominal.clone());
-    let (effects, begun) = match before.map(|known| known.0).filter(|before| !before.effects.is_empty()) {
-        Some(before) => {
-            let mut start = nominal.at.clone();
-            start.theta.clone_from(&before.fit.at.theta);
-            let fitted = search.visit(&before.effects, &start)?;
-            search.pruned(before.effects.clone(), fitted, "all rows together need")?
-        }
-        None => (Vec::new(), nominal.clone()),
-    };
-    let begun = search.fresh(begun)?;
+    let (effects, begun) = first_model(&mut search, before.map(|known| known.0), &nominal)?;
     if !options.fit.is_empty() {
         return given(built, &sizes, options, &nominal.at, policy);
     }
@@ -306,24 +312,14 @@ pub fn studied(
     here = search.fresh(here)?;
     let mut residual = residual::judged(&built.engine, &here, &sizes, &search.policy);
     if let Some(unlisted) = residual.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
-        // what has no name remembers: beside it only names count that explain more than it does
         search.story.push(format!(
             "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
             residual.evidence
         ));
-        search.visited.clear();
         beside = residual.sizes.clone();
         search.sizes = &beside;
         search.policy = policy.beside(residual.evidence);
-        let mut start = here.at.clone();
-        start.noise = unlisted;
-        let again = search.visit(&effects, &start)?;
-        (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
-        let fresh = search.fresh(here)?;
-        (effects, here) = search.walk(effects, fresh, watch)?;
-        here = search.fresh(here)?;
-        (effects, here) = search.agreed(effects, here)?;
-        (effects, here) = search.nearer(effects, here, policy, watch)?;
+        (effects, here) = beside_unlisted(&mut search, unlisted, effects, here, policy, watch)?;
         residual = residual::judged(&built.engine, &here, &beside, &search.policy);
     }
     let mut alternatives = Vec::new();
@@ -338,4 +334,44 @@ pub fn studied(
     let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
     built.notices.extend(search.doubts.into_iter().map(notice));
     Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
+}
+
+/// Where the search begins: with what was found in other rows, as far as these need it, else with the nominal model.
+fn first_model(
+    search: &mut Search<'_>,
+    before: Option<&Studied>,
+    nominal: &Fit,
+) -> Result<(Vec<usize>, Fit), Error> {
+    let (effects, begun) = match before.filter(|before| !before.effects.is_empty()) {
+        Some(before) => {
+            let mut start = nominal.at.clone();
+            start.theta.clone_from(&before.fit.at.theta);
+            let fitted = search.visit(&before.effects, &start)?;
+            search.pruned(before.effects.clone(), fitted, "all rows together need")?
+        }
+        None => (Vec::new(), nominal.clone()),
+    };
+    Ok((effects, search.fresh(begun)?))
+}
+
+/// Goes on beside an unlisted input: what has no name remembers, and beside it only names count that explain more than it does. `alone`: the
+/// numbers of a search without it.
+fn beside_unlisted(
+    search: &mut Search<'_>,
+    unlisted: Noise,
+    effects: Vec<usize>,
+    here: Fit,
+    alone: Policy,
+    watch: &mut Watch<'_>,
+) -> Result<(Vec<usize>, Fit), Error> {
+    search.visited.clear();
+    let mut start = here.at;
+    start.noise = unlisted;
+    let again = search.visit(&effects, &start)?;
+    let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
+    let fresh = search.fresh(here)?;
+    let (effects, here) = search.walk(effects, fresh, watch)?;
+    let here = search.fresh(here)?;
+    let (effects, here) = search.agreed(effects, here)?;
+    search.nearer(effects, here, alone, watch)
 }

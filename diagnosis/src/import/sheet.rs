@@ -45,6 +45,29 @@ struct Cells {
     first: Option<(usize, String)>,
 }
 
+impl Cells {
+    /// Counts a cell of a line, and gives its number; `NaN` where it holds none.
+    fn count(&mut self, cell: &str, comma: bool, line: usize) -> f64 {
+        match (cell, number(cell, comma)) {
+            ("", _) => f64::NAN,
+            (_, Some(value)) => {
+                self.numbers += 1;
+                value
+            }
+            (cell, None) => {
+                self.words += 1;
+                self.first.get_or_insert_with(|| (line, cell.to_owned()));
+                f64::NAN
+            }
+        }
+    }
+}
+
+/// Whether a line below the names holds units of measurement: something, and no number.
+fn is_line_of_units(record: &csv::StringRecord) -> bool {
+    record.iter().any(|cell| !cell.is_empty()) && record.iter().all(|cell| number(cell, true).is_none())
+}
+
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
@@ -71,10 +94,7 @@ impl Sheet {
                 )
             })?;
             let line = above + record.position().map_or(0, |position| position.line() as usize);
-            if rows.is_empty()
-                && record.iter().any(|cell| !cell.is_empty())
-                && record.iter().all(|cell| number(cell, true).is_none())
-            {
+            if rows.is_empty() && is_line_of_units(&record) {
                 let units = columns.iter_mut().zip(record.iter()).filter(|(_, cell)| !cell.is_empty());
                 units.for_each(|(column, cell)| {
                     column.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned())
@@ -89,21 +109,9 @@ impl Sheet {
                     format!("{cells} cells below {names} names: {cell} stands below none"),
                 ));
             }
-            let mut row: Vec<f64> = Vec::with_capacity(columns.len());
-            for (place, cell) in record.iter().take(columns.len()).enumerate() {
-                row.push(match (cell, number(cell, comma)) {
-                    ("", _) => f64::NAN,
-                    (_, Some(value)) => {
-                        kinds[place].numbers += 1;
-                        value
-                    }
-                    (cell, None) => {
-                        kinds[place].words += 1;
-                        kinds[place].first.get_or_insert_with(|| (line, cell.to_owned()));
-                        f64::NAN
-                    }
-                });
-            }
+            let mut row: Vec<f64> = (record.iter().take(columns.len()).zip(&mut kinds))
+                .map(|(cell, kind)| kind.count(cell, comma, line))
+                .collect();
             row.resize(columns.len(), f64::NAN);
             rows.push(row);
         }

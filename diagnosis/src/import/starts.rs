@@ -24,7 +24,7 @@ pub(super) struct Start {
 }
 
 /// States of a unit that can be started; of two variables that one parameter starts a measured one goes first.
-pub(super) fn of(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
+pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
     let description = fmu.description();
     let mut all: Vec<Start> = (0..description.variables.len())
         .filter(|place| observe::shows_its_start(&description.variables[*place]))

@@ -22,10 +22,12 @@ const USUAL: [&str; 22] = [
 ];
 
 /// What is known before a trial.
+#[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
     pub fmu: &'a Fmu,
     pub units: &'a UnitPath,
-    pub sheets: &'a [Sheet],
+    /// The longest log.
+    pub sheet: &'a Sheet,
     pub time: &'a Time,
     pub starts: &'a [Start],
     /// The signs that stretches of the logs tell, where they do.
@@ -33,23 +35,66 @@ pub(super) struct Known<'a> {
     pub isolation: Option<&'a Isolation>,
 }
 
+impl<'a> Known<'a> {
+    /// The model on the inputs of the log, matched so.
+    pub fn trial(&self, matches: &'a [Match]) -> Trial<'a> {
+        let Self { fmu, units, sheet, time, starts, isolation, .. } = *self;
+        Trial { fmu, units, sheet, time, starts, matches, isolation }
+    }
+}
+
 /// Tries every match against the model and writes what it says beside it.
 pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &mut Vec<String>) {
-    let Known { fmu, units, sheets, time, starts, signs, isolation } = *known;
-    let Some(sheet) = sheets.iter().max_by_key(|sheet| sheet.rows.len()) else { return };
+    let Known { fmu, starts, signs, .. } = *known;
     if let Some(signs) = signs {
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
     }
     let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
-    let turned = if signs.is_none() { turned_ways(fed.len()) } else { 1 };
+    let ways = if signs.is_none() { turned_ways(fed.len()) } else { 1 };
+    let (turns, lines) = match likeliest_signs(known, matches, &fed, ways) {
+        Ok(found) => found,
+        Err(failed) => {
+            let why = failed.as_ref().map_or("nothing to run", Failed::in_short);
+            notices.push(format!("signs and units were not tried against the model: {why}"));
+            return;
+        }
+    };
+    let described = fmu.description();
+    for (bit, place) in fed.iter().enumerate().filter(|_| ways > 1) {
+        let matched = &mut matches[*place];
+        if turns >> bit & 1 == 1 {
+            let own = converted(matched, described);
+            matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
+            matched.evidence.push("sign turned: the model follows the logs better so".into());
+            notices.push(format!("column {:?}: sign turned, by trial", matched.column));
+        } else {
+            matched.evidence.push("sign as logged: no other follows the logs better".into());
+        }
+    }
+    for (matched, line) in matches.iter_mut().zip(lines) {
+        // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
+        if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
+            judge(matched, line, described, starts, signs.is_some(), notices);
+        }
+    }
+}
+
+/// The way of so many with which the model follows the logs best: which signs of the `fed` it turns, a bit each, and the line of each output.
+/// An error is why the last of them couldn't be run.
+fn likeliest_signs(
+    known: &Known<'_>,
+    matches: &[Match],
+    fed: &[usize],
+    ways: usize,
+) -> Result<(usize, Vec<Option<Line>>), Option<Failed>> {
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
-    for turns in 0..turned {
+    for turns in 0..ways {
         let sign = |place: usize| match fed.iter().position(|other| *other == place) {
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match (Trial { fmu, units, sheet, time, starts, matches, isolation }).compared(&sign) {
+        let lines = match known.trial(matches).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
@@ -69,30 +114,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             best = Some((score, turns, lines));
         }
     }
-    let Some((_, turns, lines)) = best else {
-        let why = failed.as_ref().map_or("nothing to run", Failed::in_short);
-        notices.push(format!("signs and units were not tried against the model: {why}"));
-        return;
-    };
-    let described = fmu.description();
-    for (bit, place) in fed.iter().enumerate().filter(|_| turned > 1) {
-        let turn = turns >> bit & 1 == 1;
-        let matched = &mut matches[*place];
-        if turn {
-            let own = converted(matched, described);
-            matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
-            matched.evidence.push("sign turned: the model follows the logs better so".into());
-            notices.push(format!("column {:?}: sign turned, by trial", matched.column));
-        } else {
-            matched.evidence.push("sign as logged: no other follows the logs better".into());
-        }
-    }
-    for (matched, line) in matches.iter_mut().zip(lines) {
-        // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
-        if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
-            judge(matched, line, described, starts, signs.is_some(), notices);
-        }
-    }
+    best.map(|(_, turns, lines)| (turns, lines)).ok_or(failed)
 }
 
 /// Ways in which the signs of so many inputs are tried.
@@ -157,42 +179,56 @@ fn judge(
         ));
         return;
     }
-    let own = converted(matched, description);
-    let sign = line.slope.signum();
-    let size = line.slope.abs();
     if matched.unit.is_none()
         && let Some((unit, found)) = unit_of(line, variable, description)
     {
         matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
         matched.unit = Some(unit.to_owned());
-        if sign < 0.0 {
+        if line.slope < 0.0 {
             matched.affine = Some(Affine { scale: -found.scale, offset: found.offset });
         }
         return;
     }
-    // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
-    let fits = line.fits();
-    let apart = line.mean.1 - sign * line.mean.0;
-    let far =
-        fits && starts::find(starts, matched.variable).is_none() && apart.abs() > IMPORT.offset * line.spread;
-    if sign < 0.0 || far {
-        let offset = if far { -sign * apart } else { 0.0 };
-        matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
-        let what = match (sign < 0.0, far) {
-            (true, true) => "sign turned and offset taken out",
-            (true, false) => "sign turned",
-            _ => "offset taken out",
-        };
+    if let Some((affine, what)) = turned_or_shifted(matched, line, description, starts) {
+        matched.affine = Some(affine);
+        let apart = apart(line);
         matched.evidence.push(format!("{what}, by trial: {said}, means apart by {apart:.4}"));
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
-    let fits = if (size - 1.0).abs() < IMPORT.unit.1 {
+    let fits = if (line.slope.abs() - 1.0).abs() < IMPORT.unit.1 {
         "sign and size fit"
     } else {
         "the sign fits, the size does not: look at the unit"
     };
     matched.evidence.push(format!("{fits}: {said}"));
+}
+
+/// How far the means of model and log are apart once the sign is the model's.
+fn apart(line: Line) -> f64 {
+    line.mean.1 - line.slope.signum() * line.mean.0
+}
+
+/// The conversion of an output whose sign is turned or whose offset is large, and what was done.
+fn turned_or_shifted(
+    matched: &Match,
+    line: Line,
+    description: &Description,
+    starts: &[Start],
+) -> Option<(Affine, &'static str)> {
+    let (own, sign) = (converted(matched, description), line.slope.signum());
+    // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
+    let far = line.fits()
+        && starts::find(starts, matched.variable).is_none()
+        && apart(line).abs() > IMPORT.offset * line.spread;
+    let what = match (sign < 0.0, far) {
+        (true, true) => "sign turned and offset taken out",
+        (true, false) => "sign turned",
+        (false, true) => "offset taken out",
+        (false, false) => return None,
+    };
+    let offset = if far { -sign * apart(line) } else { 0.0 };
+    Some((Affine { scale: sign * own.scale, offset: sign * own.offset + offset }, what))
 }
 
 /// The unit of measurement that explains a slope.
@@ -259,7 +295,7 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// The unit crashed, ended its process, or did not come back from a call.
-    pub(super) fn rehearsed(&self, limits: &Isolation) -> Result<(), Error> {
+    pub(super) fn rehearse(&self, limits: &Isolation) -> Result<(), Error> {
         let mut within = Within::new(None);
         let run = self
             .stretch()

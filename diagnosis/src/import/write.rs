@@ -3,6 +3,7 @@
 use super::idle;
 use super::sheet::Sheet;
 use super::starts::Start;
+use super::trial::Known;
 use super::{Match, Time, instance};
 use crate::error::Error;
 use orchestrator::Fmu;
@@ -25,7 +26,21 @@ pub(super) struct Found<'a> {
     /// Parameters that may be off.
     pub candidates: &'a [usize],
     /// What trying them said.
-    pub tried: &'a idle::Found,
+    pub tried: Option<&'a idle::Found>,
+}
+
+impl<'a> Found<'a> {
+    /// Before any parameter was tried.
+    pub fn new(
+        sheets: &'a [Sheet],
+        known: &Known<'a>,
+        told: &'a str,
+        matches: &'a [Match],
+        candidates: &'a [usize],
+    ) -> Self {
+        let Known { time, starts, .. } = *known;
+        Self { sheets, time, told, matches, starts, unshown: &[], candidates, tried: None }
+    }
 }
 
 /// Writes everything and gives a line for each guess.
@@ -53,7 +68,8 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     states(&mut text, &mut guesses, fmu, starts, unshown);
     let candidates: Vec<usize> =
         candidates.iter().copied().filter(|place| !unshown.contains(place)).collect();
-    put_candidates(&mut text, &mut guesses, fmu, &candidates, tried);
+    let none = idle::Found::default();
+    put_candidates(&mut text, &mut guesses, fmu, &candidates, tried.unwrap_or(&none));
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;

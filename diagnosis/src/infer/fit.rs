@@ -233,10 +233,7 @@ pub fn fit_from(
     let (mut damping, mut rounds) = (Damping { factor: 0.0, failures: 0 }, 0);
     loop {
         rounds += 1;
-        let mut quiet = true;
-        if let Some(sizes) = sizes {
-            (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
-        }
+        let quiet = task.settle_noises(&runs, &mut at.noise);
         let here = reduced(&runs, &at.noise, &all);
         let value = here.square + here.log_det;
         let worse = best.as_ref().is_some_and(|best| task.is_worse(&runs, &at.noise, value, best));
@@ -257,17 +254,17 @@ pub fn fit_from(
         if last || quiet && gain < options.enough && moved < options.settled {
             return Ok(ended(from.clone(), about.clone(), free, rounds));
         }
-        if let Ok(there) = model.linearise(&to.theta, &to.paths, free) {
-            (at, runs) = (to, there);
-            continue;
+        match model.linearise(&to.theta, &to.paths, free) {
+            Ok(there) => (at, runs) = (to, there),
+            Err(_) => {
+                // the model can't be followed where the data lead: from the best place with more damping, or not at all
+                damping.fail();
+                if damping.failures >= options.damped {
+                    return Ok(ended(from.clone(), about.clone(), free, rounds));
+                }
+                (at, runs) = (from.clone(), about.clone());
+            }
         }
-        damping.fail();
-        if damping.failures >= options.damped {
-            // the model can't be followed where the data lead: the best place stays
-            return Ok(ended(from.clone(), about.clone(), free, rounds));
-        }
-        // begin again from the best place with more damping
-        (at, runs) = (from.clone(), about.clone());
     }
 }
 
@@ -310,6 +307,15 @@ struct Round {
 }
 
 impl Task<'_> {
+    /// Moves the noises on, the parameters free; whether they have settled.
+    fn settle_noises(&self, runs: &[Linearised], noise: &mut Noise) -> bool {
+        let Some(sizes) = self.sizes else { return true };
+        let all: Vec<usize> = (0..self.free.len()).collect();
+        let (settled, _, quiet) = maximise_within(runs, &all, noise, sizes, self.options.noises);
+        *noise = settled;
+        quiet
+    }
+
     /// Whether a place with this deviance is worse than the best one.
     fn is_worse(
         &self,

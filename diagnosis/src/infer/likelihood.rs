@@ -202,16 +202,10 @@ pub fn maximise_within(
             ended = true;
             break;
         }
-        let mut length = (INFER.longest_move / longest).min(1.0);
-        let predicted_decrease = -gradient.dot(&direction);
-        let accepted = (0..8).find_map(|_| {
-            let there = swept(clamped(&here.at + &direction * length));
-            let good = there.value.is_finite()
-                && there.value <= here.value - 1e-4 * length * predicted_decrease.max(0.0);
-            length *= if good { 1.0 } else { 0.35 };
-            good.then_some(there)
-        });
-        let Some(there) = accepted else {
+        let length = (INFER.longest_move / longest).min(1.0);
+        let decrease = -gradient.dot(&direction);
+        let try_at = |length: f64| swept(clamped(&here.at + &direction * length));
+        let Some(there) = backtracked(here.value, decrease, length, &try_at) else {
             ended = true;
             break;
         };
@@ -225,6 +219,22 @@ pub fn maximise_within(
         (here, gradient) = (there, next);
     }
     (here.noise, here.value, ended)
+}
+
+/// The first of ever shorter steps that lowers the deviance by a share of what it is predicted to; nothing where none of a few does.
+fn backtracked(
+    value: f64,
+    predicted_decrease: f64,
+    mut length: f64,
+    try_at: &dyn Fn(f64) -> Swept,
+) -> Option<Swept> {
+    (0..8).find_map(|_| {
+        let there = try_at(length);
+        let good =
+            there.value.is_finite() && there.value <= value - 1e-4 * length * predicted_decrease.max(0.0);
+        length *= if good { 1.0 } else { 0.35 };
+        good.then_some(there)
+    })
 }
 
 /// A place of the search with what one sweep of every run gave there: the deviance, and what its gradient needs.

@@ -319,20 +319,23 @@ fn states(
         let shows = raw.shows.as_ref().map(|name| variable(model, name, file)).transpose()?;
         states.push(entry(start, shows.or((!parameter).then_some(start))));
     }
+    notices.extend(unlisted_states(model, &states, file));
+    Ok(states)
+}
+
+/// What a user should know of variables that are states only where no `[[state]]` is written.
+fn unlisted_states(model: &Nominal, states: &[State], file: &File) -> Option<Notice> {
     let is_listed =
         |id: &VariableId| states.iter().any(|state| state.start == *id || state.shows == Some(*id));
     let left: Vec<String> =
         states_by_default(model).filter(|id| !is_listed(id)).map(|id| model.name(id)).collect();
-    if !left.is_empty() {
-        let message = format!(
-            "{} would be a state if no [[state]] were written, and is none now: each row begins with it where the unit starts; add a \
-             [[state]] for what moves",
-            left.join(", ")
-        );
-        let line = file.raw.state.first().map_or(0, |first| file.line(&first.span()));
-        notices.push(Notice { file: "dataset.toml".into(), line, message });
-    }
-    Ok(states)
+    let message = format!(
+        "{} would be a state if no [[state]] were written, and is none now: each row begins with it where the unit starts; add a \
+         [[state]] for what moves",
+        left.join(", ")
+    );
+    let line = file.raw.state.first().map_or(0, |first| file.line(&first.span()));
+    (!left.is_empty()).then(|| Notice { file: "dataset.toml".into(), line, message })
 }
 
 /// An output or local variable that is set before initialisation, and shows its value afterwards.

@@ -35,6 +35,17 @@ fn excluded(class: f64) -> f64 {
     -2.0 * libm::log(libm::erfc((class / 2.0).sqrt()))
 }
 
+/// Whether a name may stand in the place of an effect that gains `own`, by the deviance that it gains where it was screened: linear gains are
+/// off by a third, and those of a weak effect by what noises take over. What may not is not fitted.
+fn is_worth_a_fit(gain: f64, own: f64, class: f64) -> bool {
+    gain > 0.7 * own - 3.0 * class
+}
+
+/// Whether a name that loses so much deviance is listed beside the class: the probabilities of the class leave out one in e^27.
+fn is_listed(loss: f64, class: f64) -> bool {
+    loss < 6.0 * class
+}
+
 impl Search<'_> {
     /// All alternatives to each effect. Where another fits better in its place it takes that place: what is named is what is fitted.
     ///
@@ -102,7 +113,7 @@ impl Search<'_> {
         let linear = ranked.iter().find(|screened| screened.chord.parameter == own);
         let gained = linear.map_or(gained, |screened| gained.min(screened.gain));
         let worth = ranked.iter().filter(|screened| {
-            screened.chord.parameter != own && screened.gain > 0.7 * gained - 3.0 * self.policy.class
+            screened.chord.parameter != own && is_worth_a_fit(screened.gain, gained, self.policy.class)
         });
         let tried: Vec<Screened> = worth.take(2 * self.policy.fitted).copied().collect();
         let mut list = vec![Alternative { loss: here.deviance, ..Alternative::of(own, here) }];
@@ -114,7 +125,7 @@ impl Search<'_> {
         }
         let least = list.iter().map(|one| one.loss).fold(f64::INFINITY, f64::min);
         list.iter_mut().for_each(|one| one.loss -= least);
-        list.retain(|one| one.parameter == own || one.loss < 6.0 * self.policy.class);
+        list.retain(|one| one.parameter == own || is_listed(one.loss, self.policy.class));
         list.sort_by(|a, b| a.loss.total_cmp(&b.loss));
         Ok(list)
     }
@@ -122,12 +133,22 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::excluded;
+    use super::{excluded, is_listed, is_worth_a_fit};
 
     #[test]
     fn value_what_an_earlier_class_left_out_stays_out_unless_the_new_data_are_clearly_for_it() {
         // three standard deviations: once in 370.4 sets (scipy.stats.norm.sf, twice)
         assert!((excluded(9.0) - 2.0 * libm::log(370.398)).abs() < 1e-5);
         assert!(excluded(9.0) > 9.0 + 2.0);
+    }
+
+    #[test]
+    fn value_names_that_may_stand_in_an_effects_place_are_fitted() {
+        // of a strong effect three quarters of its gain by the linear model may be all of it, and two thirds are not
+        assert!(is_worth_a_fit(7_500.0, 10_000.0, 9.0) && !is_worth_a_fit(6_600.0, 10_000.0, 9.0));
+        // beside a weak one anything is tried
+        assert!(is_worth_a_fit(1.0, 36.0, 9.0) && !is_worth_a_fit(1.0, 45.0, 9.0));
+        // seven deviations from the best are told by name, eight are not
+        assert!(is_listed(49.0, 9.0) && !is_listed(64.0, 9.0));
     }
 }

@@ -45,6 +45,22 @@ pub struct Search<'a> {
     pub last: Option<Last>,
 }
 
+/// Whether a candidate that was screened may gain what a name must, once it is fitted: a linear gain is at least half of that.
+fn may_gain(screened: f64, least: f64) -> bool {
+    screened > 0.5 * least
+}
+
+/// Whether a candidate that was screened may fit better than the effect that gains `floor` within its class: linear gains are off by a
+/// fifth where both are small.
+fn may_replace(screened: f64, floor: f64) -> bool {
+    screened > 0.8 * floor
+}
+
+/// Whether another takes an effect's place: by less of deviance than 1 two fits of one model differ, and a search would go to and fro.
+fn replaces(other: f64, own: f64) -> bool {
+    other < own - 1.0
+}
+
 impl Search<'_> {
     /// A switch or count is set, everything else is fitted.
     pub fn is_fitted(&self, parameter: usize) -> bool {
@@ -260,7 +276,7 @@ impl Search<'_> {
             if let Some(first) = ranked.first() {
                 watch.trying(self.name(first.chord.parameter), effects.len(), self.policy.most);
             }
-            let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
+            let worth = ranked.iter().filter(|screened| may_gain(screened.gain, self.policy.gain));
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
             let best = self.best(&effects, &here, &screen, &tried);
             let Some((with, fit)) = best.filter(|(_, fit)| self.is_an_effect(&here, fit)) else {
@@ -329,12 +345,12 @@ impl Search<'_> {
             let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
             let floor = less.deviance - here.deviance - self.policy.class;
             let near: Vec<Screened> = (ranked.iter())
-                .filter(|screened| screened.chord.parameter != gone && screened.gain > 0.8 * floor)
+                .filter(|screened| screened.chord.parameter != gone && may_replace(screened.gain, floor))
                 .take(self.policy.fitted)
                 .copied()
                 .collect();
             if let Some((with, fit)) = self.best(&without, &less, &screen, &near)
-                && fit.deviance < here.deviance - 1.0
+                && replaces(fit.deviance, here.deviance)
             {
                 let other = self.name(with[with.len() - 1]).to_owned();
                 self.story.push(format!("{other} fits better than {} in its place", self.name(gone)));
@@ -344,5 +360,18 @@ impl Search<'_> {
             place += 1;
         }
         Ok((effects, here))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{may_gain, may_replace, replaces};
+
+    #[test]
+    fn value_what_a_screened_candidate_must_gain_to_be_fitted() {
+        // the threshold of twenty candidates is 20.8: what seems to gain 11 may gain that, what seems to gain 10 is not tried
+        assert!(may_gain(11.0, 20.8) && !may_gain(10.0, 20.8));
+        assert!(may_replace(85.0, 100.0) && !may_replace(75.0, 100.0));
+        assert!(replaces(98.9, 100.0) && !replaces(99.1, 100.0));
     }
 }

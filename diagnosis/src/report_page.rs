@@ -62,7 +62,7 @@ fn show_missing(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
 fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
-        page.text(&told(next));
+        page.text(&describe_experiment(next));
         if let Some(planned) = &next.planned {
             planned::show(planned, page)?;
         }
@@ -85,9 +85,9 @@ fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
 
 fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     page.heading("How the gap shrinks");
-    page.text(&judged(diagnosis));
+    page.text(&describe_judgement(diagnosis));
     page.table(&gaps(&diagnosis.gaps));
-    if let Some(open) = open(diagnosis) {
+    if let Some(open) = what_stays_open(diagnosis) {
         page.text(&format!("{open}."));
     }
     if !diagnosis.gap.held_out_runs.is_empty() && !diagnosis.cross_validation.is_empty() {
@@ -127,7 +127,7 @@ fn show_detectable(diagnosis: &Diagnosis, page: &mut Page) {
 }
 
 /// What stays open on the rows left out, in words.
-fn open(diagnosis: &Diagnosis) -> Option<&'static str> {
+fn what_stays_open(diagnosis: &Diagnosis) -> Option<&'static str> {
     diagnosis.unknown.as_ref().and_then(Unknown::left_open)
 }
 
@@ -140,7 +140,7 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     };
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
     // of an unlisted input alone no gap closes, whatever was found of it
-    let alone = diagnosis.effects.is_empty() && open(diagnosis).is_some();
+    let alone = diagnosis.effects.is_empty() && what_stays_open(diagnosis).is_some();
     if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None && !alone) {
         let percent = (1e3 * closed).round() / 10.0;
         figures.push(Figure { label: "gap closed".into(), value: Some(percent), unit: "%".into() });
@@ -284,7 +284,7 @@ fn terms(correction: &Correction) -> Table {
     }
 }
 
-fn told(next: &NextExperiment) -> String {
+fn describe_experiment(next: &NextExperiment) -> String {
     let mut text = next.what.clone();
     if !next.separates.is_empty() {
         text += &format!(" It tells apart: {}.", next.separates.join(", "));
@@ -312,7 +312,7 @@ fn experiments(next: &NextExperiment) -> Table {
 }
 
 /// On which runs the gap is judged, and what the model knew of them.
-fn judged(diagnosis: &Diagnosis) -> String {
+fn describe_judgement(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     match gap.held_out_runs.as_slice() {
         [] => format!(

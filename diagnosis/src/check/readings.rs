@@ -90,7 +90,8 @@ pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
         *sd = counted(*sd, scatter.noise);
     }
-    let look = |engine: &Engine| engine.followed(glance).map_or(Residual::ALL, |left| Residual::of(&left));
+    let look =
+        |engine: &Engine| engine.follow_stretches(glance).map_or(Residual::ALL, |left| Residual::of(&left));
     let after = look(engine);
     // an output may follow an input at once
     if engine.at_once().ok().flatten().is_none() {
@@ -121,7 +122,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
         }
         let residual = tried(&read, &DOUBTS.long)?;
         if residual.is_right(way) && is_exact(way, problem, &residual) {
-            return Some(told(way, &[], None));
+            return Some(describe_doubt(way, &[], None));
         }
     }
     let own = tried(problem, &DOUBTS.long)?;
@@ -135,7 +136,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
         ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
     drop(engine);
     let Some((best, others)) = only(problem, &own, &ways) else { return two::doubt(problem, &own) };
-    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
+    Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
 }
 
 /// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
@@ -201,7 +202,7 @@ pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
         .then(|| Signs { turned: turned.clone(), left })
 }
 
-pub(super) fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
+pub(super) fn describe_doubt(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
     let share = |residual: Residual| match residual.share {
         Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
         _ => "more than ten times as much".into(),

@@ -56,7 +56,7 @@ impl Question<'_> {
     }
 
     /// All parameters with one member in the effect's place.
-    fn with(&self, member: Option<&Alternative>) -> Vec<f64> {
+    fn with_member(&self, member: Option<&Alternative>) -> Vec<f64> {
         let mut theta = self.theta.to_vec();
         for place in self.class.iter().map(|one| one.parameter).chain([self.own]) {
             if place == self.own || !self.effects.contains(&place) {
@@ -88,11 +88,11 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let tried = ranked(tried);
     let (best, losses) = tried.first()?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
-    let open = open(losses).into_iter();
+    let open = pairs_left_open(losses).into_iter();
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
     let separation = tried.iter().map(|(place, losses)| {
-        let (a, b, loss) = worst(losses);
+        let (a, b, loss) = hardest_pair(losses);
         Separation {
             experiment: waves[*place].what.clone(),
             loss: Some(loss),
@@ -101,7 +101,7 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
             problem: None,
         }
     });
-    let (one, other, loss) = worst(losses);
+    let (one, other, loss) = hardest_pair(losses);
     let what = format!(
         "{}; start it at rest. One name for another would lose {} of deviance there{}",
         waves[*best].what,
@@ -177,7 +177,7 @@ fn planned(question: &Question<'_>, wave: &Wave) -> Result<Planned, Error> {
         })
         .collect();
     for member in &question.class {
-        let engine = simulated(question, wave, &question.with(Some(member)))?;
+        let engine = simulated(question, wave, &question.with_member(Some(member)))?;
         for (channel, output) in outputs.iter_mut().enumerate() {
             let own = engine.grids[0].samples.iter().filter(|sample| sample.channel == channel);
             let (rows, values): (Vec<f64>, Vec<f64>) = own.map(|sample| (sample.time, sample.value)).unzip();
@@ -213,12 +213,12 @@ fn scenario(problem: &Problem, engine: &Engine, wave: &Wave, units: &UnitPath) -
 type Losses = Vec<Vec<f64>>;
 
 /// Members that this leaves open, each beside another.
-fn open(losses: &Losses) -> Vec<(usize, usize)> {
+fn pairs_left_open(losses: &Losses) -> Vec<(usize, usize)> {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
 }
 
-fn worst(losses: &Losses) -> (usize, usize, f64) {
+fn hardest_pair(losses: &Losses) -> (usize, usize, f64) {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs
         .map(|(a, b)| (a, b, losses[a][b].min(losses[b][a])))
@@ -228,7 +228,7 @@ fn worst(losses: &Losses) -> (usize, usize, f64) {
 
 /// The best first: what it loses for the pair that is hardest. Of equal ones the simplest.
 fn ranked(mut tried: Vec<(usize, Losses)>) -> Vec<(usize, Losses)> {
-    tried.sort_by(|a, b| worst(&b.1).2.total_cmp(&worst(&a.1).2).then(a.0.cmp(&b.0)));
+    tried.sort_by(|a, b| hardest_pair(&b.1).2.total_cmp(&hardest_pair(&a.1).2).then(a.0.cmp(&b.0)));
     tried
 }
 
@@ -277,12 +277,12 @@ fn simulated(question: &Question<'_>, wave: &Wave, theta: &[f64]) -> Result<Engi
     grid.samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
     let starts = vec![(states, engine.starts[0].1.clone())];
     let outliers = vec![vec![false; grid.samples.len()]];
-    Ok(Engine { starts, outliers, ..engine.beside(machine.clone(), vec![grid]) })
+    Ok(Engine { starts, outliers, ..engine.with_runs(machine.clone(), vec![grid]) })
 }
 
 /// By the Fisher information: the least that any member leaves of another.
 fn screen(question: &Question<'_>, wave: &Wave) -> Result<f64, Error> {
-    let theta = question.with(None);
+    let theta = question.with_member(None);
     let engine = simulated(question, wave, &theta)?;
     let noise = question.noise();
     let paths = engine.first_paths(&theta, &noise)?;
@@ -317,11 +317,11 @@ fn screen(question: &Question<'_>, wave: &Wave) -> Result<f64, Error> {
 fn losses(question: &Question<'_>, wave: &Wave) -> Result<Losses, Error> {
     let noise = question.noise();
     let row = |truth: &Alternative| {
-        let theta = question.with(Some(truth));
+        let theta = question.with_member(Some(truth));
         let engine = simulated(question, wave, &theta)?;
         let paths = engine.first_paths(&theta, &noise)?;
         let fitted = |member: &Alternative| {
-            let theta = question.with(Some(member));
+            let theta = question.with_member(Some(member));
             let beside = question.effects.iter().copied().filter(|effect| *effect != question.own);
             let free: Vec<usize> = std::iter::once(member.parameter)
                 .chain(beside)

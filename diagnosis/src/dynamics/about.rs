@@ -30,7 +30,7 @@ pub(super) struct About {
 
 impl About {
     /// An entry at a state near by, to first order.
-    pub fn near(&self, entry: usize, state: &DVector<f64>) -> f64 {
+    pub fn entry_near(&self, entry: usize, state: &DVector<f64>) -> f64 {
         self.base[entry] + (self.columns.row(entry) * (state - &self.at))[0]
     }
 }

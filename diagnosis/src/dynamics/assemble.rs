@@ -98,7 +98,7 @@ impl<'a> Assembly<'a> {
     fn add_values(&self, out: &mut Linearised) {
         let RunAt { engine, grid, schedule, .. } = self.about;
         let mut placed = schedule.placed.iter().peekable();
-        for (row, blind) in grid.blind(engine.machine.reading).into_iter().enumerate() {
+        for (row, blind) in grid.rows_with_unknown_input(engine.machine.reading).into_iter().enumerate() {
             while let Some(at) = placed.next_if(|at| at.row == row) {
                 self.add_value(at, at.early || blind, out);
             }

@@ -40,7 +40,7 @@ impl Built {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn begun(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
+    pub fn begin_fit(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
         let paths = self.engine.paths(theta, &self.noise, known)?;
         self.engine.calibrate(theta, &paths, &self.noise)?;
         let runs = self.engine.chords(theta, &paths, &[])?;

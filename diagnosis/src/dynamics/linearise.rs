@@ -71,7 +71,7 @@ pub(super) struct RowParts {
 impl Engine {
     /// The same units with another machine's parameters, and other runs: of a run in the same place with as many values its
     /// outliers and its start hold.
-    pub fn beside(&self, machine: Machine, grids: Vec<Grid>) -> Self {
+    pub fn with_runs(&self, machine: Machine, grids: Vec<Grid>) -> Self {
         let mut steps = self.steps.clone();
         steps.resize(machine.parameters.len(), 1.0);
         let outliers = |(run, grid): (usize, &Grid)| {

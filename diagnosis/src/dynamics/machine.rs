@@ -1,9 +1,9 @@
 //! Which variables of which units are states, inputs, channels and parameters, by reference.
 
 use super::grid::usual;
+use super::port_parameters::port_parameters;
 use crate::error::Error;
 use crate::observe::{self, Affine, InputEffect, Nominal, OutputEffect, Problem, Scale, Series, VariableId};
-use crate::ports;
 use crate::statistics::levels::FINE;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
@@ -187,7 +187,7 @@ impl Machine {
             first_step: 0.0,
             deadline: problem.deadline,
         };
-        let at_ports = ports::parameters(&machine, problem);
+        let at_ports = port_parameters(&machine, problem);
         machine.parameters.extend(at_ports);
         Ok(machine)
     }

@@ -4,6 +4,7 @@
 //! start parameter and read back through the variable that shows it; between them the units are reset and initialised.
 //!
 //! - `machine.rs`: which variables of which units are states, inputs, channels and parameters
+//! - `port_parameters.rs`: effects at ports as parameters of the machine
 //! - `worker.rs`: instances of the units, and one interval on them
 //! - `grid.rs`: the rows of a run and its values
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
@@ -43,6 +44,7 @@ pub mod machine;
 mod memory;
 mod parameter_steps;
 mod policy;
+mod port_parameters;
 mod probe;
 mod refused;
 mod scales;

@@ -92,8 +92,8 @@ impl Engine {
         let here: Vec<f64> = (self.nominal_states(grid, 0).iter().zip(&self.scales))
             .map(|(at, scale)| at + 0.01 * scale)
             .collect();
-        let shown =
-            self.with_worker(|worker| worker.shown(&self.machine, &self.job(grid, &schedule, 0, &here)))?;
+        let shown = self
+            .with_worker(|worker| worker.shown_states(&self.machine, &self.job(grid, &schedule, 0, &here)))?;
         let pairs = self.machine.states.iter().zip(here.iter().zip(&shown));
         let mut other = pairs.filter(|(_, (set, shown))| {
             shown.is_nan() || (*set - *shown).abs() > 1e-6 * (set.abs() + shown.abs() + 1e-6)

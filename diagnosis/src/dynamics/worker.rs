@@ -59,7 +59,7 @@ pub fn typed(kind: Kind, value: f64) -> Value {
 }
 
 /// What was fed, in words.
-fn told(machine: &Machine, fed: &[f64]) -> String {
+fn describe_inputs(machine: &Machine, fed: &[f64]) -> String {
     let each = machine.inputs.iter().zip(fed).map(|(input, value)| format!("{} = {value:?}", input.name));
     let each: Vec<String> = each.collect();
     if each.is_empty() { String::new() } else { format!(", fed {}", each.join(", ")) }
@@ -141,7 +141,7 @@ impl Worker {
             }
         }
         out.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(|| {
-            let (from, fed) = (job.time, told(machine, job.at_row));
+            let (from, fed) = (job.time, describe_inputs(machine, job.at_row));
             Error::Model(format!(
                 "a unit gives a value that is not finite in the interval from {from} s{fed}"
             ))
@@ -159,7 +159,7 @@ impl Worker {
     ///
     /// # Errors
     /// A unit refused something.
-    pub fn shown(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
+    pub fn shown_states(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
         self.initialise(machine, job)?;
         machine
             .states
@@ -284,7 +284,7 @@ impl Worker {
                 status => {
                     let error = self.instances[place].step_error(status, from);
                     let name = machine.units[place].fmu.path().display();
-                    let fed = told(machine, fed);
+                    let fed = describe_inputs(machine, fed);
                     return Err(Error::Model(format!("{name}, a step of {span} s: {error}{fed}")));
                 }
             }

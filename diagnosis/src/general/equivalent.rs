@@ -71,7 +71,7 @@ pub fn equivalent(
         );
         return Ok((None, Some(text)));
     }
-    let found = followed(&engine, studied, &theta, (inputs[place], chords[place], memory), &noise)?;
+    let found = follow_course(&engine, studied, &theta, (inputs[place], chords[place], memory), &noise)?;
     let text = format!(
         "the amended scenario adds the unlisted input to {name}, which gains {:.0} % of its deviance; its course is part of \
          {}",
@@ -138,7 +138,7 @@ fn biased(own: &Engine, theta: &[f64], inputs: &[usize]) -> (Engine, Vec<f64>, V
         });
         theta.push(0.0);
     }
-    (own.beside(machine, own.grids.clone()), theta, chords)
+    (own.with_runs(machine, own.grids.clone()), theta, chords)
 }
 
 /// Noises beside a course at an input: no equation has process noise but the course.
@@ -188,7 +188,7 @@ fn augmented(run: &Linearised, column: usize, memory: f64, size: f64, around: Op
 }
 
 /// The first run about the course, until it has settled: its grid with the course, and its first state.
-fn followed(
+fn follow_course(
     engine: &Engine,
     studied: &Studied,
     theta: &[f64],
@@ -202,7 +202,7 @@ fn followed(
     let mut course = vec![0.0; first.time.len()];
     let mut held = course.clone();
     for _ in 0..GENERAL.linearisations {
-        let about = engine.beside(engine.machine.clone(), vec![with_course(first, input, &course)]);
+        let about = engine.with_runs(engine.machine.clone(), vec![with_course(first, input, &course)]);
         let run = about.run(0, theta, &path, &[chord])?;
         let smoothed = smooth(&augmented(&run, 0, memory, size, Some(&course)), noise);
         for (row, moved) in smoothed.state.chunks(n + 1).enumerate() {

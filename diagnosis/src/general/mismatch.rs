@@ -233,7 +233,7 @@ fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<
         };
         list.extend((0..count).map(part));
     }
-    let all: Vec<Vec<Vec<Window>>> = list.into_par_iter().map(|rows| rows.followed(models)).collect();
+    let all: Vec<Vec<Vec<Window>>> = list.into_par_iter().map(|rows| rows.follow(models)).collect();
     let of = |model: usize| all.iter().flatten().map(|each| each[model].clone()).collect();
     (0..models.len()).map(of).collect()
 }
@@ -250,7 +250,7 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     /// These rows, or their halves where a model can't follow them as a whole: their windows, one a model.
-    fn followed(&self, models: &[Model<'_>]) -> Vec<Vec<Window>> {
+    fn follow(&self, models: &[Model<'_>]) -> Vec<Vec<Window>> {
         if !tells(self.to - self.from) {
             return Vec::new();
         }
@@ -262,8 +262,8 @@ impl Rows<'_> {
             return Vec::new();
         }
         let half = (self.from + self.to) / 2;
-        let mut both = Self { to: half, ..*self }.followed(models);
-        both.extend(Self { from: half, ..*self }.followed(models));
+        let mut both = Self { to: half, ..*self }.follow(models);
+        both.extend(Self { from: half, ..*self }.follow(models));
         both
     }
 
@@ -271,7 +271,7 @@ impl Rows<'_> {
     fn window(&self, theta: &[f64], path: &[f64]) -> Option<Window> {
         let Self { engine, noise, from, to, .. } = *self;
         let n = engine.machine.order();
-        let single = self.alone(&path[from * n..(from + 1) * n]);
+        let single = self.as_only_run(&path[from * n..(from + 1) * n]);
         let start =
             At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
         let fitted = fit(&single, &start, &[], None, &window_fit()).ok()?;
@@ -300,7 +300,7 @@ impl Rows<'_> {
     }
 
     /// The engine with these rows as its only run, which begins near a state.
-    fn alone(&self, begin: &[f64]) -> Engine {
+    fn as_only_run(&self, begin: &[f64]) -> Engine {
         let Self { engine, run, from, to, .. } = *self;
         let grid = &engine.grids[run];
         let mut part = grid.clone();
@@ -315,7 +315,7 @@ impl Rows<'_> {
         Engine {
             outliers: vec![outliers],
             starts: vec![(begin.to_vec(), engine.starts[run].1.clone())],
-            ..engine.beside(engine.machine.clone(), vec![part])
+            ..engine.with_runs(engine.machine.clone(), vec![part])
         }
     }
 }

@@ -32,7 +32,7 @@ pub struct Residual {
 ///
 /// Beside an unlisted input no equation has process noise of its own, unless that is needed, too: white noise of a state
 /// that forgets within a row and the noise of its sensor are nearly the same, and free together one takes the other's part.
-pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Residual {
+pub fn judge_residual(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Residual {
     let columns: Vec<usize> = (0..fit.free.len()).collect();
     let order = engine.machine.order();
     let exact = sizes.with_pinned(vec![true; order]);

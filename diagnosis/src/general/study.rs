@@ -1,6 +1,6 @@
 //! From a problem to a diagnosis.
 
-use super::given::{checked, given};
+use super::given::{check_names, fit_given};
 use super::mismatch::HeldOut;
 use super::parted::parted;
 use super::residual::{self, Residual};
@@ -60,12 +60,12 @@ pub fn diagnosed(
     let deadline = options.budget.deadline(Instant::now(), runs);
     let watch = &mut Watch::by(options.now, listener, options.budget.end((options.now)(), runs));
     let problem = &Problem { deadline, ..problem.clone() };
-    let found = found(problem, units, options, watch);
+    let found = diagnosed_in_time(problem, units, options, watch);
     // what was found after it stands on steps that were not made
     if deadline.is_some_and(|deadline| Instant::now() >= deadline) { Err(Error::TooSlow) } else { found }
 }
 
-fn found(
+fn diagnosed_in_time(
     problem: &Problem,
     units: &UnitPath,
     options: &Options,
@@ -73,8 +73,8 @@ fn found(
 ) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
-    let problem = &begun::chosen(&reading::read(problem)?)?;
-    let (through, Searched { trained, held, all }) = begun::searched(problem, options, watch)?;
+    let problem = &begun::choose_way(&reading::read(problem)?)?;
+    let (through, Searched { trained, held, all }) = begun::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
@@ -184,7 +184,7 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
     }
     let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| all.effects.contains(free)).collect();
     all.fit = fit(engine, &start, &free, Some(&all.residual.sizes), &FitOptions::default())?;
-    all.residual = residual::judged(engine, &all.fit, &all.residual.sizes, &all.policy);
+    all.residual = residual::judge_residual(engine, &all.fit, &all.residual.sizes, &all.policy);
     all.last = None;
     Ok(())
 }
@@ -198,7 +198,11 @@ pub(super) struct Searched {
 }
 
 /// What is found without the rows left out, or in stretches of the others, in half of the time.
-pub(super) fn trained(problem: &Problem, options: &Options, watch: &mut Watch<'_>) -> Result<Studied, Error> {
+pub(super) fn search_without_left_out(
+    problem: &Problem,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Studied, Error> {
     watch.stage("searching without the rows left out");
     let (kept, _) = parted(problem);
     let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
@@ -209,7 +213,7 @@ pub(super) fn trained(problem: &Problem, options: &Options, watch: &mut Watch<'_
 }
 
 /// Goes on from there: the gap on the rows left out, and a search in all rows.
-pub(super) fn continued(
+pub(super) fn search_all_rows(
     problem: &Problem,
     options: &Options,
     mut trained: Studied,
@@ -225,7 +229,7 @@ pub(super) fn continued(
         held = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }
     watch.stage("searching in all rows");
-    let mut all = long::searched(problem, options, (&trained, &known), watch)?;
+    let mut all = long::search(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
     Ok(Searched { trained, held, all })
 }
@@ -256,8 +260,8 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 }
 
 /// The nominal model fitted: path and noises only.
-pub(super) fn nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
-    let (at, runs) = built.begun(&built.engine.machine.neutral(), known)?;
+pub(super) fn fit_nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
+    let (at, runs) = built.begin_fit(&built.engine.machine.neutral(), known)?;
     let mut fitted = fit_from(&built.engine, &at, runs, &[], Some(&built.sizes), &FitOptions::default())?;
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;
@@ -279,11 +283,11 @@ pub fn studied(
     watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
     let mut built = build(problem, runs)?;
-    checked(&built.engine.machine, options)?;
+    check_names(&built.engine.machine, options)?;
     let candidates = candidates(&built, options);
     let nominal = match before {
-        Some((_, known)) => nominal(&mut built, known)?,
-        None => nominal(&mut built, &Trails::default())?,
+        Some((_, known)) => fit_nominal(&mut built, known)?,
+        None => fit_nominal(&mut built, &Trails::default())?,
     };
     let sizes: Sizes = built.sizes.clone();
     let policy = Policy::of(candidates.len(), built.engine.machine.order());
@@ -304,13 +308,13 @@ pub fn studied(
     search.visited.insert(Vec::new(), nominal.clone());
     let (effects, begun) = first_model(&mut search, before.map(|known| known.0), &nominal)?;
     if !options.fit.is_empty() {
-        return given(built, &sizes, options, &nominal.at, policy);
+        return fit_given(built, &sizes, options, &nominal.at, policy);
     }
     let end = watch.share(HALF);
     let (mut effects, mut here) = search.walk(effects, begun, watch)?;
     watch.end_at(end);
-    here = search.fresh(here)?;
-    let mut residual = residual::judged(&built.engine, &here, &sizes, &search.policy);
+    here = search.with_linearised_runs(here)?;
+    let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
     if let Some(unlisted) = residual.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
         search.story.push(format!(
             "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
@@ -320,14 +324,14 @@ pub fn studied(
         search.sizes = &beside;
         search.policy = policy.beside(residual.evidence);
         (effects, here) = beside_unlisted(&mut search, unlisted, effects, here, policy, watch)?;
-        residual = residual::judged(&built.engine, &here, &beside, &search.policy);
+        residual = residual::judge_residual(&built.engine, &here, &beside, &search.policy);
     }
     let mut alternatives = Vec::new();
     if classes {
         let found = effects.clone();
         (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
         if effects != found {
-            residual = residual::judged(&built.engine, &here, search.sizes, &search.policy);
+            residual = residual::judge_residual(&built.engine, &here, search.sizes, &search.policy);
         }
     }
     let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
@@ -351,7 +355,7 @@ fn first_model(
         }
         None => (Vec::new(), nominal.clone()),
     };
-    Ok((effects, search.fresh(begun)?))
+    Ok((effects, search.with_linearised_runs(begun)?))
 }
 
 /// Goes on beside an unlisted input: what has no name remembers, and beside it only names count that explain more than it does. `alone`: the
@@ -369,9 +373,9 @@ fn beside_unlisted(
     start.noise = unlisted;
     let again = search.visit(&effects, &start)?;
     let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
-    let fresh = search.fresh(here)?;
+    let fresh = search.with_linearised_runs(here)?;
     let (effects, here) = search.walk(effects, fresh, watch)?;
-    let here = search.fresh(here)?;
+    let here = search.with_linearised_runs(here)?;
     let (effects, here) = search.agreed(effects, here)?;
     search.nearer(effects, here, alone, watch)
 }

@@ -66,7 +66,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    fn checked(self) -> Result<(), Error> {
+    fn check(self) -> Result<(), Error> {
         let wrong = |option, given: f64, wanted: &str| {
             Err(Error::Option { option, given: given.to_string(), problem: format!("expected {wanted}") })
         };
@@ -95,7 +95,7 @@ pub fn import(
     isolated: bool,
 ) -> Result<Imported, Error> {
     let isolation = isolated.then_some(limits);
-    clock.map_or(Ok(()), Clock::checked)?;
+    clock.map_or(Ok(()), Clock::check)?;
     let unit = units.open(fmu).map_err(crate::opened::model)?;
     let unit = isolation.map_or_else(|| unit.clone(), |isolation| unit.isolated(isolation.clone()));
     let sheets = read_sheets(logs, &unit, clock)?;

@@ -6,6 +6,7 @@ use super::text::{Separator, Text};
 use crate::error::Error;
 use crate::observe::EPOCH;
 use crate::observe::measure;
+use crate::statistics::median::usual_step;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
 
@@ -246,9 +247,7 @@ impl Sheet {
 
     /// The median distance of rows in the log's own unit.
     pub(super) fn usual_gap(&self, place: usize) -> f64 {
-        let mut gaps: Vec<f64> = self.rows.windows(2).map(|pair| pair[1][place] - pair[0][place]).collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+        usual_step(&self.column(place)).unwrap_or(0.0)
     }
 
     /// Tells where rows are missing, and how uneven they are.

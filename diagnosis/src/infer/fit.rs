@@ -182,7 +182,13 @@ fn predicted_decrease(reduced: &Reduced, shift: &[f64]) -> f64 {
 }
 
 /// Moves every path to the smoothed one, after the parameters moved by `shift`; the largest move in units of the scales.
-fn follow(paths: &mut [Path], runs: &[Linearised], noise: &Noise, shift: &[f64], scales: &[f64]) -> f64 {
+fn smooth_paths(
+    paths: &mut [Path],
+    runs: &[Linearised],
+    noise: &Noise,
+    shift: &[f64],
+    scales: &[f64],
+) -> f64 {
     let shift: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
     let moves: Vec<Vec<f64>> = runs.par_iter().map(|run| smooth(&run.shifted(&shift), noise).state).collect();
     let mut largest = 0.0;
@@ -247,12 +253,12 @@ pub fn fit_from(
         };
         let last = rounds >= options.rounds || damping.failures >= options.damped;
         if worse && last {
-            return Ok(ended(from.clone(), about.clone(), free, rounds));
+            return Ok(end_fit(from.clone(), about.clone(), free, rounds));
         }
         let here = if worse { reduced(about, &from.noise, &all) } else { here };
         let Round { to, gain, moved } = task.round(from, about, &here, &damping);
         if last || quiet && gain < options.enough && moved < options.settled {
-            return Ok(ended(from.clone(), about.clone(), free, rounds));
+            return Ok(end_fit(from.clone(), about.clone(), free, rounds));
         }
         match model.linearise(&to.theta, &to.paths, free) {
             Ok(there) => (at, runs) = (to, there),
@@ -260,7 +266,7 @@ pub fn fit_from(
                 // the model can't be followed where the data lead: from the best place with more damping, or not at all
                 damping.fail();
                 if damping.failures >= options.damped {
-                    return Ok(ended(from.clone(), about.clone(), free, rounds));
+                    return Ok(end_fit(from.clone(), about.clone(), free, rounds));
                 }
                 (at, runs) = (from.clone(), about.clone());
             }
@@ -350,15 +356,15 @@ impl Task<'_> {
         let moved = if damping.factor > 0.0 && damping.failures > 1 {
             // states follow a damped step, too: a share of the way
             let share = 1.0 / (1.0 + damping.factor);
-            damped_follow(&mut to.paths, about, &to.noise, &shift, scales, share)
+            smooth_paths_damped(&mut to.paths, about, &to.noise, &shift, scales, share)
         } else {
-            follow(&mut to.paths, about, &to.noise, &shift, scales)
+            smooth_paths(&mut to.paths, about, &to.noise, &shift, scales)
         };
         Round { to, gain: predicted_decrease(here, &shift), moved }
     }
 }
 
-fn damped_follow(
+fn smooth_paths_damped(
     paths: &mut [Path],
     runs: &[Linearised],
     noise: &Noise,
@@ -367,14 +373,14 @@ fn damped_follow(
     share: f64,
 ) -> f64 {
     let before = paths.to_vec();
-    let moved = follow(paths, runs, noise, shift, scales);
+    let moved = smooth_paths(paths, runs, noise, shift, scales);
     for (path, before) in paths.iter_mut().zip(&before) {
         path.iter_mut().zip(before).for_each(|(to, from)| *to = from + share * (*to - from));
     }
     share * moved
 }
 
-fn ended(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
+fn end_fit(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
     let all: Vec<usize> = (0..free.len()).collect();
     let here = reduced(&runs, &at.noise, &all);
     let told = informed(&here);

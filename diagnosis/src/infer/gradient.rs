@@ -196,7 +196,7 @@ impl<const N: usize> Adjoint<N> {
         self.add_disturbance(n, variance, sum);
         self.mean =
             std::array::from_fn(|j| (0..N).map(|i| step.transition[i][j] * self.mean[i]).sum::<f64>());
-        self.spread = back(&step.transition, &self.spread);
+        self.spread = back_through(&step.transition, &self.spread);
     }
 
     /// The unlisted input's part, where there is one with this variance.
@@ -209,7 +209,7 @@ impl<const N: usize> Adjoint<N> {
 }
 
 /// Tᵀ N T, symmetric to the last bit.
-fn back<const N: usize>(t: &[[f64; N]; N], n: &[[f64; N]; N]) -> [[f64; N]; N] {
+fn back_through<const N: usize>(t: &[[f64; N]; N], n: &[[f64; N]; N]) -> [[f64; N]; N] {
     let mut half = [[0.0; N]; N];
     for i in 0..N {
         for k in 0..N {

@@ -144,11 +144,11 @@ pub fn reduced(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Reduced
 
 /// -2 log likelihood with the parameters where it is least.
 pub fn profile(reduced: &Reduced) -> f64 {
-    reduced.square - best(reduced).1 + reduced.log_det
+    reduced.square - best_shift(reduced).1 + reduced.log_det
 }
 
 /// Where the parameters are best, and what is gained by going there.
-fn best(reduced: &Reduced) -> (Vec<f64>, f64) {
+fn best_shift(reduced: &Reduced) -> (Vec<f64>, f64) {
     let told = informed(reduced);
     let gram = crate::statistics::linear::submatrix(&reduced.gram, &told);
     let score = crate::statistics::linear::subvector(&reduced.score, &told);
@@ -186,7 +186,10 @@ pub fn maximise_within(
     let swept = |at: DVector<f64>| Swept::new(runs, columns, written(start, &slots, &at), at);
     let mut here = swept(at);
     // what an effect explains may have been the process noise's: beyond a ridge there is a valley with less of it
-    let valleys = smaller(&here.at, &slots).into_iter().map(&clamped).map(|less| (deviance(&less), less));
+    let valleys = with_less_process_noise(&here.at, &slots)
+        .into_iter()
+        .map(&clamped)
+        .map(|less| (deviance(&less), less));
     let lowest = valleys.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
     if let Some((_, at)) = lowest {
         here = swept(at);
@@ -196,7 +199,7 @@ pub fn maximise_within(
     let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(INFER.flat)));
     let mut ended = false;
     for round in 0..rounds {
-        let direction = held(-&inverse * &gradient, &here.at, &gradient, &slots);
+        let direction = held_within(-&inverse * &gradient, &here.at, &gradient, &slots);
         let longest = direction.amax();
         if longest < 1e-6 {
             ended = true;
@@ -215,7 +218,7 @@ pub fn maximise_within(
             break;
         }
         let next = slopes(&there).0;
-        updated(&mut inverse, &(&there.at - &here.at), &(&next - &gradient));
+        update_inverse(&mut inverse, &(&there.at - &here.at), &(&next - &gradient));
         (here, gradient) = (there, next);
     }
     (here.noise, here.value, ended)
@@ -254,12 +257,12 @@ impl Swept {
         let mut sum = Reduced::zero(columns.len());
         parts.iter().for_each(|(part, _)| sum.add(part));
         let kept = parts.into_iter().map(|(_, kept)| kept).collect();
-        Self { value: profile(&sum), shift: best(&sum).0, at, noise, kept }
+        Self { value: profile(&sum), shift: best_shift(&sum).0, at, noise, kept }
     }
 }
 
 /// The same with less process noise, of all equations or of one.
-fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
+fn with_less_process_noise(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
     let equations: Vec<usize> =
         (0..slots.len()).filter(|slot| matches!(slots[*slot].which, Which::Process(_))).collect();
     let by = |which: &[usize], share: f64| {
@@ -305,7 +308,12 @@ fn derivatives(
 }
 
 /// A direction that leaves no range: what stands at an end and would go beyond stays.
-fn held(direction: DVector<f64>, at: &DVector<f64>, gradient: &DVector<f64>, slots: &[Slot]) -> DVector<f64> {
+fn held_within(
+    direction: DVector<f64>,
+    at: &DVector<f64>,
+    gradient: &DVector<f64>,
+    slots: &[Slot],
+) -> DVector<f64> {
     let stuck = |i: usize| {
         let (least, most) = slots[i].range;
         at[i] <= least && gradient[i] > 0.0 || at[i] >= most && gradient[i] < 0.0
@@ -320,7 +328,7 @@ fn held(direction: DVector<f64>, at: &DVector<f64>, gradient: &DVector<f64>, slo
 }
 
 /// The BFGS update of the inverse Hessian, left out where curvature is not positive.
-fn updated(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f64>) {
+fn update_inverse(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f64>) {
     let along = moved.dot(change);
     if along <= 1e-12 {
         return;

@@ -89,7 +89,7 @@ impl Linearised {
     }
 
     /// The same with these columns only, in this order.
-    pub fn chosen(&self, columns: &[usize]) -> Self {
+    pub fn with_columns(&self, columns: &[usize]) -> Self {
         let rows = 0..self.rows().saturating_sub(1);
         let drive = rows.flat_map(|row| columns.iter().flat_map(move |column| self.column(row, *column)));
         let direct = (0..self.measured.len()).flat_map(|value| {

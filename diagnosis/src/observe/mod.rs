@@ -25,6 +25,7 @@ pub(crate) use log::EPOCH;
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};
+use crate::statistics::median::median;
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
 pub(crate) use resolve::shows_its_start;
@@ -286,13 +287,10 @@ pub struct Series {
 }
 
 impl Problem {
-    /// Usual distance of the logs' rows, s.
+    /// Usual distance of the logs' rows, s; 1 where no log has two.
     pub fn row(&self) -> f64 {
-        let mut gaps: Vec<f64> = (self.runs.iter().flat_map(|run| &run.series))
-            .flat_map(|series| series.time.windows(2).map(|pair| pair[1] - pair[0]))
-            .collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
+        let all = self.runs.iter().flat_map(|run| &run.series);
+        median(all.flat_map(|series| series.time.windows(2).map(|pair| pair[1] - pair[0]))).unwrap_or(1.0)
     }
 
     /// All runs, each from its first row to its last, s.

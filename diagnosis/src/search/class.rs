@@ -24,7 +24,7 @@ type Class = Vec<Alternative>;
 
 impl Alternative {
     /// An effect as it was fitted, nothing lost.
-    pub fn of(parameter: usize, fit: &Fit) -> Self {
+    pub fn as_fitted(parameter: usize, fit: &Fit) -> Self {
         let deviation = fit.robust_deviation(parameter);
         Self { parameter, loss: 0.0, value: fit.at.theta[parameter], deviation }
     }
@@ -61,7 +61,7 @@ impl Search<'_> {
         for place in 0..effects.len() {
             // without time an effect stands for itself
             let class = if watch.is_over("what else could stand in an effect's place") {
-                vec![Alternative::of(effects[place], &here)]
+                vec![Alternative::as_fitted(effects[place], &here)]
             } else {
                 self.alternatives_to(&effects, &here, place)?
             };
@@ -69,7 +69,7 @@ impl Search<'_> {
             if class[0].parameter != effects[place] {
                 effects[place] = class[0].parameter;
                 let fitted = self.visit(&effects, &here.at)?;
-                here = self.fresh(fitted)?;
+                here = self.with_linearised_runs(fitted)?;
             }
             all.push(class);
         }
@@ -103,8 +103,8 @@ impl Search<'_> {
         place: usize,
     ) -> Result<Vec<Alternative>, Error> {
         let own = effects[place];
-        let Some((without, less)) = self.without(effects, here, place)? else {
-            return Ok(vec![Alternative::of(own, here)]);
+        let Some((without, less)) = self.without_effect(effects, here, place)? else {
+            return Ok(vec![Alternative::as_fitted(own, here)]);
         };
         let screen = linearised(self.engine, &less, &self.others(&without))?;
         let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
@@ -116,10 +116,10 @@ impl Search<'_> {
             screened.chord.parameter != own && is_worth_a_fit(screened.gain, gained, self.policy.class)
         });
         let tried: Vec<Screened> = worth.take(2 * self.policy.fitted).copied().collect();
-        let mut list = vec![Alternative { loss: here.deviance, ..Alternative::of(own, here) }];
+        let mut list = vec![Alternative { loss: here.deviance, ..Alternative::as_fitted(own, here) }];
         for screened in tried {
-            if let Some((_, fit)) = self.best(&without, &less, &screen, &[screened]) {
-                let other = Alternative::of(screened.chord.parameter, &fit);
+            if let Some((_, fit)) = self.best_fitted(&without, &less, &screen, &[screened]) {
+                let other = Alternative::as_fitted(screened.chord.parameter, &fit);
                 list.push(Alternative { loss: fit.deviance, ..other });
             }
         }

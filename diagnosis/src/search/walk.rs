@@ -110,7 +110,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// Units are too slow.
-    pub(super) fn without(
+    pub(super) fn without_effect(
         &mut self,
         effects: &[usize],
         here: &Fit,
@@ -147,7 +147,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn fresh(&self, mut fit: Fit) -> Result<Fit, Error> {
+    pub fn with_linearised_runs(&self, mut fit: Fit) -> Result<Fit, Error> {
         if fit.runs.is_empty() {
             fit.runs = self.engine.linearise(&fit.at.theta, &fit.at.paths, &fit.free)?;
         }
@@ -167,7 +167,7 @@ impl Search<'_> {
         while !effects.is_empty() {
             let mut weakest: Option<(usize, Fit)> = None;
             for place in 0..effects.len() {
-                let Some((_, less)) = self.without(&effects, &here, place)? else { continue };
+                let Some((_, less)) = self.without_effect(&effects, &here, place)? else { continue };
                 if weakest.as_ref().is_none_or(|(_, known)| less.deviance < known.deviance) {
                     weakest = Some((place, less));
                 }
@@ -191,7 +191,7 @@ impl Search<'_> {
     pub fn agreed(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
         let sure = self.policy.sure;
         loop {
-            here = self.fresh(here)?;
+            here = self.with_linearised_runs(here)?;
             let clear = |effect: usize| {
                 let off = here.at.theta[effect] - self.engine.machine.parameters[effect].neutral;
                 (off / here.robust_deviation(effect)).powi(2)
@@ -222,7 +222,7 @@ impl Search<'_> {
     }
 
     /// Tries the best of a screening about `from` beside `effects`; the best that was fitted.
-    pub(super) fn best(
+    pub(super) fn best_fitted(
         &mut self,
         effects: &[usize],
         from: &Fit,
@@ -278,7 +278,7 @@ impl Search<'_> {
             }
             let worth = ranked.iter().filter(|screened| may_gain(screened.gain, self.policy.gain));
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
-            let best = self.best(&effects, &here, &screen, &tried);
+            let best = self.best_fitted(&effects, &here, &screen, &tried);
             let Some((with, fit)) = best.filter(|(_, fit)| self.is_an_effect(&here, fit)) else {
                 self.last = Some(screen.last(&here));
                 break;
@@ -286,7 +286,7 @@ impl Search<'_> {
             // another in its place says as much with fewer names
             let (swapped, other) = self.settled(effects.clone(), here.clone(), watch)?;
             if swapped != effects {
-                (effects, here) = (swapped, self.fresh(other)?);
+                (effects, here) = (swapped, self.with_linearised_runs(other)?);
                 continue;
             }
             let gained = here.deviance - fit.deviance;
@@ -328,7 +328,7 @@ impl Search<'_> {
         let mut place = 0;
         while place < effects.len() {
             let gone = effects[place];
-            let Some((without, less)) = self.without(&effects, &here, place)? else {
+            let Some((without, less)) = self.without_effect(&effects, &here, place)? else {
                 place += 1;
                 continue;
             };
@@ -349,7 +349,7 @@ impl Search<'_> {
                 .take(self.policy.fitted)
                 .copied()
                 .collect();
-            if let Some((with, fit)) = self.best(&without, &less, &screen, &near)
+            if let Some((with, fit)) = self.best_fitted(&without, &less, &screen, &near)
                 && replaces(fit.deviance, here.deviance)
             {
                 let other = self.name(with[with.len() - 1]).to_owned();

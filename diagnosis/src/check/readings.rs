@@ -4,8 +4,8 @@
 //! leaves as much in any other way: none of them is near to what it lacks.
 
 use super::Doubt;
+use super::pairs_of_ways;
 use super::policy::DOUBTS;
-use super::two;
 use super::ways::{self, Way};
 use crate::dynamics::Engine;
 use crate::dynamics::build::build;
@@ -135,7 +135,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     let ways: Vec<Way> =
         ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
     drop(engine);
-    let Some((best, others)) = only(problem, &own, &ways) else { return two::doubt(problem, &own) };
+    let Some((best, others)) = only(problem, &own, &ways) else { return pairs_of_ways::doubt(problem, &own) };
     Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
 }
 

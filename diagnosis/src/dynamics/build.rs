@@ -1,10 +1,10 @@
 //! From a problem to an engine: sizes of states and inputs, noises to begin with. What the units can do is `probe.rs`.
 
-use super::excluded::excluded;
 use super::first_path::Trails;
 use super::grid::{Grid, Sample, usual};
 use super::linearise::Engine;
 use super::machine::{Machine, Output, State};
+use super::outliers::excluded;
 use super::parameter_steps::first_step;
 use super::policy::DYNAMICS;
 use crate::error::{Error, Notice};

@@ -2,8 +2,8 @@
 //! search went along a run already, its path is taken. Where the filter goes to states with which the unit can't be run, the path is
 //! what channels measured of the states.
 
-use super::about::{About, Along};
 use super::grid::Grid;
+use super::interval::{About, Along};
 use super::linearise::Engine;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Worker;
@@ -95,12 +95,14 @@ impl Engine {
         let along = Along { engine: self, grid, schedule: &schedule, set: &self.set(theta) };
         let (mean, sd) = &self.starts[run];
         let (torn, blind) = (grid.torn(), grid.rows_with_unknown_input(machine.reading));
-        let mut state = DVector::from_column_slice(mean);
-        let mut covariance = DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 });
+        let mut filter = Filter {
+            state: DVector::from_column_slice(mean),
+            covariance: DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 }),
+        };
         let mut path = Vec::with_capacity(grid.time.len() * n);
         let mut placed = schedule.placed.iter().peekable();
         self.with_worker(|worker| {
-            let mut about = along.about(worker, 0, &state)?;
+            let mut about = along.about(worker, 0, &filter.state)?;
             for (row, blind) in blind.into_iter().enumerate() {
                 while let Some(at) = placed.next_if(|at| at.row == row) {
                     if at.early || blind || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
@@ -110,27 +112,48 @@ impl Engine {
                     let effect = effects[sample.channel];
                     let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
                     let observe = about.columns.row(entry).transpose() * effect.gain;
-                    let shown = effect.shown(about.entry_near(entry, &state), sample.time - grid.origin);
-                    let gain = &covariance * &observe;
-                    let spread = observe.dot(&gain) + noise.variance(sample.channel, 0.0);
-                    state += &gain * ((sample.value - shown) / spread);
-                    covariance -= &gain * gain.transpose() / spread;
+                    let near = about.entry_near(entry, &filter.state);
+                    let shown = effect.shown(near, sample.time - grid.origin);
+                    filter.correct(&observe, sample.value - shown, noise.variance(sample.channel, 0.0));
                 }
-                path.extend(state.iter().copied());
+                path.extend(filter.state.iter().copied());
                 if row + 1 < grid.time.len() {
                     let dt = grid.time[row + 1] - grid.time[row];
                     let transition;
-                    (state, transition, about) = along.next(worker, row, &state, &about)?;
-                    covariance = &transition * &covariance * transition.transpose();
-                    for i in 0..n {
-                        let anew = if torn.get(row) == Some(&true) { sd[i] * sd[i] } else { 0.0 };
-                        covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
-                    }
-                    covariance = 0.5 * (&covariance + covariance.transpose());
+                    (filter.state, transition, about) = along.next(worker, row, &filter.state, &about)?;
+                    let anew = (torn.get(row) == Some(&true)).then_some(sd.as_slice());
+                    filter.spread(&transition, dt, noise, anew);
                 }
             }
             Ok(path)
         })
+    }
+}
+
+/// An extended Kalman filter at a row.
+struct Filter {
+    state: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Filter {
+    /// Takes in a value that is so much more than the state shows; `variance` is the sensor's.
+    fn correct(&mut self, observe: &DVector<f64>, innovation: f64, variance: f64) {
+        let gain = &self.covariance * observe;
+        let spread = observe.dot(&gain) + variance;
+        self.state += &gain * (innovation / spread);
+        self.covariance -= &gain * gain.transpose() / spread;
+    }
+
+    /// The covariance after an interval of `dt` s, with process noise, and as at the first row (standard deviations `anew`) where nobody
+    /// knows what was fed.
+    fn spread(&mut self, transition: &DMatrix<f64>, dt: f64, noise: &Noise, anew: Option<&[f64]>) {
+        self.covariance = transition * &self.covariance * transition.transpose();
+        for i in 0..self.state.len() {
+            let anew = anew.map_or(0.0, |sd| sd[i] * sd[i]);
+            self.covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
+        }
+        self.covariance = 0.5 * (&self.covariance + self.covariance.transpose());
     }
 }
 

@@ -321,7 +321,7 @@ mod tests {
         let about = |path: &Vec<f64>| {
             let run =
                 engine.chords(&theta, std::slice::from_ref(path), &[]).expect("it can be followed").remove(0);
-            let told = crate::infer::sweep(&run, &built.noise, &[]);
+            let told = crate::infer::sweep::sweep(&run, &built.noise, &[]);
             (told.square + told.log_det, crate::infer::smooth(&run, &built.noise).state)
         };
         let filtered = engine.first_paths(&theta, &built.noise).expect("it can be followed").remove(0);
@@ -349,8 +349,11 @@ mod tests {
             let run = engine.chords(&theta, &paths, &[]).expect("it can be followed").remove(0);
             // process noise of the last interval is in the state, and not yet in what lags behind it
             let process = built.noise.process.iter().map(|size| 1e-3 * size).collect();
-            let told =
-                crate::infer::sweep(&run, &crate::infer::Noise { process, ..built.noise.clone() }, &[]);
+            let told = crate::infer::sweep::sweep(
+                &run,
+                &crate::infer::Noise { process, ..built.noise.clone() },
+                &[],
+            );
             told.square + told.log_det
         };
         // equal but for the path's own rounding; 4.3 apart if a lag could begin anywhere

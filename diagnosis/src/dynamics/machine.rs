@@ -161,7 +161,7 @@ impl Machine {
         FINE * usual(rows).min(self.longest)
     }
 
-    /// Of a problem. States that no variable shows are read through the outputs: `through.rs`.
+    /// Of a problem. States that no variable shows are read through the outputs: `read_through.rs`.
     ///
     /// # Errors
     /// The scenario has what this way can't follow.

@@ -2,9 +2,9 @@
 //! goes on in all rows from what was found, for small effects need every row. Where something without a name is left, that is what limits
 //! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
 
-use super::parted::Rows;
 use super::policy::GENERAL;
 use super::residual;
+use super::rows_left_out::Rows;
 use super::study::{Studied, fit_nominal, studied};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Span, build};
@@ -201,6 +201,6 @@ mod tests {
     #[test]
     fn value_of_a_single_run_less_than_half_is_left_out() {
         // what is left out must tell whether the rest was understood: a tenth would not, and half would miss in the search
-        assert!((13.5..14.5).contains(&super::super::parted::cut(10.0, 16.0)));
+        assert!((13.5..14.5).contains(&super::super::rows_left_out::cut(10.0, 16.0)));
     }
 }

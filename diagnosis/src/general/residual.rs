@@ -104,15 +104,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let noise = studied.residual.unlisted.as_ref()?;
     let unlisted = noise.disturbance?;
     if !problem.ports.unknown_inputs {
-        return Some(Unknown {
-            signal: "the whole model".into(),
-            shape: "nobody asked where: [ports] unknown_inputs = false".into(),
-            nearest: format!(
-                "process noise gains {:.0} of deviance, which no candidate takes away",
-                studied.residual.evidence
-            ),
-            ..Unknown::default()
-        });
+        return Some(unasked(studied.residual.evidence));
     }
     let engine = &studied.built.engine;
     let courses: Vec<Vec<f64>> =
@@ -152,6 +144,17 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     })
 }
 
+/// What has no name where nobody asked for an unlisted input, though process noise gains so much deviance.
+fn unasked(evidence: f64) -> Unknown {
+    Unknown {
+        signal: "the whole model".into(),
+        shape: "nobody asked where: [ports] unknown_inputs = false".into(),
+        nearest: format!("process noise gains {evidence:.0} of deviance, which no candidate takes away"),
+        ..Unknown::default()
+    }
+}
+
+/// What the variable of a channel, or one that shows a state, is measured in.
 fn unit_of(problem: &Problem, name: &str) -> String {
     let channel = problem.channels.iter().find(|channel| channel.name == name);
     let of = |id| problem.model.variable(id).unit.clone();

@@ -1,17 +1,17 @@
 //! From a problem to a diagnosis.
 
-use super::given::{check_names, fit_given};
+use super::fit_given::{check_names, fit_given};
 use super::mismatch::HeldOut;
-use super::parted::parted;
 use super::residual::{self, Residual};
-use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
+use super::rows_left_out::parted;
+use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Verdict};
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
+use crate::infer::Sizes;
 use crate::infer::fit::{Fit, Options as FitOptions, Path, fit, fit_from};
-use crate::infer::{Noise, Sizes};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::class::Alternative;
@@ -73,14 +73,14 @@ fn diagnosed_in_time(
 ) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
-    let problem = &begun::choose_way(&reading::read(problem)?)?;
-    let (through, Searched { trained, held, all }) = begun::search(problem, options, watch)?;
+    let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
+    let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
     });
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
-    let effects = told::effects(problem, &all, unknown.is_some());
+    let effects = findings::effects(problem, &all, unknown.is_some());
     let verdict = verdict(unknown.is_some(), &effects);
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
@@ -89,12 +89,12 @@ fn diagnosed_in_time(
     notices.extend(all.built.notices.clone());
     notices.extend(all.built.engine.told_refused());
     notices.extend(held.notice);
-    let mut story = told::story(&all);
+    let mut story = findings::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);
     Ok(Diagnosis {
-        provenance: told::provenance(problem),
-        units: told::units(problem),
+        provenance: findings::provenance(problem),
+        units: findings::units(problem),
         verdict,
         effects,
         place: mismatch::places(&all),
@@ -102,7 +102,7 @@ fn diagnosed_in_time(
         unknown,
         correction: None,
         next_experiment,
-        minimum_detectable: told::detectable(&all)?,
+        minimum_detectable: findings::detectable(&all)?,
         gaps: held.gaps,
         cross_validation: Vec::new(),
         ended_early: watch.ended().to_vec(),
@@ -285,26 +285,11 @@ pub fn studied(
     let mut built = build(problem, runs)?;
     check_names(&built.engine.machine, options)?;
     let candidates = candidates(&built, options);
-    let nominal = match before {
-        Some((_, known)) => fit_nominal(&mut built, known)?,
-        None => fit_nominal(&mut built, &Trails::default())?,
-    };
+    let none = Trails::default();
+    let nominal = fit_nominal(&mut built, before.map_or(&none, |(_, known)| known))?;
     let sizes: Sizes = built.sizes.clone();
-    let policy = Policy::of(candidates.len(), built.engine.machine.order());
-    let beside: Sizes;
-    let mut search = Search {
-        engine: &built.engine,
-        sizes: &sizes,
-        policy,
-        options: FitOptions::default(),
-        candidates,
-        yields: problem.ports.unknown_inputs,
-        earlier: options.earlier.as_ref(),
-        visited: Visited::new(),
-        story: Vec::new(),
-        doubts: Vec::new(),
-        last: None,
-    };
+    let mut search = new_search(problem, &built, candidates, options);
+    let policy = search.policy;
     search.visited.insert(Vec::new(), nominal.clone());
     let (effects, begun) = first_model(&mut search, before.map(|known| known.0), &nominal)?;
     if !options.fit.is_empty() {
@@ -315,29 +300,43 @@ pub fn studied(
     watch.end_at(end);
     here = search.with_linearised_runs(here)?;
     let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
-    if let Some(unlisted) = residual.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
-        search.story.push(format!(
-            "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
-            residual.evidence
-        ));
-        beside = residual.sizes.clone();
-        search.sizes = &beside;
-        search.policy = policy.beside(residual.evidence);
-        (effects, here) = beside_unlisted(&mut search, unlisted, effects, here, policy, watch)?;
-        residual = residual::judge_residual(&built.engine, &here, &beside, &search.policy);
+    if residual.unlisted.is_some() && problem.ports.unknown_inputs {
+        (effects, here, residual) = beside_unlisted(&mut search, residual, effects, here, watch)?;
     }
     let mut alternatives = Vec::new();
     if classes {
         let found = effects.clone();
         (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
         if effects != found {
-            residual = residual::judge_residual(&built.engine, &here, search.sizes, &search.policy);
+            residual = residual::judge_residual(&built.engine, &here, &search.sizes, &search.policy);
         }
     }
     let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
     let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
     built.notices.extend(search.doubts.into_iter().map(notice));
     Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
+}
+
+/// A search among these candidates that has visited no model.
+fn new_search<'a>(
+    problem: &Problem,
+    built: &'a Built,
+    candidates: Vec<usize>,
+    options: &'a Options,
+) -> Search<'a> {
+    Search {
+        engine: &built.engine,
+        sizes: built.sizes.clone(),
+        policy: Policy::of(candidates.len(), built.engine.machine.order()),
+        options: FitOptions::default(),
+        candidates,
+        yields: problem.ports.unknown_inputs,
+        earlier: options.earlier.as_ref(),
+        visited: Visited::new(),
+        story: Vec::new(),
+        doubts: Vec::new(),
+        last: None,
+    }
 }
 
 /// Where the search begins: with what was found in other rows, as far as these need it, else with the nominal model.
@@ -358,24 +357,32 @@ fn first_model(
     Ok((effects, search.with_linearised_runs(begun)?))
 }
 
-/// Goes on beside an unlisted input: what has no name remembers, and beside it only names count that explain more than it does. `alone`: the
-/// numbers of a search without it.
+/// Goes on beside the unlisted input that was found: what has no name remembers, and beside it only names count that explain more than it
+/// does.
 fn beside_unlisted(
     search: &mut Search<'_>,
-    unlisted: Noise,
+    residual: Residual,
     effects: Vec<usize>,
     here: Fit,
-    alone: Policy,
     watch: &mut Watch<'_>,
-) -> Result<(Vec<usize>, Fit), Error> {
+) -> Result<(Vec<usize>, Fit, Residual), Error> {
+    search.story.push(format!(
+        "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
+        residual.evidence
+    ));
+    let alone = search.policy;
+    search.policy = alone.beside(residual.evidence);
+    search.sizes = residual.sizes;
     search.visited.clear();
     let mut start = here.at;
-    start.noise = unlisted;
+    start.noise = residual.unlisted.unwrap_or(start.noise);
     let again = search.visit(&effects, &start)?;
     let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
     let fresh = search.with_linearised_runs(here)?;
     let (effects, here) = search.walk(effects, fresh, watch)?;
     let here = search.with_linearised_runs(here)?;
     let (effects, here) = search.agreed(effects, here)?;
-    search.nearer(effects, here, alone, watch)
+    let (effects, here) = search.nearer(effects, here, alone, watch)?;
+    let residual = residual::judge_residual(search.engine, &here, &search.sizes, &search.policy);
+    Ok((effects, here, residual))
 }

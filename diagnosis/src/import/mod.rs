@@ -7,18 +7,18 @@
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
-//! - `line.rs`: the straight line between measured and simulated
-//! - `idle.rs`: parameters that change nothing
+//! - `straight_line.rs`: the straight line between measured and simulated
+//! - `idle_parameters.rs`: parameters that change nothing
 //! - `write.rs`: the folder
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod draft;
-mod idle;
-mod line;
+mod idle_parameters;
 mod matching;
 mod policy;
 mod sheet;
 mod starts;
+mod straight_line;
 mod text;
 mod trial;
 mod write;
@@ -121,7 +121,7 @@ pub fn import(
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
-    let tried = idle::find_idle(&known.trial(&matches), &candidates);
+    let tried = idle_parameters::find_idle(&known.trial(&matches), &candidates);
     let found = write::Found {
         unshown: &unshown,
         tried: Some(&tried),

@@ -69,6 +69,21 @@ fn is_line_of_units(record: &csv::StringRecord) -> bool {
     record.iter().any(|cell| !cell.is_empty()) && record.iter().all(|cell| number(cell, true).is_none())
 }
 
+/// What is wrong with a line of more cells than there are names, where a further one holds a number.
+fn nameless(record: &csv::StringRecord, names: usize, comma: bool) -> Option<String> {
+    let cell = record.iter().skip(names).find(|cell| number(cell, comma).is_some())?;
+    Some(format!("{} cells below {names} names: {cell} stands below none", record.len()))
+}
+
+impl Header {
+    /// Takes the unit of measurement from the cell below the name, if it holds one.
+    fn measured_in(&mut self, cell: &str) {
+        if !cell.is_empty() {
+            self.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned());
+        }
+    }
+}
+
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
@@ -88,27 +103,16 @@ impl Sheet {
         let mut decimal = false;
         let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
         for record in reader.records() {
-            let record = record.map_err(|error| {
-                wrong(
-                    above + error.position().map_or(1, |at| at.line() as usize),
-                    format!("not CSV: {error}"),
-                )
-            })?;
+            let line = |error: &csv::Error| error.position().map_or(1, |at| at.line() as usize);
+            let record = record.map_err(|error| wrong(above + line(&error), format!("not CSV: {error}")))?;
             let line = above + record.position().map_or(0, |position| position.line() as usize);
             if rows.is_empty() && is_line_of_units(&record) {
-                let units = columns.iter_mut().zip(record.iter()).filter(|(_, cell)| !cell.is_empty());
-                units.for_each(|(column, cell)| {
-                    column.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned())
-                });
+                columns.iter_mut().zip(record.iter()).for_each(|(column, cell)| column.measured_in(cell));
                 continue;
             }
             decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
-            if let Some(cell) = record.iter().skip(columns.len()).find(|cell| number(cell, comma).is_some()) {
-                let (cells, names) = (record.len(), columns.len());
-                return Err(wrong(
-                    line,
-                    format!("{cells} cells below {names} names: {cell} stands below none"),
-                ));
+            if let Some(problem) = nameless(&record, columns.len(), comma) {
+                return Err(wrong(line, problem));
             }
             let mut row: Vec<f64> = (record.iter().take(columns.len()).zip(&mut kinds))
                 .map(|(cell, kind)| kind.count(cell, comma, line))
@@ -121,12 +125,8 @@ impl Sheet {
         if sheet.rows.len() < 3 {
             return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
         }
-        sheet.dialect = separator.told().map(|name| {
-            format!(
-                "columns were separated by {name}{}",
-                if decimal { ", numbers had decimal commas" } else { "" }
-            )
-        });
+        let commas = if decimal { ", numbers had decimal commas" } else { "" };
+        sheet.dialect = separator.told().map(|name| format!("columns were separated by {name}{commas}"));
         Ok(sheet)
     }
 

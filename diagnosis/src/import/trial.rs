@@ -1,9 +1,9 @@
 //! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
 
-use super::line::{Line, line};
 use super::policy::IMPORT;
 use super::sheet::Sheet;
 use super::starts::{self, Start};
+use super::straight_line::{Line, line};
 use super::{Match, Time, instance};
 use crate::check::{STRETCH, Signs};
 use crate::error::Error;
@@ -196,11 +196,9 @@ fn judge(
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
-    let fits = if (line.slope.abs() - 1.0).abs() < IMPORT.unit.1 {
-        "sign and size fit"
-    } else {
-        "the sign fits, the size does not: look at the unit"
-    };
+    let size_fits = (line.slope.abs() - 1.0).abs() < IMPORT.unit.1;
+    let fits =
+        if size_fits { "sign and size fit" } else { "the sign fits, the size does not: look at the unit" };
     matched.evidence.push(format!("{fits}: {said}"));
 }
 

@@ -1,6 +1,6 @@
 //! The folder of a data set: the unit, the logs as plain CSV, and `dataset.toml` with each guess beside its evidence.
 
-use super::idle;
+use super::idle_parameters;
 use super::sheet::Sheet;
 use super::starts::Start;
 use super::trial::Known;
@@ -26,7 +26,7 @@ pub(super) struct Found<'a> {
     /// Parameters that may be off.
     pub candidates: &'a [usize],
     /// What trying them said.
-    pub tried: Option<&'a idle::Found>,
+    pub tried: Option<&'a idle_parameters::Found>,
 }
 
 impl<'a> Found<'a> {
@@ -68,7 +68,7 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     states(&mut text, &mut guesses, fmu, starts, unshown);
     let candidates: Vec<usize> =
         candidates.iter().copied().filter(|place| !unshown.contains(place)).collect();
-    let none = idle::Found::default();
+    let none = idle_parameters::Found::default();
     put_candidates(&mut text, &mut guesses, fmu, &candidates, tried.unwrap_or(&none));
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
@@ -169,7 +169,7 @@ fn put_candidates(
     guesses: &mut Vec<String>,
     fmu: &Fmu,
     all: &[usize],
-    tried: &idle::Found,
+    tried: &idle_parameters::Found,
 ) {
     let entry = |place: usize, mark: &str| {
         let variable = &fmu.description().variables[place];

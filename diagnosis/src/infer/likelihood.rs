@@ -184,16 +184,8 @@ pub fn maximise_within(
     let at = clamped(DVector::from_iterator(slots.len(), first));
     let deviance = |at: &DVector<f64>| profile(&reduced(runs, &written(start, &slots, at), columns));
     let swept = |at: DVector<f64>| Swept::new(runs, columns, written(start, &slots, &at), at);
-    let mut here = swept(at);
-    // what an effect explains may have been the process noise's: beyond a ridge there is a valley with less of it
-    let valleys = with_less_process_noise(&here.at, &slots)
-        .into_iter()
-        .map(&clamped)
-        .map(|less| (deviance(&less), less));
-    let lowest = valleys.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
-    if let Some((_, at)) = lowest {
-        here = swept(at);
-    }
+    let valleys = with_less_process_noise(&at, &slots).into_iter().map(&clamped);
+    let mut here = lowest(swept(at), valleys, &deviance, &swept);
     let slopes = |here: &Swept| derivatives(runs, columns, here, &slots, &deviance);
     let (mut gradient, curvature) = slopes(&here);
     let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(INFER.flat)));
@@ -222,6 +214,18 @@ pub fn maximise_within(
         (here, gradient) = (there, next);
     }
     (here.noise, here.value, ended)
+}
+
+/// Where the search begins: what an effect explains may have been the process noise's, and beyond a ridge there is a valley with less of it.
+fn lowest(
+    here: Swept,
+    valleys: impl Iterator<Item = DVector<f64>>,
+    deviance: &dyn Fn(&DVector<f64>) -> f64,
+    swept: &dyn Fn(DVector<f64>) -> Swept,
+) -> Swept {
+    let all = valleys.map(|less| (deviance(&less), less));
+    let lowest = all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
+    lowest.map_or(here, |(_, at)| swept(at))
 }
 
 /// The first of ever shorter steps that lowers the deviance by a share of what it is predicted to; nothing where none of a few does.

@@ -107,7 +107,7 @@ impl Search<'_> {
             return Ok(vec![Alternative::as_fitted(own, here)]);
         };
         let screen = linearised(self.engine, &less, &self.others(&without))?;
-        let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
+        let ranked = ranked(self.engine, &less, &screen, &self.sizes, &self.policy);
         let gained = less.deviance - here.deviance;
         // a linear gain is off by a share of itself where the effect is large: its own counts for what it is worth
         let linear = ranked.iter().find(|screened| screened.chord.parameter == own);

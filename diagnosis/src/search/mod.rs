@@ -15,7 +15,7 @@ pub mod trials;
 pub mod walk;
 
 pub(crate) use policy::SEARCHING;
-pub use walk::{Search, Visited};
+pub use walk::Search;
 
 /// Numbers of the search; `tests/policy_any.rs` holds them against the null distribution, and fails when one moves.
 #[derive(Debug, Clone, Copy, PartialEq)]

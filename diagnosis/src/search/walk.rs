@@ -24,7 +24,7 @@ pub struct Search<'a> {
     /// The machine with its runs.
     pub engine: &'a Engine,
     /// Which noises are free.
-    pub sizes: &'a Sizes,
+    pub sizes: Sizes,
     /// Numbers.
     pub policy: Policy,
     /// Knobs of each fit.
@@ -99,7 +99,7 @@ impl Search<'_> {
                 }
                 Err(error) => return Err(error),
             };
-        let fitted = fit_from(self.engine, &start, runs, &free, Some(self.sizes), &self.options)?;
+        let fitted = fit_from(self.engine, &start, runs, &free, Some(&self.sizes), &self.options)?;
         self.visited.insert(key, fitted.clone());
         Ok(fitted)
     }
@@ -272,7 +272,7 @@ impl Search<'_> {
     ) -> Result<(Vec<usize>, Fit), Error> {
         while effects.len() < self.policy.most && !watch.is_over(FURTHER) {
             let screen = linearised(self.engine, &here, &self.others(&effects))?;
-            let ranked = ranked(self.engine, &here, &screen, self.sizes, &self.policy);
+            let ranked = ranked(self.engine, &here, &screen, &self.sizes, &self.policy);
             if let Some(first) = ranked.first() {
                 watch.trying(self.name(first.chord.parameter), effects.len(), self.policy.most);
             }
@@ -342,7 +342,7 @@ impl Search<'_> {
                 continue;
             }
             let screen = linearised(self.engine, &less, &self.others(&without))?;
-            let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
+            let ranked = ranked(self.engine, &less, &screen, &self.sizes, &self.policy);
             let floor = less.deviance - here.deviance - self.policy.class;
             let near: Vec<Screened> = (ranked.iter())
                 .filter(|screened| screened.chord.parameter != gone && may_replace(screened.gain, floor))

@@ -9,10 +9,10 @@
 //! are: what the outputs show from there on of another input is what they show.
 
 use super::build::Span;
-use super::excluded::excluded;
 use super::grid::{Course, Grid, Lost};
 use super::linearise::{Chord, Engine, difference};
 use super::machine::{Machine, Parameter, Reference, Role, State};
+use super::outliers::excluded;
 use super::policy::DYNAMICS;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;

@@ -4,7 +4,7 @@
 //! x̂(k+1) it gives O there. Where it is, x(k+1), is where O(x) = Y: to first order x(k+1) = x̂(k+1) + J⁺ (Y - O), J = ∂O/∂x.
 //! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ), with O from x(k+1). No noise is in Y and O, so the horizon may be short.
 
-use super::about::{About, Along};
+use super::interval::{About, Along};
 use super::linearise::{Chord, Engine, RowParts, RunAt, difference};
 use super::machine::Role;
 use super::policy::DYNAMICS;

@@ -32,6 +32,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     Ok(page.to_html())
 }
 
+/// The answer, whether it ended early, and where it comes from.
 fn show_verdict(diagnosis: &Diagnosis, page: &mut Page) {
     page.verdict(&verdict(diagnosis));
     if !diagnosis.ended_early.is_empty() {
@@ -43,6 +44,7 @@ fn show_verdict(diagnosis: &Diagnosis, page: &mut Page) {
     page.facts(&diagnosis.provenance.lines());
 }
 
+/// Effects, and what has no name.
 fn show_missing(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
@@ -59,6 +61,7 @@ fn show_missing(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     Ok(())
 }
 
+/// The next experiment, and what to do now.
 fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
@@ -83,6 +86,7 @@ fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     Ok(())
 }
 
+/// How far simulation and log are apart, before and after.
 fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     page.heading("How the gap shrinks");
     page.text(&describe_judgement(diagnosis));
@@ -110,6 +114,7 @@ fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     Ok(())
 }
 
+/// What these data would have shown.
 fn show_detectable(diagnosis: &Diagnosis, page: &mut Page) {
     page.heading("What this data would show");
     if diagnosis.minimum_detectable.is_empty() {

@@ -69,6 +69,7 @@ impl Question<'_> {
         theta
     }
 
+    /// The noises without the unlisted input, which no experiment has.
     fn noise(&self) -> Noise {
         Noise { disturbance: None, ..self.noise.clone() }
     }
@@ -218,6 +219,7 @@ fn pairs_left_open(losses: &Losses) -> Vec<(usize, usize)> {
     pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
 }
 
+/// The pair that is hardest to tell apart: places of both, and the smaller of the deviances that one for the other loses.
 fn hardest_pair(losses: &Losses) -> (usize, usize, f64) {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs

@@ -11,6 +11,7 @@ use crate::ports::output;
 
 /// A run with the differences of its rows, and what effects at ports change.
 pub(super) struct Assembly<'a> {
+    /// The run, its parameters, its path.
     pub about: RunAt<'a>,
     /// Differences, one a row.
     pub parts: &'a [RowParts],

@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct Sample {
     /// Place among [`Machine::channels`].
     pub channel: usize,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
     /// In the variable's own unit.
     pub value: f64,

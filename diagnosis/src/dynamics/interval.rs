@@ -12,9 +12,13 @@ use nalgebra::{DMatrix, DVector};
 /// A run whose intervals are asked for, with the parameters of units that are off their nominal values.
 #[derive(Clone, Copy)]
 pub(super) struct Along<'a> {
+    /// The machine with all runs.
     pub engine: &'a Engine,
+    /// Rows and values of the run.
     pub grid: &'a Grid,
+    /// What is fed and read within its intervals.
     pub schedule: &'a Schedule,
+    /// Parameters of units with their values.
     pub set: &'a [(Reference, f64)],
 }
 

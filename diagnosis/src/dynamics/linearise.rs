@@ -35,20 +35,21 @@ pub struct Chord {
 pub struct Engine {
     /// Variables.
     pub machine: Machine,
-    /// Runs.
+    /// Rows and values of each run.
     pub grids: Vec<Grid>,
-    /// A size of each state that matters.
+    /// A size of each state that matters, in its own unit.
     pub scales: Vec<f64>,
-    /// A size of each input.
+    /// A size of each input, in its own unit.
     pub input_scales: Vec<f64>,
-    /// Step of each parameter for a derivative.
+    /// Step of each parameter for a derivative, in its own unit.
     pub steps: Vec<f64>,
-    /// Prior mean and standard deviation of the first state of each run.
+    /// Prior of the first state of each run: means and standard deviations (n each), in the states' units.
     pub starts: Vec<(Vec<f64>, Vec<f64>)>,
-    /// Standard deviation of each channel, for weighing outputs against each other.
+    /// Standard deviation of each channel's sensor, in the channel's unit, for weighing outputs against each other.
     pub sensors: Vec<f64>,
     /// Values that count as outliers: run and sample.
     pub outliers: Vec<Vec<bool>>,
+    /// Instances of the units that no thread uses.
     pub(crate) pool: Mutex<Vec<Worker>>,
     /// Whether units can be reset.
     pub resets: bool,
@@ -157,13 +158,19 @@ impl Engine {
 /// A run at its parameters, about its path, with the chords of its columns.
 #[derive(Clone, Copy)]
 pub(super) struct RunAt<'a> {
+    /// The machine with all runs.
     pub engine: &'a Engine,
-    /// Place of the run.
+    /// Place of the run among the engine's.
     pub run: usize,
+    /// Its rows and values.
     pub grid: &'a Grid,
+    /// What is fed and read within its intervals with these parameters.
     pub schedule: &'a Schedule,
+    /// All parameters, each in its own unit.
     pub theta: &'a [f64],
+    /// States, n a row, each in its own unit.
     pub path: &'a Path,
+    /// Columns of the linearised run, in their order.
     pub chords: &'a [Chord],
 }
 
@@ -191,6 +198,7 @@ impl RunAt<'_> {
         Ok(all)
     }
 
+    /// Differences of one row.
     fn row(&self, worker: &mut Worker, row: usize, moved: &[usize]) -> Result<RowParts, Error> {
         let (machine, n) = (&self.engine.machine, self.engine.machine.order());
         let set = self.engine.set(self.theta);
@@ -206,6 +214,7 @@ impl RunAt<'_> {
         })
     }
 
+    /// ∂/∂(state) of what an interval gives, a column for each state.
     fn by_states(&self, worker: &mut Worker, job: &Job<'_>, base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let machine = &self.engine.machine;
         let (mut beside, mut out) = (job.states.to_vec(), Vec::new());
@@ -220,6 +229,7 @@ impl RunAt<'_> {
         Ok(columns)
     }
 
+    /// ∂/∂(input) of what an interval gives, a column for each input in `moved`.
     fn by_inputs(
         &self,
         worker: &mut Worker,
@@ -247,6 +257,7 @@ impl RunAt<'_> {
         Ok(columns)
     }
 
+    /// What an interval gives along each chord of a unit's parameter; an empty column for a chord at a port.
     fn by_unit_parameters(
         &self,
         worker: &mut Worker,
@@ -269,6 +280,7 @@ impl RunAt<'_> {
     }
 }
 
+/// (there - here) / step, entry by entry.
 pub(super) fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {
     there.iter().zip(here).map(|(there, here)| (there - here) / step).collect()
 }

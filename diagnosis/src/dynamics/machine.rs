@@ -40,7 +40,7 @@ pub struct State {
     pub start: Reference,
     /// The variable that shows it, if one does.
     pub shows: Option<Reference>,
-    /// Nominal start value.
+    /// Nominal start value, in its own unit.
     pub nominal: f64,
     /// The channel that measures it.
     pub channel: Option<usize>,
@@ -62,11 +62,11 @@ pub enum Role {
 pub struct Parameter {
     /// `instance.variable`, or `instance.variable:effect`.
     pub name: String,
-    /// In words.
+    /// What it is, in words for people.
     pub phrase: String,
-    /// Where the model is the nominal one.
+    /// Value with which the model is the nominal one, in its own unit.
     pub neutral: f64,
-    /// Smallest and largest value.
+    /// Smallest and largest value, in its own unit.
     pub range: (f64, f64),
     /// How it moves.
     pub scale: Scale,
@@ -81,7 +81,7 @@ pub struct Output {
     pub name: String,
     /// The variable.
     pub variable: Reference,
-    /// Stated standard deviation.
+    /// Stated standard deviation of the sensor, in the variable's unit.
     pub noise: Option<f64>,
     /// Place in [`Problem::channels`].
     pub channel: usize,
@@ -126,7 +126,7 @@ pub struct Machine {
     pub units: Vec<Unit>,
     /// Connections that are simulated through.
     pub links: Vec<Link>,
-    /// States.
+    /// States that link rows.
     pub states: Vec<State>,
     /// Fed inputs.
     pub inputs: Vec<Input>,
@@ -192,7 +192,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// States.
+    /// Number of states.
     pub fn order(&self) -> usize {
         self.states.len()
     }

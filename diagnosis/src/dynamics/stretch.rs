@@ -29,7 +29,7 @@ pub struct Left {
     pub error: f64,
     /// Sum of squares about the mean of each stretch.
     pub motion: f64,
-    /// Values.
+    /// Number of values.
     pub count: f64,
     /// Variance of the sensor.
     pub variance: f64,

@@ -205,10 +205,12 @@ fn parts(own: f64, row: f64, delays: &[f64]) -> i64 {
     (least..=GENERAL.finest * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least)
 }
 
+/// Name of the unit before an input.
 fn before(place: usize) -> String {
     format!("input_effects_{}", place + 1)
 }
 
+/// Name of the unit behind an output.
 fn behind(place: usize) -> String {
     format!("output_effects_{}", place + 1)
 }

@@ -6,8 +6,11 @@ use crate::statistics::median::median;
 
 /// The course of one run: its name, times and values.
 pub struct Course<'a> {
+    /// Name of the run.
     pub run: &'a str,
+    /// Times of its rows, s.
     pub time: &'a [f64],
+    /// A value for each of them, in the unit of the equation's state per s.
     pub value: &'a [f64],
 }
 

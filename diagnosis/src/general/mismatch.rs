@@ -137,6 +137,7 @@ fn squares(gaps: &[Gap]) -> (f64, f64) {
     (square(|gap| gap.before), square(|gap| gap.after))
 }
 
+/// Root mean square of a channel's residuals over windows, in the channel's unit; 0 where there is no value.
 fn mean(windows: &[Window], channel: usize) -> f64 {
     let (square, count) =
         windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));

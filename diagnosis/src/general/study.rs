@@ -39,7 +39,7 @@ pub struct Studied {
     pub policy: Policy,
     /// Its last screening.
     pub last: Option<Last>,
-    /// In words.
+    /// How it was found, in words.
     pub story: Vec<String>,
     /// Classes, if they were asked for.
     pub classes: Vec<Vec<Alternative>>,
@@ -65,6 +65,7 @@ pub fn diagnosed(
     if deadline.is_some_and(|deadline| Instant::now() >= deadline) { Err(Error::TooSlow) } else { found }
 }
 
+/// The diagnosis, with what time allows.
 fn diagnosed_in_time(
     problem: &Problem,
     units: &UnitPath,

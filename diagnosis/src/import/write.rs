@@ -15,11 +15,15 @@ use std::path::Path;
 /// What was found of the logs and the unit.
 #[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
+    /// The logs.
     pub sheets: &'a [Sheet],
+    /// Where their time stands, and in what unit.
     pub time: &'a Time,
     /// How the time was found, in words.
     pub told: &'a str,
+    /// Which column is which variable.
     pub matches: &'a [Match],
+    /// Which parameters are starts of which states.
     pub starts: &'a [Start],
     /// Parameters that are starts of states which no variable shows.
     pub unshown: &'a [usize],

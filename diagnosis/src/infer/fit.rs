@@ -82,13 +82,13 @@ pub struct At {
 /// A fit that has ended.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// Where.
+    /// Parameters, paths and noises at its end.
     pub at: At,
     /// The parameters that were free.
     pub free: Vec<usize>,
     /// -2 log likelihood with the free parameters where it is least.
     pub deviance: f64,
-    /// Covariance of the free parameters.
+    /// Covariance of the free parameters, in their order and units; infinite where the data tell nothing.
     pub covariance: DMatrix<f64>,
     /// The runs, linearised about the end, with columns for the free parameters.
     pub runs: Vec<Linearised>,
@@ -220,7 +220,7 @@ pub fn fit(
     fit_from(model, start, runs, free, sizes, options)
 }
 
-/// The same with the runs linearised at the start, a column for each free parameter, where they are known already.
+/// Fits from runs that are linearised at the start already, with a column for each free parameter.
 ///
 /// # Errors
 /// As [`fit`].
@@ -287,6 +287,7 @@ struct Damping {
 }
 
 impl Damping {
+    /// Damps more: a round raised the deviance, or led where the model can't be run.
     fn fail(&mut self) {
         self.failures += 1;
         self.factor = if self.factor == 0.0 { 1.0 } else { 8.0 * self.factor };
@@ -364,6 +365,7 @@ impl Task<'_> {
     }
 }
 
+/// Moves every path a share of the way to the smoothed one; the largest move in units of the scales.
 fn smooth_paths_damped(
     paths: &mut [Path],
     runs: &[Linearised],
@@ -380,7 +382,8 @@ fn smooth_paths_damped(
     share * moved
 }
 
-fn end_fit(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
+/// The fit that ends at a place about which the runs are linearised.
+fn end_fit(at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
     let all: Vec<usize> = (0..free.len()).collect();
     let here = reduced(&runs, &at.noise, &all);
     let told = informed(&here);
@@ -392,6 +395,5 @@ fn end_fit(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> 
             }
         }
     }
-    at.paths.shrink_to_fit();
     Fit { deviance: here.square + here.log_det, at, free: free.to_vec(), covariance, runs, rounds }
 }

@@ -97,6 +97,7 @@ fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64], kep
     sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
 }
 
+/// The gradient of one run for N states, an unlisted input among them, from the last row to the first.
 fn backward<const N: usize>(
     run: &Linearised,
     noise: &Noise,

@@ -49,7 +49,7 @@ impl Sizes {
         self.pinned.get(equation).copied().unwrap_or(false)
     }
 
-    /// The same without process noise in these equations.
+    /// These sizes with process noise at its least in the equations that are marked.
     pub fn with_pinned(&self, pinned: Vec<bool>) -> Self {
         Self { pinned, ..self.clone() }
     }
@@ -169,7 +169,7 @@ pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &S
     (noise, deviance)
 }
 
-/// The same in at most so many rounds, and whether it came to its end.
+/// As [`maximise`], in at most so many rounds; and whether it came to its end.
 pub fn maximise_within(
     runs: &[Linearised],
     columns: &[usize],
@@ -265,7 +265,7 @@ impl Swept {
     }
 }
 
-/// The same with less process noise, of all equations or of one.
+/// Places with less process noise than this one, of all equations or of one.
 fn with_less_process_noise(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
     let equations: Vec<usize> =
         (0..slots.len()).filter(|slot| matches!(slots[*slot].which, Which::Process(_))).collect();

@@ -20,7 +20,7 @@ pub const MOST_STATES: usize = 24;
 /// What the backward pass needs: one entry a value or row.
 #[derive(Debug, Default)]
 pub struct Kept {
-    /// Innovation of each value.
+    /// Innovation of each value, in its channel's unit.
     pub innovation: Vec<f64>,
     /// Its variance.
     pub variance: Vec<f64>,
@@ -43,21 +43,21 @@ pub fn sweep(run: &Linearised, noise: &Noise, columns: &[usize]) -> Reduced {
     dispatch(run, noise, columns, None)
 }
 
-/// The same, and keeps what smoothing needs. The size of a state is that of [`dimension`].
+/// Runs the filter without columns, and keeps what smoothing needs: N numbers a state of a row, where N is [`dimension`].
 pub fn sweep_kept(run: &Linearised, noise: &Noise) -> (Reduced, Kept) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, &[], Some(&mut kept));
     (reduced, kept)
 }
 
-/// The same with columns, and the sum of their scores up to each row.
+/// Runs the filter with these columns, and gives the sum of their scores up to each row, too.
 pub fn sweep_scores(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Vec<f64>) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, columns, Some(&mut kept));
     (reduced, kept.score)
 }
 
-/// The sums, and innovations with their columns and gains: what a gradient needs.
+/// Runs the filter with these columns, and keeps innovations with their columns and gains: what a gradient needs.
 pub fn sweep_columns(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Kept) {
     let mut kept = Kept { values_only: true, ..Kept::default() };
     let reduced = dispatch(run, noise, columns, Some(&mut kept));
@@ -147,6 +147,7 @@ pub fn direction(run: &Linearised, row: usize, equation: usize, i: usize) -> f64
     0.5 * run.interval(row) * (a + if i == equation { 1.0 } else { 0.0 })
 }
 
+/// The filter for N states, an unlisted input among them.
 fn filter<const N: usize>(
     run: &Linearised,
     noise: &Noise,
@@ -191,7 +192,7 @@ struct Filter<'a, const N: usize> {
     square: f64,
     /// Sum of log s, with what is left out.
     log_det: f64,
-    /// Values.
+    /// Number of values that were taken in.
     count: f64,
 }
 
@@ -333,6 +334,7 @@ impl<'a, const N: usize> Filter<'a, N> {
         }
     }
 
+    /// The sums over the run.
     fn reduced(self) -> Reduced {
         let p = self.columns.len();
         Reduced {

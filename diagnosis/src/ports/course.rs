@@ -7,9 +7,9 @@ use crate::observe::Hold;
 pub struct Course {
     /// Times, s.
     pub time: Vec<f64>,
-    /// Values.
+    /// A value for each of them, in the variable's unit.
     pub values: Vec<f64>,
-    /// Between them.
+    /// How it runs between them.
     pub hold: Hold,
 }
 

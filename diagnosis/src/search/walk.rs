@@ -25,7 +25,7 @@ pub struct Search<'a> {
     pub engine: &'a Engine,
     /// Which noises are free.
     pub sizes: Sizes,
-    /// Numbers.
+    /// Thresholds, in deviance, and how much is tried.
     pub policy: Policy,
     /// Knobs of each fit.
     pub options: Options,
@@ -35,7 +35,7 @@ pub struct Search<'a> {
     pub yields: bool,
     /// What is known of the machine from other data.
     pub earlier: Option<&'a Earlier>,
-    /// Memory.
+    /// Models that were fitted already.
     pub visited: Visited,
     /// What was done, in words.
     pub story: Vec<String>,
@@ -67,6 +67,7 @@ impl Search<'_> {
         !matches!(self.engine.machine.parameters[parameter].scale, Scale::Switch | Scale::Count)
     }
 
+    /// Name of a parameter.
     pub(super) fn name(&self, parameter: usize) -> &str {
         &self.engine.machine.parameters[parameter].name
     }
@@ -79,7 +80,7 @@ impl Search<'_> {
         self.visit_from(effects, start, None)
     }
 
-    /// The same with what a screening about this very start has linearised already.
+    /// As [`Self::visit`], with what a screening about this very start has linearised already.
     fn visit_from(&mut self, effects: &[usize], start: &At, screen: Option<&Screen>) -> Result<Fit, Error> {
         let mut key = effects.to_vec();
         key.sort_unstable();
@@ -217,6 +218,7 @@ impl Search<'_> {
         self.visited.values_mut().for_each(|fit| fit.runs.clear());
     }
 
+    /// Candidates that are none of these effects.
     pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
     }

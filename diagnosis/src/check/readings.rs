@@ -28,7 +28,7 @@ impl Residual {
     /// Nothing follows, or the model fails.
     const ALL: Self = Self { share: Some(f64::INFINITY), excess: f64::INFINITY };
 
-    fn of(left: &[Left]) -> Self {
+    fn of_stretches(left: &[Left]) -> Self {
         let beyond = |sum: f64, one: &Left| (sum - one.count * one.variance).max(0.0);
         let tells = |one: &&Left| one.error.max(one.motion) > DOUBTS.tells * one.count * one.variance;
         let share =
@@ -90,8 +90,9 @@ pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
         *sd = counted(*sd, scatter.noise);
     }
-    let look =
-        |engine: &Engine| engine.follow_stretches(glance).map_or(Residual::ALL, |left| Residual::of(&left));
+    let look = |engine: &Engine| {
+        engine.follow_stretches(glance).map_or(Residual::ALL, |left| Residual::of_stretches(&left))
+    };
     let after = look(engine);
     // an output may follow an input at once
     if engine.at_once().ok().flatten().is_none() {
@@ -247,10 +248,10 @@ mod tests {
     #[test]
     fn value_a_channel_tells_from_five_deviations_of_its_sensor() {
         // 4.9² and 5.1² variances, of motion or of error
-        assert_eq!(Residual::of(&[left(24.0, 1.0)]).share, None, "noise");
-        assert!(Residual::of(&[left(26.0, 1.0)]).share.is_some(), "motion");
-        assert_eq!(Residual::of(&[left(1.0, 24.0)]).share, None);
-        assert!(Residual::of(&[left(1.0, 26.0)]).share.is_some(), "error");
+        assert_eq!(Residual::of_stretches(&[left(24.0, 1.0)]).share, None, "noise");
+        assert!(Residual::of_stretches(&[left(26.0, 1.0)]).share.is_some(), "motion");
+        assert_eq!(Residual::of_stretches(&[left(1.0, 24.0)]).share, None);
+        assert!(Residual::of_stretches(&[left(1.0, 26.0)]).share.is_some(), "error");
     }
 
     #[test]

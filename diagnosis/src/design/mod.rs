@@ -3,7 +3,7 @@
 //! - `waves.rs`: holds, steps, sines, chirps
 //! - `policy.rs`: the numbers that decide, with their reasons
 //! - here: each is screened by the Fisher information of the model: of one member's effect, what no other member, no effect
-//!   found and no start state imitates. The best are then simulated with each member as the truth and fitted with the others.
+//!   found and no start state does as well. The best are then simulated with each member as the truth and fitted with the others.
 
 mod policy;
 mod waves;

@@ -60,7 +60,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Intervals of rows of which some lies in it. Stamps scatter: half a row is none.
+    /// Intervals of rows of which some lies in it. Timestamps jitter: half a row is none.
     fn intervals(&self, time: &[f64]) -> Range<usize> {
         let rows = self.between(time, MORE, HALF);
         rows.start.saturating_sub(1)..rows.end.min(time.len().saturating_sub(1))

@@ -82,7 +82,7 @@ impl Engine {
     }
 
     /// What a reader should know of the outliers.
-    pub fn told_outliers(&self) -> Vec<Notice> {
+    pub fn outlier_notices(&self) -> Vec<Notice> {
         let mut notices = Vec::new();
         for (channel, output) in self.machine.channels.iter().enumerate() {
             let all: Vec<(usize, usize)> = (0..self.grids.len())

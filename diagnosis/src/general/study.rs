@@ -88,7 +88,7 @@ fn diagnosed_in_time(
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
-    notices.extend(all.built.engine.told_refused());
+    notices.extend(all.built.engine.refusal_notices());
     notices.extend(held.notice);
     let mut story = findings::story(&all);
     story.extend(all.story.clone());
@@ -267,7 +267,7 @@ pub(super) fn fit_nominal(built: &mut Built, known: &Trails) -> Result<Fit, Erro
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;
     }
-    built.notices.extend(built.engine.told_outliers());
+    built.notices.extend(built.engine.outlier_notices());
     Ok(fitted)
 }
 

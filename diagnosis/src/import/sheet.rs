@@ -89,7 +89,7 @@ impl Sheet {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        let Text { separator, table, above } = Text::of(&bytes, path)?;
+        let Text { separator, table, above } = Text::decode(&bytes, path)?;
         let comma = separator != Separator::Comma;
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(separator.byte())
@@ -126,7 +126,7 @@ impl Sheet {
             return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
         }
         let commas = if decimal { ", numbers had decimal commas" } else { "" };
-        sheet.dialect = separator.told().map(|name| format!("columns were separated by {name}{commas}"));
+        sheet.dialect = separator.in_words().map(|name| format!("columns were separated by {name}{commas}"));
         Ok(sheet)
     }
 

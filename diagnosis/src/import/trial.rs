@@ -188,8 +188,8 @@ impl Trial<'_> {
         let place = self.sheet.place(&self.time.name).ok_or_else(|| Failed::other("no time"))?;
         let (all, usual) = (self.sheet.column(place), self.sheet.usual_gap(place));
         let stretch = whole_stretch(&all, usual);
-        let stamps = &all[stretch.clone()];
-        let times = stamps.iter().map(|stamp| (stamp - stamps[0]) * self.time.seconds).collect();
+        let timestamps = &all[stretch.clone()];
+        let times = timestamps.iter().map(|time| (time - timestamps[0]) * self.time.seconds).collect();
         Ok(Stretch { times, first: stretch.start, gap: usual * self.time.seconds })
     }
 
@@ -284,12 +284,12 @@ impl Trial<'_> {
 }
 
 /// The longest stretch of rows without a gap: what acted within one is not known.
-fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
-    let torn = |row: &usize| stamps[*row] - stamps[row - 1] > IMPORT.gap * usual;
+fn whole_stretch(timestamps: &[f64], usual: f64) -> std::ops::Range<usize> {
+    let torn = |row: &usize| timestamps[*row] - timestamps[row - 1] > IMPORT.gap * usual;
     let edges: Vec<usize> =
-        [0].into_iter().chain((1..stamps.len()).filter(torn)).chain([stamps.len()]).collect();
+        [0].into_iter().chain((1..timestamps.len()).filter(torn)).chain([timestamps.len()]).collect();
     let longest = edges.windows(2).map(|pair| pair[0]..pair[1]).max_by_key(|stretch| stretch.len());
-    let longest = longest.unwrap_or(0..stamps.len());
+    let longest = longest.unwrap_or(0..timestamps.len());
     longest.start..longest.end.min(longest.start + IMPORT.rows)
 }
 

@@ -96,7 +96,7 @@ pub(super) fn pace<'a>(model: &mut Nominal, logs: impl Iterator<Item = &'a Serie
     }
 }
 
-/// Four digits: what stamps that jitter mean.
+/// Four digits: what timestamps that jitter mean.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -39,7 +39,9 @@ mod earlier;
 mod error;
 mod general;
 mod import;
+mod infer;
 mod nuisance;
+mod observe;
 mod opened;
 mod options;
 mod overlay;
@@ -48,21 +50,17 @@ mod ports;
 mod provenance;
 mod report_graphs;
 mod report_page;
+mod search;
+mod statistics;
 mod text;
 mod watch;
 mod write;
 
-// No part of the face: what the tests of this crate look into.
-#[doc(hidden)]
-pub mod infer;
-#[doc(hidden)]
-pub mod observe;
+// No part of the face: the rig's rooms, and of the general ones what the tests of this crate look into.
 #[doc(hidden)]
 pub mod rigs;
 #[doc(hidden)]
-pub mod search;
-#[doc(hidden)]
-pub mod statistics;
+pub mod testing;
 
 pub use diagnosis::{
     Closing, Correction, Diagnosis, Effect, Gap, Member, NextExperiment, RunTrace, Separation, Term, Trace,

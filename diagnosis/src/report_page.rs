@@ -13,6 +13,27 @@ use report::{Cell, Figure, Page, Standing, Table};
 /// A graph can't be drawn.
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     let mut page = Page::new("Diagnosis");
+    show_verdict(diagnosis, &mut page);
+    show_missing(diagnosis, &mut page)?;
+    show_next(diagnosis, &mut page)?;
+    report_graphs::overlays(diagnosis, &mut page)?;
+    page.heading("Step by step");
+    for line in &diagnosis.story {
+        page.text(line);
+    }
+    show_gap(diagnosis, &mut page)?;
+    show_detectable(diagnosis, &mut page);
+    if !diagnosis.notices.is_empty() {
+        page.heading("The data");
+        for notice in &diagnosis.notices {
+            page.text(&notice.to_string());
+        }
+    }
+    Ok(page.to_html())
+}
+
+/// The answer, whether it ended early, and where it comes from.
+fn show_verdict(diagnosis: &Diagnosis, page: &mut Page) {
     page.verdict(&verdict(diagnosis));
     if !diagnosis.ended_early.is_empty() {
         let ended = diagnosis.ended_early.join("; ");
@@ -21,29 +42,32 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         ));
     }
     page.facts(&diagnosis.provenance.lines());
+}
+
+/// Effects, and what has no name.
+fn show_missing(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if !diagnosis.effects.is_empty() {
         page.heading("What is missing");
         page.table(&effects(diagnosis));
     }
-    if let Some(unknown) = &diagnosis.unknown {
-        page.heading("What has no name");
-        page.text(&format!(
-            "{}: {}. {}.",
-            sentence(&unknown.signal),
-            unknown.shape,
-            sentence(&unknown.nearest)
-        ));
-        report_graphs::unlisted(unknown, &mut page)?;
-        if let Some(correction) = &diagnosis.correction {
-            page.text(&corrected(correction));
-            page.table(&terms(correction));
-        }
+    let Some(unknown) = &diagnosis.unknown else { return Ok(()) };
+    page.heading("What has no name");
+    page.text(&format!("{}: {}. {}.", sentence(&unknown.signal), unknown.shape, sentence(&unknown.nearest)));
+    report_graphs::unlisted(unknown, page)?;
+    if let Some(correction) = &diagnosis.correction {
+        page.text(&corrected(correction));
+        page.table(&terms(correction));
     }
+    Ok(())
+}
+
+/// The next experiment, and what to do now.
+fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if let Some(next) = &diagnosis.next_experiment {
         page.heading("Next experiment");
-        page.text(&told(next));
+        page.text(&describe_experiment(next));
         if let Some(planned) = &next.planned {
-            planned::show(planned, &mut page)?;
+            planned::show(planned, page)?;
         }
         if !next.separation.is_empty() {
             page.text(&format!(
@@ -59,15 +83,15 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
     for line in now(diagnosis) {
         page.text(&line);
     }
-    report_graphs::overlays(diagnosis, &mut page)?;
-    page.heading("Step by step");
-    for line in &diagnosis.story {
-        page.text(line);
-    }
+    Ok(())
+}
+
+/// How far simulation and log are apart, before and after.
+fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     page.heading("How the gap shrinks");
-    page.text(&judged(diagnosis));
+    page.text(&describe_judgement(diagnosis));
     page.table(&gaps(&diagnosis.gaps));
-    if let Some(open) = open(diagnosis) {
+    if let Some(open) = what_stays_open(diagnosis) {
         page.text(&format!("{open}."));
     }
     if !diagnosis.gap.held_out_runs.is_empty() && !diagnosis.cross_validation.is_empty() {
@@ -76,7 +100,7 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         );
         page.table(&gaps(&diagnosis.cross_validation));
     }
-    report_graphs::residuals(diagnosis, &mut page)?;
+    report_graphs::residuals(diagnosis, page)?;
     if !diagnosis.place.is_empty() {
         page.heading("Where they disagree");
         page.table(&places(diagnosis));
@@ -87,6 +111,11 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
              nothing explains, and its interval covers where it would stand if another name went.",
         );
     }
+    Ok(())
+}
+
+/// What these data would have shown.
+fn show_detectable(diagnosis: &Diagnosis, page: &mut Page) {
     page.heading("What this data would show");
     if diagnosis.minimum_detectable.is_empty() {
         page.text("Beside a residual without a name nobody knows what would have been found.");
@@ -100,17 +129,10 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
             .map(|(name, size)| vec![name.clone().into(), Cell::Number(brief(*size)), unit(diagnosis, name)])
             .collect(),
     });
-    if !diagnosis.notices.is_empty() {
-        page.heading("The data");
-        for notice in &diagnosis.notices {
-            page.text(&notice.to_string());
-        }
-    }
-    Ok(page.to_html())
 }
 
 /// What stays open on the rows left out, in words.
-fn open(diagnosis: &Diagnosis) -> Option<&'static str> {
+fn what_stays_open(diagnosis: &Diagnosis) -> Option<&'static str> {
     diagnosis.unknown.as_ref().and_then(Unknown::left_open)
 }
 
@@ -123,7 +145,7 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     };
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
     // of an unlisted input alone no gap closes, whatever was found of it
-    let alone = diagnosis.effects.is_empty() && open(diagnosis).is_some();
+    let alone = diagnosis.effects.is_empty() && what_stays_open(diagnosis).is_some();
     if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None && !alone) {
         let percent = (1e3 * closed).round() / 10.0;
         figures.push(Figure { label: "gap closed".into(), value: Some(percent), unit: "%".into() });
@@ -267,7 +289,7 @@ fn terms(correction: &Correction) -> Table {
     }
 }
 
-fn told(next: &NextExperiment) -> String {
+fn describe_experiment(next: &NextExperiment) -> String {
     let mut text = next.what.clone();
     if !next.separates.is_empty() {
         text += &format!(" It tells apart: {}.", next.separates.join(", "));
@@ -295,7 +317,7 @@ fn experiments(next: &NextExperiment) -> Table {
 }
 
 /// On which runs the gap is judged, and what the model knew of them.
-fn judged(diagnosis: &Diagnosis) -> String {
+fn describe_judgement(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     match gap.held_out_runs.as_slice() {
         [] => format!(

@@ -4,7 +4,7 @@
 mod common;
 
 use common::Folder;
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, Options, Verdict};
 use orchestrator::Fmu;
 use std::fmt::Write as _;

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Folder, found, names};
 use diagnosis::Verdict;
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;
 

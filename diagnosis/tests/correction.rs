@@ -7,7 +7,7 @@ use common::{Folder, units};
 use diagnosis::rigs::acrobot::correction::{Closing, Correction, wiring};
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::rigs::acrobot::model::Model;
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Options, Verdict, diagnose};
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};

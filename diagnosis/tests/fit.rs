@@ -2,9 +2,9 @@
 //! says.
 
 use diagnosis::Error;
-use diagnosis::infer::fit::{At, Linearise, Options, Path, fit};
-use diagnosis::infer::{Linearised, Measured, Noise, Sizes};
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::{
+    At, FitOptions as Options, Linearise, Linearised, Measured, Noise, Path, Random, Sizes, fit,
+};
 
 const ROWS: usize = 400;
 /// s between rows.

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Folder, options, root, units};
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, diagnose};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use std::fmt::Write as _;

@@ -2,8 +2,9 @@
 
 #![allow(clippy::needless_range_loop, reason = "rows and indices of matrices, as in the formulas")]
 
-use diagnosis::infer::likelihood::{maximise, profile, reduced};
-use diagnosis::infer::{Disturbance, Linearised, Measured, Noise, Sizes, smooth, sweep};
+use diagnosis::testing::{
+    Disturbance, Linearised, Measured, Noise, Sizes, maximise, profile, reduced, smooth, sweep,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// Deterministic numbers in (-1, 1).
@@ -204,7 +205,7 @@ fn law_the_same_with_an_unlisted_input_that_remembers() {
 /// One state that nothing drives, read at each row with white noise whose deviation is `size` in stretches of fifty rows at
 /// `loud`, 1 elsewhere; the parameter is an offset of the value.
 fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
-    let mut random = diagnosis::statistics::random::Random::new(4);
+    let mut random = diagnosis::testing::Random::new(4);
     let rows = 2000;
     let measured = |row: usize| {
         let sd = if loud(row / 50) { size } else { 1.0 };
@@ -232,7 +233,7 @@ fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
 fn law_the_sandwich_is_the_inverse_gram_matrix_where_the_noise_is_as_said_and_more_where_not() {
     let noise = Noise { channels: vec![1.0], process: vec![0.0], jitter: 0.0, disturbance: None };
     let variance = |run: Linearised| {
-        diagnosis::infer::robust::sandwich(&[run], &noise, &[0]).expect("the value tells")[(0, 0)]
+        diagnosis::testing::sandwich(&[run], &noise, &[0]).expect("the value tells")[(0, 0)]
     };
     let exact = 1.0 / 2000.0;
     let same = variance(white(|_| false, 1.0)) / exact;
@@ -257,14 +258,9 @@ fn law_the_gradient_by_the_adjoint_is_that_of_differences() {
         let (run, mut noise) = (run(), noise(disturbance));
         noise.process[1] = 0.2;
         let shift = profiled(&run, &noise).1;
-        let (_, kept) = diagnosis::infer::sweep::sweep_columns(&run, &noise, &[0, 1]);
-        let found = diagnosis::infer::gradient::gradient(
-            std::slice::from_ref(&run),
-            &noise,
-            &[0, 1],
-            &shift,
-            &[&kept],
-        );
+        let (_, kept) = diagnosis::testing::sweep_columns(&run, &noise, &[0, 1]);
+        let found =
+            diagnosis::testing::gradient(std::slice::from_ref(&run), &noise, &[0, 1], &shift, &[&kept]);
         let step = 1e-5;
         let by = |change: &dyn Fn(&mut Noise, f64)| {
             let at = |factor: f64| {

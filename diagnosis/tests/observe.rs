@@ -5,7 +5,7 @@ mod common;
 
 use common::Folder;
 use diagnosis::Error;
-use diagnosis::observe::{self, Hold, InputEffect, Problem, Role, Scale};
+use diagnosis::testing::{Hold, InputEffect, Ports, Problem, Role, Scale, load_problem};
 use std::f64::consts::PI;
 
 const SET: &str = r#"format = 2
@@ -64,7 +64,7 @@ fn load(set: &str, a: &str, b: &str, name: &str) -> Result<Problem, Error> {
     folder.put("dataset.toml", set);
     folder.put("a.csv", a);
     folder.put("b.csv", b);
-    observe::load(folder.path(), &common::units(), None)
+    load_problem(folder.path(), &common::units(), None)
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn nominal(problem: &Problem, name: &str) -> Option<f64> {
 fn value_defaults_come_from_the_description() {
     let short = "format = 2\nfmu = \"acrobot_plant.fmu\"\n[[channel]]\nvariable = \"acrobot_plant.q1\"\n[[run]]\nfile = \"a.csv\"\n";
     let problem = load(short, A, B, "short").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(problem.ports, observe::Ports::default());
+    assert_eq!(problem.ports, Ports::default());
     // its outputs are computed from parameters: no start value is known to show
     assert_eq!(problem.states, []);
     let names: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.name.as_str()).collect();

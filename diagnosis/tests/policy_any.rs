@@ -1,9 +1,8 @@
 //! The numbers of the search against what chance does: sets of a linear machine of which the model lacks nothing.
 
-use diagnosis::infer::likelihood::{maximise, reduced};
-use diagnosis::infer::{Disturbance, Linearised, Measured, Noise, Sizes};
-use diagnosis::search::Policy;
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::{
+    Disturbance, Linearised, Measured, Noise, Policy, Random, Sizes, maximise, reduced,
+};
 
 const ROWS: usize = 240;
 const STEP: f64 = 0.1;

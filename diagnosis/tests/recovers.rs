@@ -6,7 +6,7 @@ mod common;
 
 use common::Folder;
 use diagnosis::rigs::acrobot::record::{Recording, record};
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ mod common;
 use common::{Folder, manifest, notice, plant};
 use diagnosis::Error;
 use diagnosis::rigs::acrobot::dataset::DataSet;
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, diagnose};
 use std::fmt::Write as _;
 

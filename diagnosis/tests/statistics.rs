@@ -1,8 +1,6 @@
 //! The statistics keep what they promise.
 
-use diagnosis::statistics::bootstrap::{Null, Scores};
-use diagnosis::statistics::linear::{Cell, Sized, nuisances, reduce};
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::{Cell, Null, Random, Scores, Sized, nuisances, reduce};
 use nalgebra::{DMatrix, DVector};
 
 fn cell(random: &mut Random, rows: usize) -> Cell {

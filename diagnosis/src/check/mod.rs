@@ -6,14 +6,14 @@
 //!
 //! - `stuck.rs`: a sensor that stood still: the log alone tells
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
-//! - `two.rs`: in two ways at once, where one alone doesn't help
+//! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
 //! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod pairs_of_ways;
 mod policy;
 mod readings;
 mod stuck;
-mod two;
 mod ways;
 
 pub(crate) use policy::STRETCH;

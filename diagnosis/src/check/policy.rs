@@ -26,9 +26,9 @@ pub(super) struct Doubts {
     pub stated: f64,
     /// As they are read the model leaves at least this share of a telling channel's motion.
     pub wrong: f64,
-    /// Read otherwise at most this share, of every telling channel.
+    /// Read otherwise it leaves at most this share of every telling channel's motion.
     pub right: f64,
-    /// And at most this share of what it leaves as they are read.
+    /// Read otherwise the model leaves at most this share of what it leaves as they are read.
     pub less: f64,
     /// Another unit of time, factors beyond all gains, exchanged columns: the same two, where neither a gain nor what a machine lacks
     /// comes near.
@@ -36,13 +36,13 @@ pub(super) struct Doubts {
     /// A little beside the other way it leaves so many times as much: it is this sign or unit and no other gain. A shorter unit of time must
     /// do with this, without a look at the logs as they are read.
     pub exact: f64,
-    /// And so many variances of the sensors, all in all.
+    /// And it leaves more by at least this number of variances of the sensors, summed over all values.
     pub clear: f64,
     /// Ways that leave at most so many times what the best one leaves can't be told from it.
     pub same: f64,
-    /// To choose ways by.
+    /// Stretches, rows and rounds by which ways are chosen.
     pub short: Glance,
-    /// To judge by.
+    /// Stretches, rows and rounds by which the chosen way is judged.
     pub long: Glance,
     /// Rows as near as this are none of a logger's, s.
     pub nearest: f64,

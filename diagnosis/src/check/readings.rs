@@ -4,8 +4,8 @@
 //! leaves as much in any other way: none of them is near to what it lacks.
 
 use super::Doubt;
+use super::pairs_of_ways;
 use super::policy::DOUBTS;
-use super::two;
 use super::ways::{self, Way};
 use crate::dynamics::Engine;
 use crate::dynamics::build::build;
@@ -28,7 +28,7 @@ impl Residual {
     /// Nothing follows, or the model fails.
     const ALL: Self = Self { share: Some(f64::INFINITY), excess: f64::INFINITY };
 
-    fn of(left: &[Left]) -> Self {
+    fn of_stretches(left: &[Left]) -> Self {
         let beyond = |sum: f64, one: &Left| (sum - one.count * one.variance).max(0.0);
         let tells = |one: &&Left| one.error.max(one.motion) > DOUBTS.tells * one.count * one.variance;
         let share =
@@ -90,7 +90,9 @@ pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
         *sd = counted(*sd, scatter.noise);
     }
-    let look = |engine: &Engine| engine.followed(glance).map_or(Residual::ALL, |left| Residual::of(&left));
+    let look = |engine: &Engine| {
+        engine.follow_stretches(glance).map_or(Residual::ALL, |left| Residual::of_stretches(&left))
+    };
     let after = look(engine);
     // an output may follow an input at once
     if engine.at_once().ok().flatten().is_none() {
@@ -121,7 +123,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
         }
         let residual = tried(&read, &DOUBTS.long)?;
         if residual.is_right(way) && is_exact(way, problem, &residual) {
-            return Some(told(way, &[], None));
+            return Some(describe_doubt(way, &[], None));
         }
     }
     let own = tried(problem, &DOUBTS.long)?;
@@ -134,8 +136,8 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     let ways: Vec<Way> =
         ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
     drop(engine);
-    let Some((best, others)) = only(problem, &own, &ways) else { return two::doubt(problem, &own) };
-    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
+    let Some((best, others)) = only(problem, &own, &ways) else { return pairs_of_ways::doubt(problem, &own) };
+    Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
 }
 
 /// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
@@ -201,7 +203,7 @@ pub(crate) fn signs(problem: &Problem) -> Option<Signs> {
         .then(|| Signs { turned: turned.clone(), left })
 }
 
-pub(super) fn told(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
+pub(super) fn describe_doubt(way: &Way, others: &[&Way], shares: Option<(Residual, Residual)>) -> Doubt {
     let share = |residual: Residual| match residual.share {
         Some(share) if share < 10.0 => format!("{:.1} %", 100.0 * share),
         _ => "more than ten times as much".into(),
@@ -246,10 +248,10 @@ mod tests {
     #[test]
     fn value_a_channel_tells_from_five_deviations_of_its_sensor() {
         // 4.9² and 5.1² variances, of motion or of error
-        assert_eq!(Residual::of(&[left(24.0, 1.0)]).share, None, "noise");
-        assert!(Residual::of(&[left(26.0, 1.0)]).share.is_some(), "motion");
-        assert_eq!(Residual::of(&[left(1.0, 24.0)]).share, None);
-        assert!(Residual::of(&[left(1.0, 26.0)]).share.is_some(), "error");
+        assert_eq!(Residual::of_stretches(&[left(24.0, 1.0)]).share, None, "noise");
+        assert!(Residual::of_stretches(&[left(26.0, 1.0)]).share.is_some(), "motion");
+        assert_eq!(Residual::of_stretches(&[left(1.0, 24.0)]).share, None);
+        assert!(Residual::of_stretches(&[left(1.0, 26.0)]).share.is_some(), "error");
     }
 
     #[test]

@@ -266,7 +266,8 @@ fn to_unit(problem: &Problem, place: usize, unit: &str) -> Option<Affine> {
     let channel = &problem.channels[place];
     let variable = problem.model.variable(channel.variable);
     let own = channel.conversion;
-    let found = measure::conversion(unit, variable, problem.model.description(channel.variable.unit)).ok()?;
+    let found =
+        measure::conversion(unit, variable, problem.model.description(channel.variable.instance)).ok()?;
     let found = if own.scale < 0.0 { Affine { scale: -found.scale, offset: found.offset } } else { found };
     let by = Affine {
         scale: found.scale / own.scale,

@@ -3,7 +3,7 @@
 //! - `waves.rs`: holds, steps, sines, chirps
 //! - `policy.rs`: the numbers that decide, with their reasons
 //! - here: each is screened by the Fisher information of the model: of one member's effect, what no other member, no effect
-//!   found and no start state imitates. The best are then simulated with each member as the truth and fitted with the others.
+//!   found and no start state does as well. The best are then simulated with each member as the truth and fitted with the others.
 
 mod policy;
 mod waves;
@@ -56,7 +56,7 @@ impl Question<'_> {
     }
 
     /// All parameters with one member in the effect's place.
-    fn with(&self, member: Option<&Alternative>) -> Vec<f64> {
+    fn with_member(&self, member: Option<&Alternative>) -> Vec<f64> {
         let mut theta = self.theta.to_vec();
         for place in self.class.iter().map(|one| one.parameter).chain([self.own]) {
             if place == self.own || !self.effects.contains(&place) {
@@ -69,6 +69,7 @@ impl Question<'_> {
         theta
     }
 
+    /// The noises without the unlisted input, which no experiment has.
     fn noise(&self) -> Noise {
         Noise { disturbance: None, ..self.noise.clone() }
     }
@@ -81,29 +82,18 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
     let engine = question.engine;
     let longest = engine.grids.iter().map(|grid| &grid.time).max_by_key(|time| time.len())?;
     let waves: Vec<Wave> = times(longest).iter().flat_map(|time| waves(problem, engine, time)).collect();
-    let screened: Vec<Option<f64>> = waves.par_iter().map(|wave| screen(&question, wave).ok()).collect();
-    let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
-    // stable: of equal ones the simplest comes first
-    order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
-    // far from where it was linearised a long one may tell nothing: some of each length
-    let of_its_length = |(at, place): &(usize, &usize)| {
-        let before = order[..*at].iter().filter(|other| waves[**other].time == waves[**place].time);
-        before.count() < EXPERIMENTS.finalists
-    };
-    let finalists: Vec<usize> =
-        order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect();
-    let tried: Vec<(usize, Losses)> = finalists
+    let tried: Vec<(usize, Losses)> = finalists(&question, &waves)
         .par_iter()
         .filter_map(|place| Some((*place, losses(&question, &waves[*place]).ok()?)))
         .collect();
     let tried = ranked(tried);
     let (best, losses) = tried.first()?;
     let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
-    let open = open(losses).into_iter();
+    let open = pairs_left_open(losses).into_iter();
     let leaves_open: Vec<Vec<String>> =
         open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
     let separation = tried.iter().map(|(place, losses)| {
-        let (a, b, loss) = worst(losses);
+        let (a, b, loss) = hardest_pair(losses);
         Separation {
             experiment: waves[*place].what.clone(),
             loss: Some(loss),
@@ -112,21 +102,12 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
             problem: None,
         }
     });
-    let (one, other, loss) = worst(losses);
-    let too_little = if loss < SLIGHT * EXPERIMENTS.told {
-        format!(
-            ": nothing that can be driven here tells {} and {} apart. Measure another variable, or strike out one of them",
-            separates[one], separates[other]
-        )
-    } else if loss < EXPERIMENTS.told {
-        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
-    } else {
-        String::new()
-    };
+    let (one, other, loss) = hardest_pair(losses);
     let what = format!(
-        "{}; start it at rest. One name for another would lose {} of deviance there{too_little}",
+        "{}; start it at rest. One name for another would lose {} of deviance there{}",
         waves[*best].what,
         brief(loss),
+        too_little(loss, &separates[one], &separates[other]),
     );
     let scenario = scenario(problem, engine, &waves[*best], units);
     let next = NextExperiment {
@@ -139,6 +120,33 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         planned: planned(&question, &waves[*best]).ok(),
     };
     Some((next, scenario))
+}
+
+/// The waves of each length that the model's Fisher information says tell most, the best first.
+fn finalists(question: &Question<'_>, waves: &[Wave]) -> Vec<usize> {
+    let screened: Vec<Option<f64>> = waves.par_iter().map(|wave| screen(question, wave).ok()).collect();
+    let mut order: Vec<usize> = (0..waves.len()).filter(|wave| screened[*wave].is_some()).collect();
+    // stable: of equal ones the simplest comes first
+    order.sort_by(|a, b| screened[*b].unwrap_or(0.0).total_cmp(&screened[*a].unwrap_or(0.0)));
+    // far from where it was linearised a long one may tell nothing: some of each length
+    let of_its_length = |(at, place): &(usize, &usize)| {
+        let before = order[..*at].iter().filter(|other| waves[**other].time == waves[**place].time);
+        before.count() < EXPERIMENTS.finalists
+    };
+    order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect()
+}
+
+/// What to add where the best experiment loses too little deviance to tell two members apart.
+fn too_little(loss: f64, one: &str, other: &str) -> String {
+    if loss < SLIGHT * EXPERIMENTS.told {
+        format!(
+            ": nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them"
+        )
+    } else if loss < EXPERIMENTS.told {
+        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
+    } else {
+        String::new()
+    }
 }
 
 /// When rows would be: as in the longest log while they last, and spread over all of it. What is slow needs the one, a delay below the
@@ -170,7 +178,7 @@ fn planned(question: &Question<'_>, wave: &Wave) -> Result<Planned, Error> {
         })
         .collect();
     for member in &question.class {
-        let engine = simulated(question, wave, &question.with(Some(member)))?;
+        let engine = simulated(question, wave, &question.with_member(Some(member)))?;
         for (channel, output) in outputs.iter_mut().enumerate() {
             let own = engine.grids[0].samples.iter().filter(|sample| sample.channel == channel);
             let (rows, values): (Vec<f64>, Vec<f64>) = own.map(|sample| (sample.time, sample.value)).unzip();
@@ -206,12 +214,13 @@ fn scenario(problem: &Problem, engine: &Engine, wave: &Wave, units: &UnitPath) -
 type Losses = Vec<Vec<f64>>;
 
 /// Members that this leaves open, each beside another.
-fn open(losses: &Losses) -> Vec<(usize, usize)> {
+fn pairs_left_open(losses: &Losses) -> Vec<(usize, usize)> {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
 }
 
-fn worst(losses: &Losses) -> (usize, usize, f64) {
+/// The pair that is hardest to tell apart: places of both, and the smaller of the deviances that one for the other loses.
+fn hardest_pair(losses: &Losses) -> (usize, usize, f64) {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs
         .map(|(a, b)| (a, b, losses[a][b].min(losses[b][a])))
@@ -221,7 +230,7 @@ fn worst(losses: &Losses) -> (usize, usize, f64) {
 
 /// The best first: what it loses for the pair that is hardest. Of equal ones the simplest.
 fn ranked(mut tried: Vec<(usize, Losses)>) -> Vec<(usize, Losses)> {
-    tried.sort_by(|a, b| worst(&b.1).2.total_cmp(&worst(&a.1).2).then(a.0.cmp(&b.0)));
+    tried.sort_by(|a, b| hardest_pair(&b.1).2.total_cmp(&hardest_pair(&a.1).2).then(a.0.cmp(&b.0)));
     tried
 }
 
@@ -270,12 +279,12 @@ fn simulated(question: &Question<'_>, wave: &Wave, theta: &[f64]) -> Result<Engi
     grid.samples.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.channel.cmp(&b.channel)));
     let starts = vec![(states, engine.starts[0].1.clone())];
     let outliers = vec![vec![false; grid.samples.len()]];
-    Ok(Engine { starts, outliers, ..engine.beside(machine.clone(), vec![grid]) })
+    Ok(Engine { starts, outliers, ..engine.with_runs(machine.clone(), vec![grid]) })
 }
 
 /// By the Fisher information: the least that any member leaves of another.
 fn screen(question: &Question<'_>, wave: &Wave) -> Result<f64, Error> {
-    let theta = question.with(None);
+    let theta = question.with_member(None);
     let engine = simulated(question, wave, &theta)?;
     let noise = question.noise();
     let paths = engine.first_paths(&theta, &noise)?;
@@ -310,11 +319,11 @@ fn screen(question: &Question<'_>, wave: &Wave) -> Result<f64, Error> {
 fn losses(question: &Question<'_>, wave: &Wave) -> Result<Losses, Error> {
     let noise = question.noise();
     let row = |truth: &Alternative| {
-        let theta = question.with(Some(truth));
+        let theta = question.with_member(Some(truth));
         let engine = simulated(question, wave, &theta)?;
         let paths = engine.first_paths(&theta, &noise)?;
         let fitted = |member: &Alternative| {
-            let theta = question.with(Some(member));
+            let theta = question.with_member(Some(member));
             let beside = question.effects.iter().copied().filter(|effect| *effect != question.own);
             let free: Vec<usize> = std::iter::once(member.parameter)
                 .chain(beside)

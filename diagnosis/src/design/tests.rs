@@ -6,9 +6,9 @@ use crate::dynamics::tests::{built, pendulum, place, units};
 #[test]
 fn value_members_are_told_apart_by_three_deviations() {
     // squared; one of the two for the other is enough to be found out, if that one is true
-    assert_eq!(open(&vec![vec![0.0, 9.5], vec![9.3, 0.0]]), []);
-    assert_eq!(open(&vec![vec![0.0, 8.6], vec![50.0, 0.0]]), [(0, 1)]);
-    assert_eq!(open(&vec![vec![0.0, 50.0], vec![8.6, 0.0]]), [(0, 1)]);
+    assert_eq!(pairs_left_open(&vec![vec![0.0, 9.5], vec![9.3, 0.0]]), []);
+    assert_eq!(pairs_left_open(&vec![vec![0.0, 8.6], vec![50.0, 0.0]]), [(0, 1)]);
+    assert_eq!(pairs_left_open(&vec![vec![0.0, 50.0], vec![8.6, 0.0]]), [(0, 1)]);
 }
 
 #[test]

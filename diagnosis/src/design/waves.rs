@@ -80,7 +80,7 @@ pub(super) fn waves(problem: &Problem, engine: &Engine, time: &[f64]) -> Vec<Wav
             let mut values: Vec<Vec<f64>> = (0..ranges.len()).map(still).collect();
             values[place] = course(shape, time).iter().map(|share| middle + half * share).collect();
             list.push(Wave {
-                what: told(shape, &input.name, &input.unit, middle, half, time),
+                what: describe_wave(shape, &input.name, &input.unit, middle, half, time),
                 time: time.to_vec(),
                 values,
             });
@@ -112,7 +112,7 @@ fn course(shape: Shape, time: &[f64]) -> Vec<f64> {
     time.iter().map(|t| at(t - begin)).collect()
 }
 
-fn told(shape: Shape, name: &str, unit: &str, middle: f64, half: f64, time: &[f64]) -> String {
+fn describe_wave(shape: Shape, name: &str, unit: &str, middle: f64, half: f64, time: &[f64]) -> String {
     let span = time[time.len() - 1] - time[0];
     let row = span / (time.len() - 1) as f64;
     let range = |share: f64| {

@@ -1,21 +1,20 @@
-//! From a problem to an engine: sizes of states, inputs and steps, and what the units can do.
+//! From a problem to an engine: sizes of states and inputs, noises to begin with. What the units can do is `probe.rs`.
 
-use super::excluded::excluded;
 use super::first_path::Trails;
-use super::grid::{Grid, usual};
-use super::linearise::{Chord, Engine};
-use super::machine::{Machine, Parameter, Role};
+use super::grid::{Grid, Sample, usual};
+use super::linearise::Engine;
+use super::machine::{Machine, Output, State};
+use super::outliers::excluded;
+use super::parameter_steps::first_step;
 use super::policy::DYNAMICS;
-use super::schedule::Schedule;
-use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::infer::fit::{At, Path};
+use crate::infer::fit::At;
 use crate::infer::likelihood::maximise;
+use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
-use crate::observe::{InputEffect, OutputEffect, Problem, Run, Scale};
+use crate::observe::{Problem, Run};
 use crate::statistics::levels::{FEW, anywhere_in};
-use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Rows of a run from which a span of time follows.
@@ -41,7 +40,7 @@ impl Built {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn begun(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
+    pub fn begin_fit(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
         let paths = self.engine.paths(theta, &self.noise, known)?;
         self.engine.calibrate(theta, &paths, &self.noise)?;
         let runs = self.engine.chords(theta, &paths, &[])?;
@@ -62,117 +61,120 @@ impl Built {
 pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let mut machine = Machine::new(problem)?;
     let n = machine.order();
-    if n > crate::infer::sweep::MOST_STATES - 2 {
-        return Err(Error::Model(format!(
-            "{n} states; this way follows at most {}",
-            crate::infer::sweep::MOST_STATES - 2
-        )));
+    if n > MOST_STATES - 2 {
+        return Err(Error::Model(format!("{n} states; this way follows at most {}", MOST_STATES - 2)));
     }
-    let (told, short): (Vec<_>, Vec<_>) = (runs.iter())
-        .map(|(run, (from, to))| ((*run, (*from, *to)), Grid::new(&machine, run, *from, *to)))
-        .partition(|(_, grid)| grid.time.len() >= FEW);
-    let (rows, grids): (Vec<(&Run, Span)>, Vec<Grid>) = told.into_iter().unzip();
-    let Some(first) = grids.first() else {
-        return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
-    };
+    let Usable { runs, grids, mut notices } = usable(problem, &machine, runs)?;
     if problem.late && machine.any_step {
-        machine.first_step = machine.short_step(&first.time);
+        machine.first_step = machine.short_step(&grids[0].time);
     }
-    let left_out = |(_, grid): ((&Run, Span), Grid)| Notice {
-        file: grid.name,
-        line: 0,
-        message: format!("{} rows tell nothing of a motion: left out", grid.time.len()),
-    };
-    let mut notices: Vec<Notice> = short.into_iter().map(left_out).collect();
+    let interval = usual(&grids[0].time);
     let outliers = excluded(&machine, &grids);
-    let values = |channel: usize| -> Vec<Vec<f64>> {
-        let of = |(grid, out): (&Grid, &Vec<bool>)| {
-            let all = grid.samples.iter().zip(out);
-            all.filter(|(sample, out)| sample.channel == channel && !**out).map(|(s, _)| s.value).collect()
-        };
-        grids.iter().zip(&outliers).map(of).collect()
-    };
-    let scatters: Vec<Scatter> = (0..machine.channels.len())
-        .map(|channel| scatter(&values(channel).iter().map(Vec::as_slice).collect::<Vec<_>>()))
-        .collect();
-    let input_scales: Vec<f64> = (0..machine.inputs.len())
-        .map(|input| {
-            let all: Vec<&[f64]> = grids.iter().map(|grid| grid.inputs[input].values.as_slice()).collect();
-            let largest = all.iter().flat_map(|run| run.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
-            let size = scatter(&all).size;
-            if size > 0.0 {
-                size
-            } else if largest > 0.0 {
-                largest
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    let measured_scale = |state: usize| {
-        let channel = machine.states[state].channel?;
-        let size = scatters[channel].size;
-        Some(if size > 0.0 {
-            size
-        } else {
-            machine.states[state].nominal.abs().max(1.0) * DYNAMICS.first_step
-        })
-    };
-    let scales: Vec<f64> = (0..n)
-        .map(|state| {
-            measured_scale(state).unwrap_or(machine.states[state].nominal.abs().max(DYNAMICS.first_step))
-        })
-        .collect();
-    let interval = usual(&first.time);
-    let sensors: Vec<f64> = (machine.channels.iter().zip(&scatters))
-        .map(|(output, scatter)| {
-            output
-                .noise
-                .filter(|sd| *sd > 0.0)
-                .unwrap_or(scatter.noise.max(DYNAMICS.exact_sensor * scatter.size.max(1e-300)))
-        })
-        .collect();
-    let mut engine = Engine {
+    let scatter = channel_scatters(&machine, &grids, &outliers);
+    let sensors = first_sensors(&machine, &scatter);
+    let scales = state_scales(&machine, &scatter);
+    let engine = Engine {
         steps: machine.parameters.iter().map(first_step).collect(),
-        starts: Vec::new(),
+        starts: grids.iter().map(|grid| prior(&machine, grid, &scales)).collect(),
         outliers,
         pool: Mutex::new(Vec::new()),
         resets: true,
         refused: Mutex::default(),
         sensors: sensors.clone(),
         scales,
-        input_scales,
+        input_scales: input_scales(&machine, &grids),
         grids,
         machine,
     };
-    engine.check_clock(&mut notices)?;
-    engine.check_reset(&mut notices)?;
-    let sizes: Vec<f64> = scatters.iter().map(|scatter| scatter.size).collect();
-    if problem.whole {
-        engine.unmeasured_scales(&sizes)?;
-        engine.follow_whole(&rows, &sizes);
-    } else if engine.machine.states.is_empty() && engine.remembers(&sizes)? {
-        engine.follow_whole(&rows, &sizes);
-        let message = "no state of the model can be set (no start parameter, no output of initial \"exact\"): each run is \
-                       simulated whole from the model's own start, and no window begins anew";
-        notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
+    let sizes: Vec<f64> = scatter.iter().map(|scatter| scatter.size).collect();
+    let (engine, found) = engine.probed(problem, &runs, &sizes)?;
+    notices.extend(found);
+    let sizes = noise_sizes(&engine, &scatter, interval);
+    let noise = Noise {
+        channels: sensors,
+        process: engine.scales.iter().map(|scale| 0.3 * scale / (10.0 * interval).sqrt()).collect(),
+        jitter: 1e-3 * interval,
+        disturbance: None,
+    };
+    Ok(Built { engine, noise, sizes, scatter, notices })
+}
+
+/// Runs with enough rows to tell of a motion, and what a user should know of the others.
+struct Usable<'a> {
+    runs: Vec<(&'a Run, Span)>,
+    grids: Vec<Grid>,
+    notices: Vec<Notice>,
+}
+
+fn usable<'a>(problem: &Problem, machine: &Machine, runs: &[(&'a Run, Span)]) -> Result<Usable<'a>, Error> {
+    let (long, short): (Vec<_>, Vec<_>) = (runs.iter())
+        .map(|(run, (from, to))| ((*run, (*from, *to)), Grid::new(machine, run, *from, *to)))
+        .partition(|(_, grid)| grid.time.len() >= FEW);
+    let (runs, grids): (Vec<(&Run, Span)>, Vec<Grid>) = long.into_iter().unzip();
+    if grids.is_empty() {
+        return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
     }
-    if engine.machine.whole {
-        engine.whole_states()?;
-    } else {
-        engine.unmeasured_scales(&sizes)?;
-    }
-    engine.unlogged_scales(&sizes)?;
-    if let Some(state) = if engine.machine.whole { None } else { engine.hidden()? } {
-        let told = engine.look_ahead()?;
-        notices.push(Notice {
-            file: "dataset.toml".into(),
-            line: 0,
-            message: format!("no variable shows the state {state} again: states are read through the outputs of {told} rows"),
-        });
-    }
-    engine.starts = engine.grids.iter().map(|grid| engine.prior(grid)).collect();
-    let least = |(output, scatter): (&super::machine::Output, &Scatter)| match output.noise {
+    let left_out = |(_, grid): ((&Run, Span), Grid)| Notice {
+        file: grid.name,
+        line: 0,
+        message: format!("{} rows tell nothing of a motion: left out", grid.time.len()),
+    };
+    Ok(Usable { runs, grids, notices: short.into_iter().map(left_out).collect() })
+}
+
+/// The scatter of each compared channel over all runs, outliers apart.
+fn channel_scatters(machine: &Machine, grids: &[Grid], outliers: &[Vec<bool>]) -> Vec<Scatter> {
+    let values = |channel: usize| -> Vec<Vec<f64>> {
+        let of = |(grid, out): (&Grid, &Vec<bool>)| {
+            let all = grid.samples.iter().zip(out);
+            all.filter(|(sample, out)| sample.channel == channel && !**out).map(|(s, _)| s.value).collect()
+        };
+        grids.iter().zip(outliers).map(of).collect()
+    };
+    (0..machine.channels.len())
+        .map(|channel| scatter(&values(channel).iter().map(Vec::as_slice).collect::<Vec<_>>()))
+        .collect()
+}
+
+/// Standard deviation of each channel to begin with, in its own unit: the stated one, or the scatter of neighbouring values.
+fn first_sensors(machine: &Machine, scatter: &[Scatter]) -> Vec<f64> {
+    let first = |(output, scatter): (&Output, &Scatter)| {
+        let stated = output.noise.filter(|sd| *sd > 0.0);
+        stated.unwrap_or(scatter.noise.max(DYNAMICS.exact_sensor * scatter.size.max(1e-300)))
+    };
+    machine.channels.iter().zip(scatter).map(first).collect()
+}
+
+/// A size of each state that matters, in its own unit: how far its channel moves, or a share of its nominal value.
+fn state_scales(machine: &Machine, scatter: &[Scatter]) -> Vec<f64> {
+    let measured = |state: &State| {
+        let size = scatter[state.channel?].size;
+        Some(if size > 0.0 { size } else { state.nominal.abs().max(1.0) * DYNAMICS.first_step })
+    };
+    let scale = |state| measured(state).unwrap_or(state.nominal.abs().max(DYNAMICS.first_step));
+    machine.states.iter().map(scale).collect()
+}
+
+/// A size of each input, in its own unit: how far it moves, else its largest value, else 1.
+fn input_scales(machine: &Machine, grids: &[Grid]) -> Vec<f64> {
+    let scale = |input: usize| {
+        let all: Vec<&[f64]> = grids.iter().map(|grid| grid.inputs[input].values.as_slice()).collect();
+        let largest = all.iter().flat_map(|run| run.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
+        let size = scatter(&all).size;
+        if size > 0.0 {
+            size
+        } else if largest > 0.0 {
+            largest
+        } else {
+            1.0
+        }
+    };
+    (0..machine.inputs.len()).map(scale).collect()
+}
+
+/// Between what the noises are searched; `interval` is the usual distance of rows, s.
+fn noise_sizes(engine: &Engine, scatter: &[Scatter], interval: f64) -> Sizes {
+    let least = |(output, scatter): (&Output, &Scatter)| match output.noise {
         Some(sd) if sd > 0.0 => None,
         // rounding is uniform: its standard deviation is a quantum over √12
         _ => Some(
@@ -183,203 +185,46 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         ),
     };
     let span = engine.grids.iter().map(Grid::span).fold(0.0, f64::max).max(interval);
-    let process: Vec<(f64, f64)> = engine
-        .scales
-        .iter()
-        .map(|scale| {
-            (DYNAMICS.least_process * scale / span.sqrt(), DYNAMICS.widest * scale / interval.sqrt())
-        })
-        .collect();
-    let sizes = Sizes {
-        channels: engine.machine.channels.iter().zip(&scatters).map(least).collect(),
-        process,
+    let process = |scale: &f64| {
+        (DYNAMICS.least_process * scale / span.sqrt(), DYNAMICS.widest * scale / interval.sqrt())
+    };
+    Sizes {
+        channels: engine.machine.channels.iter().zip(scatter).map(least).collect(),
+        process: engine.scales.iter().map(process).collect(),
         pinned: Vec::new(),
         jitter: DYNAMICS.most_jitter * interval,
-    };
-    let noise = Noise {
-        channels: sensors,
-        process: engine.scales.iter().map(|scale| 0.3 * scale / (10.0 * interval).sqrt()).collect(),
-        jitter: 1e-3 * interval,
-        disturbance: None,
-    };
-    Ok(Built { engine, noise, sizes, scatter: scatters, notices })
+    }
 }
 
-fn first_step(parameter: &Parameter) -> f64 {
-    let (least, most) = parameter.range;
-    let size = match parameter.role {
-        Role::Input(_, InputEffect::Gain) | Role::Output(_, OutputEffect::Gain) => 1.0,
-        _ if parameter.neutral != 0.0 => parameter.neutral.abs(),
-        _ if (most - least).is_finite() => most - least,
-        _ => 1.0,
+/// States as far as a row measures them, else nominal.
+pub(super) fn nominal_states(machine: &Machine, grid: &Grid, row: usize) -> Vec<f64> {
+    if machine.whole {
+        return grid.begin.iter().map(|(value, _)| *value).collect();
+    }
+    let near = |channel: usize| {
+        let own = grid.samples.iter().filter(|sample| sample.channel == channel);
+        own.min_by(|a, b| {
+            let away = |sample: &Sample| (sample.time - grid.time[row]).abs();
+            away(a).total_cmp(&away(b))
+        })
     };
-    let step = DYNAMICS.first_step * size;
-    if parameter.neutral + step > most { -step } else { step }
+    let of = |state: &State| state.channel.and_then(near).map_or(state.nominal, |sample| sample.value);
+    machine.states.iter().map(of).collect()
 }
 
-impl Engine {
-    /// The chord that is a derivative where the parameters are.
-    pub fn local(&self, theta: &[f64], parameter: usize) -> Chord {
-        let (least, most) = self.machine.parameters[parameter].range;
-        let step = self.steps[parameter].abs();
-        let here = theta[parameter];
-        let by = if here + step <= most {
-            step
-        } else if here - step >= least {
-            -step
-        } else {
-            step
-        };
-        Chord { parameter, to: here + by, per: by }
+/// Prior mean and standard deviation of a run's first state.
+pub(super) fn prior(machine: &Machine, grid: &Grid, scales: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    if machine.whole {
+        // the rest begins at none: an offset is an effect
+        return (
+            vec![0.0; machine.order()],
+            scales.iter().map(|scale| DYNAMICS.least_process * scale).collect(),
+        );
     }
-
-    /// States as far as a row measures them, else nominal.
-    pub(super) fn nominal_states(&self, grid: &Grid, row: usize) -> Vec<f64> {
-        if self.machine.whole {
-            return grid.begin.iter().map(|(value, _)| *value).collect();
-        }
-        let near = |channel: usize| {
-            let own = grid.samples.iter().filter(|sample| sample.channel == channel);
-            own.min_by(|a, b| {
-                let away = |sample: &super::grid::Sample| (sample.time - grid.time[row]).abs();
-                away(a).total_cmp(&away(b))
-            })
-        };
-        let of = |state: &super::machine::State| {
-            state.channel.and_then(near).map_or(state.nominal, |sample| sample.value)
-        };
-        self.machine.states.iter().map(of).collect()
-    }
-
-    fn prior(&self, grid: &Grid) -> (Vec<f64>, Vec<f64>) {
-        if self.machine.whole {
-            // the rest begins at none: an offset is an effect
-            return (
-                vec![0.0; self.machine.order()],
-                self.scales.iter().map(|scale| DYNAMICS.least_process * scale).collect(),
-            );
-        }
-        let mean = self.nominal_states(grid, 0);
-        let size = |(state, scale): (&super::machine::State, &f64)| match state.channel {
-            Some(_) => DYNAMICS.widest * scale,
-            None => DYNAMICS.widest * scale.max(state.nominal.abs()),
-        };
-        (mean, self.machine.states.iter().zip(&self.scales).map(size).collect())
-    }
-
-    /// The same interval twice, with another between, and on a fresh instance.
-    fn check_reset(&mut self, notices: &mut Vec<Notice>) -> Result<(), Error> {
-        let grid = &self.grids[0];
-        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-        let (here, there) = (self.nominal_states(grid, 0), self.nominal_states(grid, grid.time.len() / 2));
-        let job = |row, states| Job { each_row: true, ..self.job(grid, &schedule, row, states) };
-        let (mut fresh, mut again, mut other) = (Vec::new(), Vec::new(), Vec::new());
-        let mut worker = Worker::new(&self.machine)?;
-        worker.interval(&self.machine, &job(0, &here), &mut fresh)?;
-        let turned = worker
-            .interval(&self.machine, &job(grid.time.len() / 2, &there), &mut other)
-            .and_then(|()| worker.interval(&self.machine, &job(0, &here), &mut again));
-        let restores = self.machine.units.iter().all(|unit| unit.fmu.restores());
-        if !restores || turned.is_err() || fresh != again {
-            self.resets = false;
-            let message = "fmi2Reset doesn't bring the unit back to where it began: a fresh instance for each interval instead";
-            notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.into() });
-        }
-        Ok(())
-    }
-
-    /// Whether every state that is set is shown after initialisation; which isn't, if one is not.
-    fn hidden(&self) -> Result<Option<String>, Error> {
-        let grid = &self.grids[0];
-        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
-        let here: Vec<f64> = (self.nominal_states(grid, 0).iter().zip(&self.scales))
-            .map(|(at, scale)| at + 0.01 * scale)
-            .collect();
-        let shown =
-            self.with_worker(|worker| worker.shown(&self.machine, &self.job(grid, &schedule, 0, &here)))?;
-        let pairs = self.machine.states.iter().zip(here.iter().zip(&shown));
-        let mut other = pairs.filter(|(_, (set, shown))| {
-            shown.is_nan() || (*set - *shown).abs() > 1e-6 * (set.abs() + shown.abs() + 1e-6)
-        });
-        Ok(other.next().map(|(state, _)| state.name.clone()))
-    }
-
-    /// Steps of the parameters that change what a row shows by a small share of the noise.
-    ///
-    /// # Errors
-    /// A unit failed at its nominal values.
-    pub fn calibrate(&mut self, theta: &[f64], paths: &[Path], noise: &Noise) -> Result<(), Error> {
-        for _ in 0..2 {
-            let unit: Vec<usize> = (0..self.machine.parameters.len())
-                .filter(|place| matches!(self.machine.parameters[*place].role, Role::Unit(_)))
-                .filter(|place| {
-                    matches!(self.machine.parameters[*place].scale, Scale::Absolute | Scale::Relative)
-                })
-                .collect();
-            let told = self.telling(theta, paths, noise, &unit)?;
-            for (place, told) in unit.iter().zip(told) {
-                if told > 0.0 {
-                    let (least, most) = self.machine.parameters[*place].range;
-                    let room = f64::max(most - theta[*place], theta[*place] - least);
-                    let step = self.steps[*place].abs() * (DYNAMICS.telling_step / told).clamp(1e-4, 1e4);
-                    // a share of the nominal value at most: beyond it models bend
-                    let most = if theta[*place] != 0.0 { 0.01 * theta[*place].abs() } else { 0.01 * room };
-                    self.steps[*place] = step.min(most).max(1e-9 * theta[*place].abs());
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The largest change of a row, in units of noise or of the states' scales over their row-to-row motion, for one step of each.
-    fn telling(
-        &self,
-        theta: &[f64],
-        paths: &[Path],
-        noise: &Noise,
-        which: &[usize],
-    ) -> Result<Vec<f64>, Error> {
-        let (grid, path, n) = (&self.grids[0], &paths[0], self.machine.order());
-        if self.machine.whole {
-            let one = |place: &usize| {
-                let mut moved = theta.to_vec();
-                moved[*place] = self.local(theta, *place).to;
-                self.telling_whole(theta, &moved, &noise.channels)
-            };
-            return which.par_iter().map(one).collect();
-        }
-        let schedule = Schedule::new(&self.machine, grid, theta);
-        let rows: Vec<usize> = super::at_once::tried_rows(grid.time.len() - 1).collect();
-        which
-            .par_iter()
-            .map(|place| {
-                self.with_worker(|worker| {
-                    let (mut base, mut out, mut largest) = (Vec::new(), Vec::new(), 0.0);
-                    let mut moved = theta.to_vec();
-                    moved[*place] = self.local(theta, *place).to;
-                    let (set, there) = (self.set(theta), self.set(&moved));
-                    for row in &rows {
-                        let states = &path[row * n..(row + 1) * n];
-                        let job = self.job(grid, &schedule, *row, states);
-                        worker.interval(&self.machine, &Job { parameters: &set, ..job }, &mut base)?;
-                        match worker.interval(&self.machine, &Job { parameters: &there, ..job }, &mut out) {
-                            // a row in which the unit can't be run with the step tells nothing of it
-                            Err(Error::Model(_)) => continue,
-                            ended => ended?,
-                        }
-                        for (entry, (there, here)) in out.iter().zip(&base).enumerate() {
-                            let size = match entry.checked_sub(n) {
-                                None => self.scales[entry] * 1e-2,
-                                Some(channel) => {
-                                    noise.channels.get(channel).copied().unwrap_or(f64::INFINITY)
-                                }
-                            };
-                            largest = f64::max(largest, (there - here).abs() / size);
-                        }
-                    }
-                    Ok(largest)
-                })
-            })
-            .collect()
-    }
+    let mean = nominal_states(machine, grid, 0);
+    let size = |(state, scale): (&State, &f64)| match state.channel {
+        Some(_) => DYNAMICS.widest * scale,
+        None => DYNAMICS.widest * scale.max(state.nominal.abs()),
+    };
+    (mean, machine.states.iter().zip(scales).map(size).collect())
 }

@@ -2,10 +2,11 @@
 //! units that make steps of one size and as many as it takes to come by the end. Both are common among generated code.
 
 use super::linearise::Engine;
+use super::machine::Machine;
 use super::policy::DYNAMICS;
 use super::schedule::{Piece, Schedule};
 use super::worker::{Job, Worker};
-use crate::error::{Error, Notice};
+use crate::error::Error;
 use crate::statistics::levels::{FAR, FEW, HALF, ROUNDING};
 use std::cmp::Ordering;
 use std::time::Instant;
@@ -100,34 +101,41 @@ impl Engine {
         self.with_worker(far).unwrap_or(false)
     }
 
-    /// Looks for both, and says so.
+    /// Tries both at the first step of the first run.
     ///
     /// # Errors
     /// A unit can't be instantiated.
-    pub(super) fn check_clock(&mut self, notices: &mut Vec<Notice>) -> Result<(), Error> {
+    pub(super) fn try_clock(&self) -> Result<OwnClock, Error> {
         let trial = Trial::new(self);
-        let (at_zero, own_steps) = self.with_worker(|worker| {
+        self.with_worker(|worker| {
             let at_zero = trial.begins_at_zero(worker).unwrap_or(false);
-            Ok((at_zero, trial.makes_own_steps(worker).unwrap_or(false)))
-        })?;
-        let mut tell = |message: &str| {
-            notices.push(Notice { file: "dataset.toml".into(), line: 0, message: message.to_owned() });
-        };
-        if at_zero {
-            tell(
-                "the model begins at 0 whatever start time it is told: it gets a clock that begins at 0 wherever it is started",
-            );
-        }
-        if own_steps && self.machine.any_step {
-            tell(
-                "the model makes steps of one size, however long it is asked to: what acts within a row acts as its mean",
-            );
-        }
-        // a power of ten: decimal times of a log come out as they would be written
-        let ticks = 10f64.powf(-(ROUNDING * self.machine.longest).log10().floor()).max(1.0);
-        self.machine.own_clock = at_zero.then_some(ticks);
-        self.machine.any_step &= !own_steps;
-        Ok(())
+            Ok(OwnClock { at_zero, own_steps: trial.makes_own_steps(worker).unwrap_or(false) })
+        })
+    }
+}
+
+/// What units do otherwise than their master says.
+pub(super) struct OwnClock {
+    /// They begin at 0 whatever start time they are told.
+    pub at_zero: bool,
+    /// They make steps of one size and as many as it takes.
+    pub own_steps: bool,
+}
+
+impl OwnClock {
+    /// Ticks a second of the clock that a unit which begins at 0 gets: a power of ten, so that decimal times of a log come out as they would
+    /// be written.
+    pub fn ticks(&self, machine: &Machine) -> Option<f64> {
+        let ticks = 10f64.powf(-(ROUNDING * machine.longest).log10().floor()).max(1.0);
+        self.at_zero.then_some(ticks)
+    }
+
+    /// What a user should know.
+    pub fn notices(&self, machine: &Machine) -> impl Iterator<Item = String> {
+        let at_zero = "the model begins at 0 whatever start time it is told: it gets a clock that begins at 0 wherever it is started";
+        let own_steps = "the model makes steps of one size, however long it is asked to: what acts within a row acts as its mean";
+        let all = [(self.at_zero, at_zero), (self.own_steps && machine.any_step, own_steps)];
+        all.into_iter().filter(|(is_so, _)| *is_so).map(|(_, message)| message.to_owned())
     }
 }
 

@@ -2,8 +2,8 @@
 //! search went along a run already, its path is taken. Where the filter goes to states with which the unit can't be run, the path is
 //! what channels measured of the states.
 
-use super::about::{About, Along};
 use super::grid::Grid;
+use super::interval::{About, Along};
 use super::linearise::Engine;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Worker;
@@ -22,10 +22,10 @@ impl Trails {
     /// Adds paths of an engine's runs.
     pub fn add(&mut self, engine: &Engine, paths: &[Path]) {
         let order = engine.machine.order();
-        engine.grids.iter().zip(paths).for_each(|(grid, path)| self.follow(grid, path, order));
+        engine.grids.iter().zip(paths).for_each(|(grid, path)| self.add_path(grid, path, order));
     }
 
-    fn follow(&mut self, grid: &Grid, path: &[f64], order: usize) {
+    fn add_path(&mut self, grid: &Grid, path: &[f64], order: usize) {
         let states = path.chunks(order.max(1)).map(<[f64]>::to_vec);
         let trail = self.0.entry(grid.name.clone()).or_default();
         trail.extend(grid.time.iter().copied().zip(states));
@@ -34,7 +34,7 @@ impl Trails {
     }
 
     /// The path along a run, if it was followed at each of its rows.
-    fn along(&self, grid: &Grid) -> Option<Path> {
+    fn path_along(&self, grid: &Grid) -> Option<Path> {
         let trail = self.0.get(&grid.name)?;
         let at = |time: &f64| trail.binary_search_by(|(known, _)| known.total_cmp(time)).ok();
         let rows = grid.time.iter().map(|time| at(time).map(|place| trail[place].1.as_slice()));
@@ -48,7 +48,7 @@ impl Engine {
     /// # Errors
     /// A unit failed from the first row on.
     pub fn paths(&self, theta: &[f64], noise: &Noise, known: &Trails) -> Result<Vec<Path>, Error> {
-        let path = |run| match known.along(&self.grids[run]) {
+        let path = |run| match known.path_along(&self.grids[run]) {
             Some(path) => Ok(path),
             None => self.filtered(run, theta, noise).or_else(|error| self.measured(run).ok_or(error)),
         };
@@ -94,13 +94,15 @@ impl Engine {
         let effects = output_effects(machine, theta);
         let along = Along { engine: self, grid, schedule: &schedule, set: &self.set(theta) };
         let (mean, sd) = &self.starts[run];
-        let (torn, blind) = (grid.torn(), grid.blind(machine.reading));
-        let mut state = DVector::from_column_slice(mean);
-        let mut covariance = DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 });
+        let (torn, blind) = (grid.torn(), grid.rows_with_unknown_input(machine.reading));
+        let mut filter = Filter {
+            state: DVector::from_column_slice(mean),
+            covariance: DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 }),
+        };
         let mut path = Vec::with_capacity(grid.time.len() * n);
         let mut placed = schedule.placed.iter().peekable();
         self.with_worker(|worker| {
-            let mut about = along.about(worker, 0, &state)?;
+            let mut about = along.about(worker, 0, &filter.state)?;
             for (row, blind) in blind.into_iter().enumerate() {
                 while let Some(at) = placed.next_if(|at| at.row == row) {
                     if at.early || blind || self.outliers[run].get(at.sample).copied().unwrap_or(false) {
@@ -110,27 +112,48 @@ impl Engine {
                     let effect = effects[sample.channel];
                     let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
                     let observe = about.columns.row(entry).transpose() * effect.gain;
-                    let shown = effect.shown(about.near(entry, &state), sample.time - grid.origin);
-                    let gain = &covariance * &observe;
-                    let spread = observe.dot(&gain) + noise.variance(sample.channel, 0.0);
-                    state += &gain * ((sample.value - shown) / spread);
-                    covariance -= &gain * gain.transpose() / spread;
+                    let near = about.entry_near(entry, &filter.state);
+                    let shown = effect.shown(near, sample.time - grid.origin);
+                    filter.correct(&observe, sample.value - shown, noise.variance(sample.channel, 0.0));
                 }
-                path.extend(state.iter().copied());
+                path.extend(filter.state.iter().copied());
                 if row + 1 < grid.time.len() {
                     let dt = grid.time[row + 1] - grid.time[row];
                     let transition;
-                    (state, transition, about) = along.next(worker, row, &state, &about)?;
-                    covariance = &transition * &covariance * transition.transpose();
-                    for i in 0..n {
-                        let anew = if torn.get(row) == Some(&true) { sd[i] * sd[i] } else { 0.0 };
-                        covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
-                    }
-                    covariance = 0.5 * (&covariance + covariance.transpose());
+                    (filter.state, transition, about) = along.next(worker, row, &filter.state, &about)?;
+                    let anew = (torn.get(row) == Some(&true)).then_some(sd.as_slice());
+                    filter.spread(&transition, dt, noise, anew);
                 }
             }
             Ok(path)
         })
+    }
+}
+
+/// An extended Kalman filter at a row.
+struct Filter {
+    state: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Filter {
+    /// Takes in a value that is so much more than the state shows; `variance` is the sensor's.
+    fn correct(&mut self, observe: &DVector<f64>, innovation: f64, variance: f64) {
+        let gain = &self.covariance * observe;
+        let spread = observe.dot(&gain) + variance;
+        self.state += &gain * (innovation / spread);
+        self.covariance -= &gain * gain.transpose() / spread;
+    }
+
+    /// The covariance after an interval of `dt` s, with process noise, and as at the first row (standard deviations `anew`) where nobody
+    /// knows what was fed.
+    fn spread(&mut self, transition: &DMatrix<f64>, dt: f64, noise: &Noise, anew: Option<&[f64]>) {
+        self.covariance = transition * &self.covariance * transition.transpose();
+        for i in 0..self.state.len() {
+            let anew = anew.map_or(0.0, |sd| sd[i] * sd[i]);
+            self.covariance[(i, i)] += noise.process[i] * noise.process[i] * dt + anew;
+        }
+        self.covariance = 0.5 * (&self.covariance + self.covariance.transpose());
     }
 }
 
@@ -153,7 +176,7 @@ impl Along<'_> {
         // a correction that the unit can't follow is followed to first order
         let next = match there {
             Ok(()) => DVector::from_column_slice(&out[..n]),
-            Err(_) => DVector::from_fn(n, |i, _| about.near(i, state)),
+            Err(_) => DVector::from_fn(n, |i, _| about.entry_near(i, state)),
         };
         let following = self.about(worker, row + 1, &next)?;
         Ok((next, about.columns.rows(0, n).into_owned(), following))
@@ -179,13 +202,13 @@ mod tests {
     #[test]
     fn law_a_trail_is_taken_where_it_knows_every_row_of_the_run() {
         let mut trails = Trails::default();
-        trails.follow(&grid("a", &[0.2, 0.3]), &[5.0, 6.0, 7.0, 8.0], 2);
-        trails.follow(&grid("a", &[0.0, 0.1, 0.2]), &[1.0, 2.0, 3.0, 4.0, 9.0, 9.0], 2);
+        trails.add_path(&grid("a", &[0.2, 0.3]), &[5.0, 6.0, 7.0, 8.0], 2);
+        trails.add_path(&grid("a", &[0.0, 0.1, 0.2]), &[1.0, 2.0, 3.0, 4.0, 9.0, 9.0], 2);
         // parts of one run join; a row of both is known from the first of them
-        let whole = trails.along(&grid("a", &[0.0, 0.1, 0.2, 0.3]));
+        let whole = trails.path_along(&grid("a", &[0.0, 0.1, 0.2, 0.3]));
         assert_eq!(whole, Some(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]));
-        assert_eq!(trails.along(&grid("a", &[0.1, 0.3])), Some(vec![3.0, 4.0, 7.0, 8.0]));
-        assert_eq!(trails.along(&grid("a", &[0.1, 0.15])), None);
-        assert_eq!(trails.along(&grid("b", &[0.1])), None);
+        assert_eq!(trails.path_along(&grid("a", &[0.1, 0.3])), Some(vec![3.0, 4.0, 7.0, 8.0]));
+        assert_eq!(trails.path_along(&grid("a", &[0.1, 0.15])), None);
+        assert_eq!(trails.path_along(&grid("b", &[0.1])), None);
     }
 }

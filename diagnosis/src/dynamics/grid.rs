@@ -3,7 +3,9 @@
 use super::machine::Machine;
 use super::policy::DYNAMICS;
 use crate::observe::{Hold, Reading, Run};
+pub use crate::ports::Course;
 use crate::statistics::levels::{HALF, MORE};
+use crate::statistics::median::{median, usual_step};
 use std::ops::Range;
 
 /// A value of a compared channel.
@@ -11,48 +13,18 @@ use std::ops::Range;
 pub struct Sample {
     /// Place among [`Machine::channels`].
     pub channel: usize,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
     /// In the variable's own unit.
     pub value: f64,
 }
 
-/// A fed input over time, as logged.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Course {
-    /// Times, s.
-    pub time: Vec<f64>,
-    /// Values.
-    pub values: Vec<f64>,
-    /// Between them.
-    pub hold: Hold,
-}
-
-impl Course {
-    /// The value from a time on; before the first row its value.
-    pub fn value(&self, time: f64) -> f64 {
-        let after = self.time.partition_point(|t| *t <= time);
-        let Some(place) = after.checked_sub(1) else { return self.values.first().copied().unwrap_or(0.0) };
-        match (self.hold, self.time.get(after)) {
-            (Hold::Linear, Some(next)) => {
-                let share = (time - self.time[place]) / (next - self.time[place]);
-                self.values[place] + share * (self.values[after] - self.values[place])
-            }
-            _ => self.values[place],
-        }
-    }
-}
-
-impl Course {
-    /// Times at which it jumps: at all where it seldom moves, by more than usual where it always does.
-    pub fn jumps(&self) -> Vec<f64> {
-        let moves: Vec<f64> = self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-        let mut sorted = moves.clone();
-        sorted.sort_by(f64::total_cmp);
-        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let times = self.time.iter().skip(1).zip(&moves);
-        times.filter(|(_, by)| **by > DYNAMICS.jump * usual).map(|(time, _)| *time).collect()
-    }
+/// Times at which an input jumps, s: at all where it seldom moves, by more than usual where it always does.
+pub(super) fn jumps(course: &Course) -> Vec<f64> {
+    let moves: Vec<f64> = course.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let usual = median(moves.iter().copied()).unwrap_or(0.0);
+    let times = course.time.iter().skip(1).zip(&moves);
+    times.filter(|(_, by)| **by > DYNAMICS.jump * usual).map(|(time, _)| *time).collect()
 }
 
 /// One run, as the sweep walks it.
@@ -88,7 +60,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Intervals of rows of which some lies in it. Stamps scatter: half a row is none.
+    /// Intervals of rows of which some lies in it. Timestamps jitter: half a row is none.
     fn intervals(&self, time: &[f64]) -> Range<usize> {
         let rows = self.between(time, MORE, HALF);
         rows.start.saturating_sub(1)..rows.end.min(time.len().saturating_sub(1))
@@ -110,11 +82,9 @@ impl Lost {
     }
 }
 
-/// The usual distance of rows, s.
+/// The usual distance of rows, s; infinite below two rows.
 pub(super) fn usual(time: &[f64]) -> f64 {
-    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(f64::INFINITY)
+    usual_step(time).unwrap_or(f64::INFINITY)
 }
 
 /// Where nobody knows what the inputs were that are logged row by row.
@@ -194,7 +164,7 @@ impl Grid {
     }
 
     /// Whether each row was read with an input that nobody knows: the first, too, if before its own inputs acted.
-    pub fn blind(&self, reading: Reading) -> Vec<bool> {
+    pub fn rows_with_unknown_input(&self, reading: Reading) -> Vec<bool> {
         let first = 0..usize::from(reading == Reading::Before).min(self.time.len());
         let rows = self.lost.iter().map(|lost| lost.rows(&self.time, reading));
         marked(self.time.len(), rows.chain([first]))
@@ -277,10 +247,15 @@ mod tests {
         };
         let torn: Vec<usize> = (0..99).filter(|row| grid.torn()[*row]).collect();
         assert_eq!(torn, [50], "until row 50 the value of row 49 held");
-        let blind = |reading| (1..100).filter(|row| grid.blind(reading)[*row]).collect::<Vec<usize>>();
+        let blind = |reading| {
+            (1..100).filter(|row| grid.rows_with_unknown_input(reading)[*row]).collect::<Vec<usize>>()
+        };
         assert_eq!(blind(Reading::After), [50], "it was read with what its cell would say");
         assert_eq!(blind(Reading::Before), [51], "it was read with what was there before it");
-        assert!(grid.blind(Reading::Before)[0] && !grid.blind(Reading::After)[0]);
+        assert!(
+            grid.rows_with_unknown_input(Reading::Before)[0]
+                && !grid.rows_with_unknown_input(Reading::After)[0]
+        );
     }
 
     #[test]
@@ -300,7 +275,7 @@ mod tests {
         let jumps = |times: f64| {
             let at = |row: i32| f64::from(row) + if row >= 50 { times - 1.0 } else { 0.0 };
             let values = (0..100).map(at).collect();
-            Course { time: (0..100).map(f64::from).collect(), values, hold: Hold::Zero }.jumps()
+            jumps(&Course { time: (0..100).map(f64::from).collect(), values, hold: Hold::Zero })
         };
         assert_eq!(jumps(2.7).len(), 0);
         assert_eq!(jumps(3.3), [50.0]);

@@ -3,12 +3,11 @@
 //! Between the times at which y is read it runs along lines, over which the lag is exact. The path holds no ℓ: it is followed
 //! along the path from where it had settled at the run's begin, since all that depends on ℓ is linear in it.
 
-use super::linearise::{Engine, RowParts};
+use super::assemble::Assembly;
+use super::linearise::{Chord, RunAt};
 use super::machine::{Machine, Role};
-use super::schedule::{Placed, Schedule};
 use crate::infer::{Linearised, Measured};
 use crate::observe::{OutputEffect, Reading};
-use crate::ports::output;
 
 /// ℓ after a line from y₀ to y₁: a ℓ + b₀ y₀ + b₁ y₁.
 pub(super) fn weights(span: f64, time: f64) -> (f64, f64, f64) {
@@ -68,18 +67,6 @@ pub(super) fn active(machine: &Machine, theta: &[f64]) -> Vec<Lag> {
     theta.iter().enumerate().filter_map(of).collect()
 }
 
-/// A run without its lags, and what it was made of.
-pub(super) struct Around<'a> {
-    pub engine: &'a Engine,
-    pub run: usize,
-    pub schedule: &'a Schedule,
-    pub parts: &'a [RowParts],
-    pub effects: &'a [output::Effects],
-    pub chords: &'a [super::linearise::Chord],
-    /// ∂(entry of a row)/∂θ.
-    pub column: &'a dyn Fn(usize, usize, usize) -> f64,
-}
-
 /// How y runs within an interval: shares of its length and what is read there, each a sum of entries of this row, and the
 /// next row's own value.
 struct Course {
@@ -87,13 +74,61 @@ struct Course {
     reads: Vec<Vec<(usize, f64)>>,
 }
 
-impl Around<'_> {
+impl Course {
+    /// ℓ at the interval's end for a lag of this time, s: the share of ℓ at its begin, and of what is read.
+    fn weighed(&self, time: f64) -> (f64, Vec<f64>) {
+        let (mut keeps, mut shares) = (1.0, vec![0.0; self.times.len()]);
+        for part in 1..self.times.len() {
+            let (a, b0, b1) = weights(self.times[part] - self.times[part - 1], time);
+            keeps *= a;
+            shares.iter_mut().for_each(|share| *share *= a);
+            shares[part - 1] += b0;
+            shares[part] += b1;
+        }
+        (keeps, shares)
+    }
+
+    /// What is read, each with its share, of entries of this row.
+    fn read(&self, of: &dyn Fn(usize) -> f64, shares: &[f64]) -> f64 {
+        let each = self.reads.iter().zip(shares);
+        each.map(|(sum, share)| share * sum.iter().map(|(entry, by)| by * of(*entry)).sum::<f64>()).sum()
+    }
+}
+
+/// Where a lag is at a row.
+struct AtRow<'a> {
+    row: usize,
+    /// Place among the lags.
+    slot: usize,
+    lag: &'a Lag,
+    /// y of all rows.
+    values: &'a [f64],
+    /// ℓ.
+    shown: f64,
+}
+
+/// One lag over one interval.
+struct LagStep {
+    /// ∂ℓ(k+1)/∂x(k).
+    by_states: Vec<f64>,
+    /// ∂ℓ(k+1)/∂ℓ(k).
+    keeps: f64,
+    /// ∂ℓ(k+1)/∂θ, a number a chord.
+    drive: Vec<f64>,
+    /// What the path's defect changes of ℓ(k+1).
+    defect: f64,
+    /// ℓ(k+1) along the path.
+    shown: f64,
+}
+
+impl Assembly<'_> {
+    /// How the output of a lag's channel runs within the interval after a row.
     fn course(&self, row: usize, slot: usize, lag: &Lag) -> Course {
-        let machine = &self.engine.machine;
+        let RunAt { engine, grid, schedule, .. } = self.about;
+        let machine = &engine.machine;
         let (n, channels) = (machine.order(), machine.channels.len());
-        let time = &self.engine.grids[self.run].time;
-        let span = time[row + 1] - time[row];
-        let inner = self.schedule.inner.get(row).and_then(|lags| lags.get(slot));
+        let span = grid.time[row + 1] - grid.time[row];
+        let inner = schedule.inner.get(row).and_then(|lags| lags.get(slot));
         let inner: &[(f64, usize)] = inner.map_or(&[], Vec::as_slice);
         let at_row = vec![(n + lag.channel, 1.0)];
         let entry = |read: usize| n + channels + read;
@@ -114,23 +149,47 @@ impl Around<'_> {
         course
     }
 
-    /// ℓ at the interval's end: share of ℓ at its begin, and of what is read.
-    fn weighed(course: &Course, time: f64) -> (f64, Vec<f64>) {
-        let (mut keeps, mut shares) = (1.0, vec![0.0; course.times.len()]);
-        for part in 1..course.times.len() {
-            let (a, b0, b1) = weights(course.times[part] - course.times[part - 1], time);
-            keeps *= a;
-            shares.iter_mut().for_each(|share| *share *= a);
-            shares[part - 1] += b0;
-            shares[part] += b1;
+    /// A lag over the interval after a row of the run without lags.
+    fn lag_step(&self, plain: &Linearised, at: &AtRow<'_>) -> LagStep {
+        let AtRow { row, lag, values, shown, .. } = *at;
+        let (n, here) = (plain.states, &self.parts[row]);
+        let a = &plain.transition[row * n * n..(row + 1) * n * n];
+        let course = self.course(row, at.slot, lag);
+        let (keeps, shares) = course.weighed(lag.time);
+        let last = shares[shares.len() - 1];
+        let next: Vec<f64> =
+            self.parts[row + 1].states.iter().map(|column| column[n + lag.channel]).collect();
+        let through = |by: &[f64]| by.iter().zip(&next).map(|(d, h)| d * h).sum::<f64>();
+        let by_state = |(j, column): (usize, &Vec<f64>)| {
+            let through: f64 = (0..n).map(|i| next[i] * a[i * n + j]).sum();
+            course.read(&|entry| column[entry], &shares) + last * through
+        };
+        let by_chord = |(place, chord): (usize, &Chord)| {
+            let at_end = self.column(row + 1, place, n + lag.channel);
+            let mut drive = course.read(&|entry| self.column(row, place, entry), &shares)
+                + last * (at_end + through(plain.column(row, place)));
+            if chord.parameter == lag.parameter {
+                let (keeps_there, there) = course.weighed(chord.to);
+                let by: Vec<f64> = there.iter().zip(&shares).map(|(to, from)| to - from).collect();
+                let end = by[by.len() - 1] * values[row + 1];
+                let moved = (keeps_there - keeps) * shown + course.read(&|entry| here.base[entry], &by) + end;
+                drive += moved / chord.per;
+            }
+            drive
+        };
+        LagStep {
+            by_states: here.states.iter().enumerate().map(by_state).collect(),
+            keeps,
+            drive: self.about.chords.iter().enumerate().map(by_chord).collect(),
+            defect: last * through(&plain.defect[row * n..(row + 1) * n]),
+            shown: keeps * shown + course.read(&|entry| here.base[entry], &shares) + last * values[row + 1],
         }
-        (keeps, shares)
     }
 
     /// The run with a state more for each lag.
-    pub fn augmented(&self, plain: Linearised, lags: &[Lag]) -> Linearised {
-        let n = plain.states;
-        let (wide, p, rows) = (n + lags.len(), plain.parameters, plain.rows());
+    pub(super) fn augmented(&self, plain: Linearised, lags: &[Lag]) -> Linearised {
+        let (n, wide) = (plain.states, plain.states + lags.len());
+        let (p, rows) = (plain.parameters, plain.rows());
         let mut out = Linearised {
             states: wide,
             transition: Vec::with_capacity((rows - 1) * wide * wide),
@@ -144,94 +203,50 @@ impl Around<'_> {
             .collect();
         let mut shown: Vec<Vec<f64>> = values.iter().map(|values| vec![values[0]]).collect();
         for row in 0..rows - 1 {
-            let a = &plain.transition[row * n * n..(row + 1) * n * n];
-            let defect = &plain.defect[row * n..(row + 1) * n];
-            for i in 0..n {
-                out.transition.extend_from_slice(&a[i * n..(i + 1) * n]);
-                out.transition.extend(lags.iter().map(|_| 0.0));
-            }
-            let mut drives = vec![vec![0.0; lags.len()]; p];
-            let mut defects = Vec::new();
-            for (slot, lag) in lags.iter().enumerate() {
-                let course = self.course(row, slot, lag);
-                let (keeps, shares) = Self::weighed(&course, lag.time);
-                let last = shares[shares.len() - 1];
-                let here = &self.parts[row];
-                let next: Vec<f64> =
-                    self.parts[row + 1].states.iter().map(|column| column[n + lag.channel]).collect();
-                let read = |of: &dyn Fn(usize) -> f64, shares: &[f64]| -> f64 {
-                    let each = course.reads.iter().zip(shares);
-                    each.map(|(sum, share)| {
-                        share * sum.iter().map(|(entry, by)| by * of(*entry)).sum::<f64>()
-                    })
-                    .sum()
-                };
-                for (j, column) in here.states.iter().enumerate() {
-                    let through: f64 = (0..n).map(|i| next[i] * a[i * n + j]).sum();
-                    out.transition.push(read(&|entry| column[entry], &shares) + last * through);
-                }
-                out.transition.extend((0..lags.len()).map(|other| if other == slot { keeps } else { 0.0 }));
-                let own = shown[slot][row];
-                for (place, chord) in self.chords.iter().enumerate() {
-                    let through: f64 = plain.column(row, place).iter().zip(&next).map(|(d, h)| d * h).sum();
-                    let at_end = (self.column)(row + 1, place, n + lag.channel);
-                    drives[place][slot] =
-                        read(&|entry| (self.column)(row, place, entry), &shares) + last * (at_end + through);
-                    if chord.parameter == lag.parameter {
-                        let (keeps_there, there) = Self::weighed(&course, chord.to);
-                        let by: Vec<f64> = there.iter().zip(&shares).map(|(to, from)| to - from).collect();
-                        let end = by[by.len() - 1] * values[slot][row + 1];
-                        let moved = (keeps_there - keeps) * own + read(&|entry| here.base[entry], &by) + end;
-                        drives[place][slot] += moved / chord.per;
-                    }
-                }
-                defects.push(last * defect.iter().zip(&next).map(|(d, h)| d * h).sum::<f64>());
-                let to =
-                    keeps * own + read(&|entry| here.base[entry], &shares) + last * values[slot][row + 1];
-                shown[slot].push(to);
-            }
-            for (place, drive) in drives.iter().enumerate() {
-                out.drive.extend_from_slice(plain.column(row, place));
-                out.drive.extend_from_slice(drive);
-            }
-            out.defect.extend_from_slice(defect);
-            out.defect.extend(defects);
+            let at = |(slot, lag)| AtRow { row, slot, lag, values: &values[slot], shown: shown[slot][row] };
+            let steps: Vec<LagStep> =
+                lags.iter().enumerate().map(|one| self.lag_step(&plain, &at(one))).collect();
+            add_interval(&mut out, &plain, row, &steps);
+            shown.iter_mut().zip(&steps).for_each(|(shown, step)| shown.push(step.shown));
         }
-        let placed: Vec<&Placed> = self.schedule.placed.iter().collect();
         for (value, measured) in plain.measured.iter().enumerate() {
             out.observe.extend_from_slice(&plain.observe[value * n..(value + 1) * n]);
             out.observe.extend(lags.iter().map(|_| 0.0));
             let Some(slot) = lags.iter().position(|lag| lag.channel == measured.channel) else { continue };
-            self.through(placed[value], value, slot, &shown[slot], &mut out);
+            self.read_off_lag(value, slot, &shown[slot], &mut out);
         }
-        for (slot, lag) in lags.iter().enumerate() {
-            let (by, sd) = self.begins(&out, lag, &values[slot]);
-            if by.is_none() {
-                // its first value tells where it began and nothing else: as good as left out, as the first one of a delayed sensor is
-                let own = sd / self.engine.sensors[lag.channel];
-                out.left_out += 1.0 - libm::log(1.0 + own * own);
-            }
-            out.start.0.push(0.0);
-            out.start.1.push(sd);
-            out.follows.extend(by);
+        for (lag, values) in lags.iter().zip(&values) {
+            self.add_start(lag, values, &mut out);
         }
         out
     }
 
+    /// Where a lag begins, as one more state of the first row.
+    fn add_start(&self, lag: &Lag, values: &[f64], out: &mut Linearised) {
+        let (by, sd) = self.begins(out, lag, values);
+        if by.is_none() {
+            // its first value tells where it began and nothing else: as good as left out, as the first one of a delayed sensor is
+            let own = sd / self.about.engine.sensors[lag.channel];
+            out.left_out += 1.0 - libm::log(1.0 + own * own);
+        }
+        out.start.0.push(0.0);
+        out.start.1.push(sd);
+        out.follows.extend(by);
+    }
+
     /// A value that is read off a lag's state, where it is delayed along a line to the next row.
-    fn through(&self, placed: &Placed, value: usize, slot: usize, shown: &[f64], out: &mut Linearised) {
-        let grid = &self.engine.grids[self.run];
-        let (wide, p, n) = (out.states, out.parameters, self.engine.machine.order());
-        let sample = grid.samples[placed.sample];
+    fn read_off_lag(&self, value: usize, slot: usize, shown: &[f64], out: &mut Linearised) {
+        let RunAt { engine, grid, schedule, chords, .. } = self.about;
+        let (wide, p, own) = (out.states, out.parameters, engine.machine.order() + slot);
+        let (row, sample) = (schedule.placed[value].row, grid.samples[schedule.placed[value].sample]);
         let effect = self.effects[sample.channel];
-        let row = placed.row;
         let last = shown.len() - 1;
         let into = sample.time - effect.delay - grid.time[row];
         let share =
             if row < last { (into / (grid.time[row + 1] - grid.time[row])).clamp(0.0, 1.0) } else { 0.0 };
         let next = (row + 1).min(last);
         // seen from this row the next one is where the model leads, off the path by the defect
-        let leads = if share > 0.0 { out.defect[row * wide + n + slot] } else { 0.0 };
+        let leads = if share > 0.0 { out.defect[row * wide + own] } else { 0.0 };
         let level = shown[row] + share * (shown[next] + leads - shown[row]);
         let around = (row.saturating_sub(1), next);
         let slope =
@@ -242,25 +257,38 @@ impl Around<'_> {
             slope: effect.gain * slope,
             ..out.measured[value]
         };
-        let own = n + slot;
         for j in 0..wide {
             let here = if j == own { 1.0 - share } else { 0.0 };
             let there = if share > 0.0 { share * out.transition[(row * wide + own) * wide + j] } else { 0.0 };
             out.observe[value * wide + j] = effect.gain * (here + there);
         }
-        for (place, chord) in self.chords.iter().enumerate() {
+        for (place, chord) in chords.iter().enumerate() {
             let drive = if share > 0.0 { share * out.drive[(row * p + place) * wide + own] } else { 0.0 };
-            let at_port = match self.engine.machine.parameters[chord.parameter].role {
-                Role::Output(channel, kind) if channel == sample.channel => {
-                    // a lag changes the state that stands for it
-                    let late = if kind == OutputEffect::Lag { 0.0 } else { -slope };
-                    effect.sensitivity(kind, level, since, late)
-                }
-                _ => 0.0,
-            };
+            // a lag changes the state that stands for it
+            let late = |kind| if kind == OutputEffect::Lag { 0.0 } else { -slope };
+            let at_port = self.at_port(chord, sample.channel, level, since, late);
             out.direct[value * p + place] = effect.gain * drive + at_port;
         }
     }
+}
+
+/// An interval of the run without lags, with a row more for each of them.
+fn add_interval(out: &mut Linearised, plain: &Linearised, row: usize, steps: &[LagStep]) {
+    let n = plain.states;
+    for states in plain.transition[row * n * n..(row + 1) * n * n].chunks(n.max(1)) {
+        out.transition.extend_from_slice(states);
+        out.transition.extend(steps.iter().map(|_| 0.0));
+    }
+    for (slot, step) in steps.iter().enumerate() {
+        out.transition.extend_from_slice(&step.by_states);
+        out.transition.extend((0..steps.len()).map(|other| if other == slot { step.keeps } else { 0.0 }));
+    }
+    for place in 0..plain.parameters {
+        out.drive.extend_from_slice(plain.column(row, place));
+        out.drive.extend(steps.iter().map(|step| step.drive[place]));
+    }
+    out.defect.extend_from_slice(&plain.defect[row * n..(row + 1) * n]);
+    out.defect.extend(steps.iter().map(|step| step.defect));
 }
 
 #[cfg(test)]
@@ -293,7 +321,7 @@ mod tests {
         let about = |path: &Vec<f64>| {
             let run =
                 engine.chords(&theta, std::slice::from_ref(path), &[]).expect("it can be followed").remove(0);
-            let told = crate::infer::sweep(&run, &built.noise, &[]);
+            let told = crate::infer::sweep::sweep(&run, &built.noise, &[]);
             (told.square + told.log_det, crate::infer::smooth(&run, &built.noise).state)
         };
         let filtered = engine.first_paths(&theta, &built.noise).expect("it can be followed").remove(0);
@@ -321,8 +349,11 @@ mod tests {
             let run = engine.chords(&theta, &paths, &[]).expect("it can be followed").remove(0);
             // process noise of the last interval is in the state, and not yet in what lags behind it
             let process = built.noise.process.iter().map(|size| 1e-3 * size).collect();
-            let told =
-                crate::infer::sweep(&run, &crate::infer::Noise { process, ..built.noise.clone() }, &[]);
+            let told = crate::infer::sweep::sweep(
+                &run,
+                &crate::infer::Noise { process, ..built.noise.clone() },
+                &[],
+            );
             told.square + told.log_det
         };
         // equal but for the path's own rounding; 4.3 apart if a lag could begin anywhere

@@ -1,21 +1,19 @@
 //! Sensitivities by differences: every row of every run, on all threads, with the same numbers whatever their count.
 //!
 //! Per row: the interval itself, once more for each state, for each input that an effect at its port changes, and for
-//! each parameter of a unit. Effects at inputs follow by the chain rule from the mean of what is fed; effects at outputs
-//! are exact.
+//! each parameter of a unit. `assemble.rs` makes a linearised run of them.
 
+use super::assemble::Assembly;
 use super::grid::Grid;
 use super::lag;
 use super::machine::{Machine, Reference, Role};
 use super::policy::DYNAMICS;
-use super::schedule::{Schedule, output_effects};
-use super::through::Followed;
+use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
+use crate::infer::Linearised;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
-use crate::infer::{Linearised, Measured};
-use crate::observe::OutputEffect;
 use crate::statistics::levels::TASK;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -37,20 +35,21 @@ pub struct Chord {
 pub struct Engine {
     /// Variables.
     pub machine: Machine,
-    /// Runs.
+    /// Rows and values of each run.
     pub grids: Vec<Grid>,
-    /// A size of each state that matters.
+    /// A size of each state that matters, in its own unit.
     pub scales: Vec<f64>,
-    /// A size of each input.
+    /// A size of each input, in its own unit.
     pub input_scales: Vec<f64>,
-    /// Step of each parameter for a derivative.
+    /// Step of each parameter for a derivative, in its own unit.
     pub steps: Vec<f64>,
-    /// Prior mean and standard deviation of the first state of each run.
+    /// Prior of the first state of each run: means and standard deviations (n each), in the states' units.
     pub starts: Vec<(Vec<f64>, Vec<f64>)>,
-    /// Standard deviation of each channel, for weighing outputs against each other.
+    /// Standard deviation of each channel's sensor, in the channel's unit, for weighing outputs against each other.
     pub sensors: Vec<f64>,
     /// Values that count as outliers: run and sample.
     pub outliers: Vec<Vec<bool>>,
+    /// Instances of the units that no thread uses.
     pub(crate) pool: Mutex<Vec<Worker>>,
     /// Whether units can be reset.
     pub resets: bool,
@@ -73,7 +72,7 @@ pub(super) struct RowParts {
 impl Engine {
     /// The same units with another machine's parameters, and other runs: of a run in the same place with as many values its
     /// outliers and its start hold.
-    pub fn beside(&self, machine: Machine, grids: Vec<Grid>) -> Self {
+    pub fn with_runs(&self, machine: Machine, grids: Vec<Grid>) -> Self {
         let mut steps = self.steps.clone();
         steps.resize(machine.parameters.len(), 1.0);
         let outliers = |(run, grid): (usize, &Grid)| {
@@ -134,30 +133,13 @@ impl Engine {
             )));
         }
         let schedule = Schedule::new(&self.machine, grid, theta);
-        let rows = grid.time.len();
-        let tasks: Vec<usize> = (0..rows).step_by(TASK).collect();
-        let moved: Vec<usize> = self.moved_inputs(chords);
-        let parts: Vec<Result<Vec<RowParts>, Error>> = tasks
-            .par_iter()
-            .map(|begin| {
-                self.with_worker(|worker| {
-                    let rows = *begin..(begin + TASK).min(rows);
-                    rows.map(|row| self.row(worker, grid, &schedule, row, theta, path, chords, &moved))
-                        .collect()
-                })
-            })
-            .collect();
-        let mut all = Vec::with_capacity(rows);
-        for part in parts {
-            all.extend(part?);
-        }
-        if self.machine.horizon > 0 {
-            let followed = Followed { engine: self, grid, schedule: &schedule, theta, path, chords };
-            followed.next_states(&mut all);
-        }
-        Ok(self.assembled(run, theta, path, &schedule, &all, chords, &moved))
+        let about = RunAt { engine: self, run, grid, schedule: &schedule, theta, path, chords };
+        let moved = self.moved_inputs(chords);
+        let parts = about.differences(&moved)?;
+        Ok(Assembly::new(about, &parts, moved).linearised())
     }
 
+    /// Inputs at which a chord changes an effect.
     fn moved_inputs(&self, chords: &[Chord]) -> Vec<usize> {
         let touched = |input: &usize| {
             let at = |chord: &Chord| matches!(self.machine.parameters[chord.parameter].role, Role::Input(place, _) if place == *input);
@@ -166,38 +148,101 @@ impl Engine {
         (0..self.machine.inputs.len()).filter(touched).collect()
     }
 
-    #[allow(clippy::too_many_arguments, reason = "one row of a run with all that it depends on")]
-    fn row(
-        &self,
-        worker: &mut Worker,
-        grid: &Grid,
-        schedule: &Schedule,
-        row: usize,
-        theta: &[f64],
-        path: &Path,
-        chords: &[Chord],
-        moved: &[usize],
-    ) -> Result<RowParts, Error> {
-        let (machine, n, width) = (&self.machine, self.machine.order(), schedule.width);
-        let set = self.set(theta);
-        let states = path[row * n..(row + 1) * n].to_vec();
-        let mut beside = states.clone();
-        let job = Job { parameters: &set, ..self.job(grid, schedule, row, &states) };
+    /// Prior of the first state against the path.
+    pub(super) fn start(&self, run: usize, path: &Path) -> (Vec<f64>, Vec<f64>) {
+        let (mean, sd) = &self.starts[run];
+        (mean.iter().zip(path).map(|(mean, path)| mean - path).collect(), sd.clone())
+    }
+}
+
+/// A run at its parameters, about its path, with the chords of its columns.
+#[derive(Clone, Copy)]
+pub(super) struct RunAt<'a> {
+    /// The machine with all runs.
+    pub engine: &'a Engine,
+    /// Place of the run among the engine's.
+    pub run: usize,
+    /// Its rows and values.
+    pub grid: &'a Grid,
+    /// What is fed and read within its intervals with these parameters.
+    pub schedule: &'a Schedule,
+    /// All parameters, each in its own unit.
+    pub theta: &'a [f64],
+    /// States, n a row, each in its own unit.
+    pub path: &'a Path,
+    /// Columns of the linearised run, in their order.
+    pub chords: &'a [Chord],
+}
+
+impl RunAt<'_> {
+    /// Differences of all rows, on all threads; `moved` are the inputs at which a chord changes an effect.
+    fn differences(&self, moved: &[usize]) -> Result<Vec<RowParts>, Error> {
+        let rows = self.grid.time.len();
+        let tasks: Vec<usize> = (0..rows).step_by(TASK).collect();
+        let parts: Vec<Result<Vec<RowParts>, Error>> = tasks
+            .par_iter()
+            .map(|begin| {
+                self.engine.with_worker(|worker| {
+                    let rows = *begin..(begin + TASK).min(rows);
+                    rows.map(|row| self.row(worker, row, moved)).collect()
+                })
+            })
+            .collect();
+        let mut all = Vec::with_capacity(rows);
+        for part in parts {
+            all.extend(part?);
+        }
+        if self.engine.machine.horizon > 0 {
+            self.next_states(&mut all);
+        }
+        Ok(all)
+    }
+
+    /// Differences of one row.
+    fn row(&self, worker: &mut Worker, row: usize, moved: &[usize]) -> Result<RowParts, Error> {
+        let (machine, n) = (&self.engine.machine, self.engine.machine.order());
+        let set = self.engine.set(self.theta);
+        let states = self.path[row * n..(row + 1) * n].to_vec();
+        let job = Job { parameters: &set, ..self.engine.job(self.grid, self.schedule, row, &states) };
         let mut base = Vec::new();
         worker.interval(machine, &job, &mut base)?;
-        let mut parts = RowParts { base, states: Vec::new(), inputs: Vec::new(), units: Vec::new() };
-        let mut out = Vec::new();
-        for state in 0..n {
-            let step = DYNAMICS.state_step * self.scales[state];
+        Ok(RowParts {
+            states: self.by_states(worker, &job, &base)?,
+            inputs: self.by_inputs(worker, &job, &base, moved)?,
+            units: self.by_unit_parameters(worker, &job, &base)?,
+            base,
+        })
+    }
+
+    /// ∂/∂(state) of what an interval gives, a column for each state.
+    fn by_states(&self, worker: &mut Worker, job: &Job<'_>, base: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let machine = &self.engine.machine;
+        let (mut beside, mut out) = (job.states.to_vec(), Vec::new());
+        let mut columns = Vec::new();
+        for state in 0..machine.order() {
+            let step = DYNAMICS.state_step * self.engine.scales[state];
             beside[state] += step;
-            worker.interval(machine, &Job { states: &beside, ..job }, &mut out)?;
-            beside[state] = states[state];
-            parts.states.push(difference(&out, &parts.base, step));
+            worker.interval(machine, &Job { states: &beside, ..*job }, &mut out)?;
+            beside[state] = job.states[state];
+            columns.push(difference(&out, base, step));
         }
+        Ok(columns)
+    }
+
+    /// ∂/∂(input) of what an interval gives, a column for each input in `moved`.
+    fn by_inputs(
+        &self,
+        worker: &mut Worker,
+        job: &Job<'_>,
+        base: &[f64],
+        moved: &[usize],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let width = self.schedule.width;
+        // over this interval only: what follows shows the state at its end
+        let own = job.first.get(1).map_or(0, |end| end - job.first[0]) * width;
+        let (mut columns, mut out) = (Vec::new(), Vec::new());
         for input in moved {
-            let step = DYNAMICS.state_step * 10.0 * self.input_scales[*input];
-            // over this interval only: what follows shows the state at its end
-            let own = job.first.get(1).map_or(0, |end| end - job.first[0]) * width;
+            let step = DYNAMICS.state_step * 10.0 * self.engine.input_scales[*input];
             let shifted = |values: &[f64], until: usize| -> Vec<f64> {
                 let one = |(place, value): (usize, &f64)| {
                     if place < until && place % width == *input { value + step } else { *value }
@@ -205,172 +250,37 @@ impl Engine {
                 values.iter().enumerate().map(one).collect()
             };
             let (at_row, fed) = (shifted(job.at_row, width), shifted(job.fed, own));
-            worker.interval(machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
-            parts.inputs.push(difference(&out, &parts.base, step));
+            let job = Job { at_row: &at_row, fed: &fed, ..*job };
+            worker.interval(&self.engine.machine, &job, &mut out)?;
+            columns.push(difference(&out, base, step));
         }
-        for chord in chords {
-            if !matches!(machine.parameters[chord.parameter].role, Role::Unit(_)) {
-                parts.units.push(Vec::new());
-                continue;
-            }
-            let mut theta = theta.to_vec();
-            theta[chord.parameter] = chord.to;
-            let set = self.set(&theta);
-            let there = worker.interval(machine, &Job { parameters: &set, ..job }, &mut out);
-            let changed = there.map(|()| difference(&out, &parts.base, chord.per));
-            parts.units.push(self.or_refused(chord, changed, || vec![0.0; parts.base.len()])?);
-        }
-        Ok(parts)
+        Ok(columns)
     }
 
-    #[allow(clippy::too_many_arguments, reason = "all rows of a run with all that they depend on")]
-    fn assembled(
+    /// What an interval gives along each chord of a unit's parameter; an empty column for a chord at a port.
+    fn by_unit_parameters(
         &self,
-        run: usize,
-        theta: &[f64],
-        path: &Path,
-        schedule: &Schedule,
-        parts: &[RowParts],
-        chords: &[Chord],
-        moved: &[usize],
-    ) -> Linearised {
-        let (machine, grid, n) = (&self.machine, &self.grids[run], self.machine.order());
-        let (rows, p, width) = (grid.time.len(), chords.len(), schedule.width);
-        // what an effect at an input changes: mean over each interval, and at each row
-        let shifts: Vec<Option<Fed>> =
-            chords.iter().map(|chord| self.fed_difference(grid, schedule, theta, chord)).collect();
-        let column = |row: usize, place: usize, entry: usize| -> f64 {
-            let chord = &chords[place];
-            match machine.parameters[chord.parameter].role {
-                Role::Unit(_) => parts[row].units[place][entry],
-                Role::Output(..) => 0.0,
-                Role::Input(input, _) => {
-                    let (Some(shift), Some(slot)) =
-                        (&shifts[place], moved.iter().position(|known| *known == input))
-                    else {
-                        return 0.0;
-                    };
-                    let at_row = (n..n + machine.channels.len()).contains(&entry) || row + 1 == rows;
-                    let by = if at_row { &shift.at_row } else { &shift.mean };
-                    parts[row].inputs[slot][entry] * by[row * width + input]
-                }
+        worker: &mut Worker,
+        job: &Job<'_>,
+        base: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let (machine, mut out) = (&self.engine.machine, Vec::new());
+        let mut column = |chord: &Chord| {
+            if !matches!(machine.parameters[chord.parameter].role, Role::Unit(_)) {
+                return Ok(Vec::new());
             }
+            let mut theta = self.theta.to_vec();
+            theta[chord.parameter] = chord.to;
+            let set = self.engine.set(&theta);
+            let there = worker.interval(machine, &Job { parameters: &set, ..*job }, &mut out);
+            let changed = there.map(|()| difference(&out, base, chord.per));
+            self.engine.or_refused(chord, changed, || vec![0.0; base.len()])
         };
-        let mut out = Linearised {
-            states: n,
-            parameters: p,
-            time: grid.time.clone(),
-            first: vec![0],
-            torn: grid.torn(),
-            start: self.start(run, path),
-            ..Linearised::default()
-        };
-        for row in 0..rows.saturating_sub(1) {
-            for i in 0..n {
-                out.transition.extend(parts[row].states.iter().map(|column| column[i]));
-                out.defect.push(parts[row].base[i] - path[(row + 1) * n + i]);
-            }
-            for place in 0..p {
-                out.drive.extend((0..n).map(|i| column(row, place, i)));
-            }
-        }
-        let effects = output_effects(machine, theta);
-        let sensed: Vec<Option<Vec<f64>>> =
-            chords.iter().map(|chord| self.sensed(grid, parts, theta, chord)).collect();
-        let mut placed = schedule.placed.iter().peekable();
-        let blind = grid.blind(machine.reading);
-        for row in 0..rows {
-            while let Some(at) = placed.next_if(|at| at.row == row) {
-                let sample = grid.samples[at.sample];
-                let effect = effects[sample.channel];
-                let entry = n + at.read.map_or(sample.channel, |read| machine.channels.len() + read);
-                let value = parts[row].base[entry];
-                let slope = slope(parts, grid, row, n + sample.channel);
-                let since = sample.time - grid.origin;
-                let outlier = self.outliers[run].get(at.sample).copied().unwrap_or(false);
-                let left_out = at.early || blind[row];
-                if left_out && !outlier {
-                    // as one that is met to within its noise
-                    out.left_out += 1.0 + 2.0 * libm::log(self.sensors[sample.channel]);
-                }
-                out.measured.push(Measured {
-                    channel: sample.channel,
-                    time: sample.time,
-                    residual: sample.value - effect.shown(value, since),
-                    slope: effect.gain * slope,
-                    weight: if left_out || outlier { 0.0 } else { 1.0 },
-                });
-                out.observe.extend(parts[row].states.iter().map(|column| effect.gain * column[entry]));
-                for (place, chord) in chords.iter().enumerate() {
-                    let through = effect.gain * column(row, place, entry);
-                    let own = match machine.parameters[chord.parameter].role {
-                        Role::Output(channel, kind) if channel == sample.channel => {
-                            let late = sensed[place].as_ref().map_or(-slope, |by| by[row]);
-                            effect.sensitivity(kind, value, since, late)
-                        }
-                        _ => 0.0,
-                    };
-                    out.direct.push(through + own);
-                }
-            }
-            out.first.push(out.measured.len());
-        }
-        let lags = lag::active(machine, theta);
-        if lags.is_empty() {
-            return out;
-        }
-        let around =
-            lag::Around { engine: self, run, schedule, parts, effects: &effects, chords, column: &column };
-        around.augmented(out, &lags)
-    }
-
-    /// What a chord of a delay or lag at an output changes of its channel, row by row: along the path where it has none yet.
-    fn sensed(&self, grid: &Grid, parts: &[RowParts], theta: &[f64], chord: &Chord) -> Option<Vec<f64>> {
-        let Role::Output(channel, kind) = self.machine.parameters[chord.parameter].role else { return None };
-        if theta[chord.parameter] != 0.0 || chord.per != 1.0 {
-            return None;
-        }
-        let entry = self.machine.order() + channel;
-        let values: Vec<f64> = parts.iter().map(|part| part.base[entry]).collect();
-        let there = match kind {
-            OutputEffect::Lag => lag::lagged(&grid.time, &values, chord.to),
-            OutputEffect::Delay => lag::delayed(&grid.time, &values, chord.to),
-            _ => return None,
-        };
-        Some(difference(&there, &values, chord.per))
-    }
-
-    /// Prior of the first state against the path.
-    pub(super) fn start(&self, run: usize, path: &Path) -> (Vec<f64>, Vec<f64>) {
-        let (mean, sd) = &self.starts[run];
-        (mean.iter().zip(path).map(|(mean, path)| mean - path).collect(), sd.clone())
-    }
-
-    fn fed_difference(&self, grid: &Grid, schedule: &Schedule, theta: &[f64], chord: &Chord) -> Option<Fed> {
-        let Role::Input(..) = self.machine.parameters[chord.parameter].role else { return None };
-        let mut theta = theta.to_vec();
-        theta[chord.parameter] = chord.to;
-        let there = Schedule::new(&self.machine, grid, &theta);
-        Some(Fed {
-            mean: difference(&there.mean, &schedule.mean, chord.per),
-            at_row: difference(&there.at_row, &schedule.at_row, chord.per),
-        })
+        self.chords.iter().map(&mut column).collect()
     }
 }
 
-/// What an effect changes at an input.
-struct Fed {
-    mean: Vec<f64>,
-    at_row: Vec<f64>,
-}
-
+/// (there - here) / step, entry by entry.
 pub(super) fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {
     there.iter().zip(here).map(|(there, here)| (there - here) / step).collect()
-}
-
-/// Rate of change of an output along the path.
-fn slope(parts: &[RowParts], grid: &Grid, row: usize, entry: usize) -> f64 {
-    let (from, to) = (row.saturating_sub(1), (row + 1).min(parts.len() - 1));
-    let span = grid.time[to] - grid.time[from];
-    if span > 0.0 { (parts[to].base[entry] - parts[from].base[entry]) / span } else { 0.0 }
 }

@@ -1,9 +1,9 @@
 //! Which variables of which units are states, inputs, channels and parameters, by reference.
 
 use super::grid::usual;
+use super::port_parameters::port_parameters;
 use crate::error::Error;
-use crate::observe::{self, Affine, InputEffect, OutputEffect, Problem, Scale, Series, VariableId};
-use crate::ports;
+use crate::observe::{self, Affine, InputEffect, Nominal, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::statistics::levels::FINE;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
@@ -12,8 +12,8 @@ use std::time::Instant;
 /// A variable of a unit, as calls want it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reference {
-    /// Place of the unit.
-    pub unit: usize,
+    /// Place of the unit among the model's.
+    pub instance: usize,
     /// Value reference.
     pub reference: u32,
     /// Type.
@@ -40,7 +40,7 @@ pub struct State {
     pub start: Reference,
     /// The variable that shows it, if one does.
     pub shows: Option<Reference>,
-    /// Nominal start value.
+    /// Nominal start value, in its own unit.
     pub nominal: f64,
     /// The channel that measures it.
     pub channel: Option<usize>,
@@ -62,11 +62,11 @@ pub enum Role {
 pub struct Parameter {
     /// `instance.variable`, or `instance.variable:effect`.
     pub name: String,
-    /// In words.
+    /// What it is, in words for people.
     pub phrase: String,
-    /// Where the model is the nominal one.
+    /// Value with which the model is the nominal one, in its own unit.
     pub neutral: f64,
-    /// Smallest and largest value.
+    /// Smallest and largest value, in its own unit.
     pub range: (f64, f64),
     /// How it moves.
     pub scale: Scale,
@@ -81,11 +81,11 @@ pub struct Output {
     pub name: String,
     /// The variable.
     pub variable: Reference,
-    /// Stated standard deviation.
+    /// Stated standard deviation of the sensor, in the variable's unit.
     pub noise: Option<f64>,
     /// Place in [`Problem::channels`].
     pub channel: usize,
-    /// Its unit, for people.
+    /// What it is measured in, for people.
     pub unit: String,
 }
 
@@ -104,7 +104,7 @@ pub struct Input {
     pub given: Series,
     /// Nobody knows what it was.
     pub open: bool,
-    /// Its unit, for people.
+    /// What it is measured in, for people.
     pub unit: String,
 }
 
@@ -126,7 +126,7 @@ pub struct Machine {
     pub units: Vec<Unit>,
     /// Connections that are simulated through.
     pub links: Vec<Link>,
-    /// States.
+    /// States that link rows.
     pub states: Vec<State>,
     /// Fed inputs.
     pub inputs: Vec<Input>,
@@ -161,64 +161,19 @@ impl Machine {
         FINE * usual(rows).min(self.longest)
     }
 
-    /// Of a problem. States that no variable shows are read through the outputs: `through.rs`.
+    /// Of a problem. States that no variable shows are read through the outputs: `read_through.rs`.
     ///
     /// # Errors
     /// The scenario has what this way can't follow.
     pub fn new(problem: &Problem) -> Result<Self, Error> {
         let model = &problem.model;
-        let reference = |id: VariableId| {
-            let variable = model.variable(id);
-            Reference { unit: id.unit, reference: variable.reference, kind: variable.kind }
-        };
-        let units: Vec<Unit> = (model.fmus.iter().enumerate())
-            .map(|(unit, fmu)| {
-                let own = model.set.iter().filter(|(id, _)| id.unit == unit);
-                let settings = own.map(|(id, value)| (model.variable(*id).reference, value.clone()));
-                let name = model.scenario.units[unit].name.clone();
-                Unit { name, fmu: fmu.clone(), settings: settings.collect() }
-            })
-            .collect();
-        let (mut inputs, mut channels) = (Vec::new(), Vec::new());
-        for (place, channel) in problem.channels.iter().enumerate() {
-            let variable = reference(channel.variable);
-            let unit = model.variable(channel.variable).unit.clone().unwrap_or_default();
-            let name = channel.name.clone();
-            match channel.role {
-                observe::Role::Fed(hold) => {
-                    let (channel, given) = (Some(place), Series::default());
-                    inputs.push(Input { name, variable, hold, channel, given, open: false, unit });
-                }
-                observe::Role::Compared => {
-                    channels.push(Output { name, variable, noise: channel.noise, channel: place, unit });
-                }
-            }
-        }
-        inputs.extend(problem.unlogged.iter().map(|own| Input {
-            name: model.name(own.variable),
-            variable: reference(own.variable),
-            hold: own.hold,
-            channel: None,
-            given: own.series.clone(),
-            open: own.open,
-            unit: model.variable(own.variable).unit.clone().unwrap_or_default(),
-        }));
-        let states = (problem.states.iter())
-            .map(|state| State {
-                name: model.name(state.shows.unwrap_or(state.start)),
-                start: reference(state.start),
-                shows: state.shows.map(reference),
-                nominal: model.number(state.start).unwrap_or(0.0),
-                channel: state
-                    .channel
-                    .and_then(|own| channels.iter().position(|output: &Output| output.channel == own)),
-            })
-            .collect();
+        let units = instances(model);
+        let (inputs, channels) = ports_of(problem);
         let longest = model.scenario.units.iter().map(|unit| unit.interval.to_f64());
         let mut machine = Self {
             links: links(problem, &inputs)?,
-            states,
-            parameters: Vec::new(),
+            states: states(problem, &channels),
+            parameters: unit_parameters(problem),
             longest: longest.fold(f64::INFINITY, f64::min),
             any_step: units.iter().all(|u| u.fmu.description().co_simulation.can_handle_variable_step),
             units,
@@ -232,53 +187,111 @@ impl Machine {
             first_step: 0.0,
             deadline: problem.deadline,
         };
-        machine.parameters = problem
-            .candidates
-            .iter()
-            .map(|candidate| Parameter {
-                name: candidate.name.clone(),
-                phrase: candidate.phrase.clone(),
-                neutral: candidate.neutral,
-                range: candidate.range,
-                scale: candidate.scale,
-                role: Role::Unit(reference(candidate.variable)),
-            })
-            .collect();
-        let at_ports = ports::parameters(&machine, problem);
+        let at_ports = port_parameters(&machine, problem);
         machine.parameters.extend(at_ports);
         Ok(machine)
     }
 
-    /// States.
+    /// Number of states.
     pub fn order(&self) -> usize {
         self.states.len()
     }
 
-    /// A state whose equation is a channel's: the channel measures it as it is.
+    /// All parameters where the model is the nominal one.
     pub fn neutral(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.neutral).collect()
     }
+}
+
+/// A variable as calls want it.
+fn reference(model: &Nominal, id: VariableId) -> Reference {
+    let variable = model.variable(id);
+    Reference { instance: id.instance, reference: variable.reference, kind: variable.kind }
+}
+
+/// The units of the nominal model, each with the values that the scenario sets.
+fn instances(model: &Nominal) -> Vec<Unit> {
+    let of = |(instance, fmu): (usize, &Fmu)| {
+        let own = model.set.iter().filter(|(id, _)| id.instance == instance);
+        let settings = own.map(|(id, value)| (model.variable(*id).reference, value.clone()));
+        let name = model.scenario.units[instance].name.clone();
+        Unit { name, fmu: fmu.clone(), settings: settings.collect() }
+    };
+    model.fmus.iter().enumerate().map(of).collect()
+}
+
+/// Fed inputs, those last that nobody logged, and compared outputs.
+fn ports_of(problem: &Problem) -> (Vec<Input>, Vec<Output>) {
+    let model = &problem.model;
+    let measured_in = |id: VariableId| model.variable(id).unit.clone().unwrap_or_default();
+    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    for (place, channel) in problem.channels.iter().enumerate() {
+        let variable = reference(model, channel.variable);
+        let (name, unit) = (channel.name.clone(), measured_in(channel.variable));
+        match channel.role {
+            observe::Role::Fed(hold) => {
+                let (channel, given) = (Some(place), Series::default());
+                inputs.push(Input { name, variable, hold, channel, given, open: false, unit });
+            }
+            observe::Role::Compared => {
+                outputs.push(Output { name, variable, noise: channel.noise, channel: place, unit });
+            }
+        }
+    }
+    inputs.extend(problem.unlogged.iter().map(|own| Input {
+        name: model.name(own.variable),
+        variable: reference(model, own.variable),
+        hold: own.hold,
+        channel: None,
+        given: own.series.clone(),
+        open: own.open,
+        unit: measured_in(own.variable),
+    }));
+    (inputs, outputs)
+}
+
+/// The states, each with the output that measures it, if one does.
+fn states(problem: &Problem, outputs: &[Output]) -> Vec<State> {
+    let model = &problem.model;
+    let measured_by = |channel: usize| outputs.iter().position(|output| output.channel == channel);
+    let of = |state: &observe::State| State {
+        name: model.name(state.shows.unwrap_or(state.start)),
+        start: reference(model, state.start),
+        shows: state.shows.map(|id| reference(model, id)),
+        nominal: model.number(state.start).unwrap_or(0.0),
+        channel: state.channel.and_then(measured_by),
+    };
+    problem.states.iter().map(of).collect()
+}
+
+/// Candidates of the problem: parameters of the units.
+fn unit_parameters(problem: &Problem) -> Vec<Parameter> {
+    let of = |candidate: &observe::Candidate| Parameter {
+        name: candidate.name.clone(),
+        phrase: candidate.phrase.clone(),
+        neutral: candidate.neutral,
+        range: candidate.range,
+        scale: candidate.scale,
+        role: Role::Unit(reference(&problem.model, candidate.variable)),
+    };
+    problem.candidates.iter().map(of).collect()
 }
 
 /// Connections of the scenario that end at no fed input.
 fn links(problem: &Problem, inputs: &[Input]) -> Result<Vec<Link>, Error> {
     let model = &problem.model;
     let find = |full: &str| {
-        (0..model.fmus.len()).find_map(|unit| {
-            let name = full.strip_prefix(model.scenario.units[unit].name.as_str())?.strip_prefix('.')?;
-            Some(VariableId { unit, place: model.description(unit).place(name)? })
+        (0..model.fmus.len()).find_map(|instance| {
+            let name = full.strip_prefix(model.scenario.units[instance].name.as_str())?.strip_prefix('.')?;
+            Some(VariableId { instance, place: model.description(instance).place(name)? })
         })
-    };
-    let reference = |id: VariableId| {
-        let variable = model.variable(id);
-        Reference { unit: id.unit, reference: variable.reference, kind: variable.kind }
     };
     let open =
         model.scenario.connections.iter().filter(|link| inputs.iter().all(|input| input.name != link.to));
     open.map(|link| match (find(&link.from), find(&link.to)) {
         (Some(from), Some(to)) => {
             let by = converted(model, from, to, link.transform);
-            Ok(Link { from: reference(from), to: reference(to), by })
+            Ok(Link { from: reference(model, from), to: reference(model, to), by })
         }
         _ => Err(Error::Model(format!("connection {} to {}: no such variables", link.from, link.to))),
     })
@@ -286,12 +299,12 @@ fn links(problem: &Problem, inputs: &[Input]) -> Result<Vec<Link>, Error> {
 }
 
 /// input = gain · (value in the input's unit) + bias, as the master has it.
-fn converted(model: &observe::Nominal, from: VariableId, to: VariableId, transform: Transform) -> Affine {
+fn converted(model: &Nominal, from: VariableId, to: VariableId, transform: Transform) -> Affine {
     let Transform { gain, bias, convert_units } = transform;
     let base = |id: VariableId| {
         let variable = model.variable(id);
         let unit = variable.unit.as_deref().filter(|_| variable.kind == Kind::Real)?;
-        model.description(id.unit).unit(unit)?.base
+        model.description(id.instance).unit(unit)?.base
     };
     let units = base(from).zip(base(to)).filter(|(a, b)| convert_units && a.exponents == b.exponents);
     let by = units.map_or(Affine::SAME, |(a, b)| {

@@ -19,7 +19,7 @@ impl Engine {
     /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated
     /// through, it does again in stretches that begin anew in some such states.
     pub fn begins_by_its_states(mut self) -> bool {
-        self.replayed().and_then(|()| self.followed(&GLANCE)).is_some_and(|left| {
+        self.replayed().and_then(|()| self.follow_stretches(&GLANCE)).is_some_and(|left| {
             left.iter().all(|channel| channel.error <= DYNAMICS.apart * DYNAMICS.apart * channel.motion)
         })
     }

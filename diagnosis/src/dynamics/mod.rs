@@ -4,48 +4,56 @@
 //! start parameter and read back through the variable that shows it; between them the units are reset and initialised.
 //!
 //! - `machine.rs`: which variables of which units are states, inputs, channels and parameters
+//! - `port_parameters.rs`: effects at ports as parameters of the machine
 //! - `worker.rs`: instances of the units, and one interval on them
 //! - `grid.rs`: the rows of a run and its values
 //! - `schedule.rs`: what is fed and read within each interval, after the effects at ports
 //! - `linearise.rs`: differences, many rows at once on all threads
-//! - `build.rs`: from a problem to an engine: sizes of states, inputs, steps
-//! - `refused.rs`: values with which a unit can't be run
-//! - `fitted.rs`: the engine as what a fit linearises
-//! - `excluded.rs`: outliers
+//! - `assemble.rs`: a linearised run of these differences
+//! - `build.rs`: from a problem to an engine: sizes of states and inputs, noises to begin with
+//! - `probe.rs`: what the units can do, tried on the first run
+//! - `parameter_steps.rs`: over what steps of a parameter a difference is a derivative
+//! - `refused_values.rs`: values with which a unit can't be run
+//! - `linearise_for_fit.rs`: the engine as what a fit linearises
+//! - `outliers.rs`: outliers
 //! - `scales.rs`: sizes of what no log tells
 //! - `stretch.rs`: how well the units follow stretches of the logs, from the best start state of each
-//! - `through.rs`: states that no variable shows, read through the outputs that follow
+//! - `read_through.rs`: states that no variable shows, read through the outputs that follow
 //! - `clock.rs`: units that begin at 0 whatever start time they are told
 //! - `memory.rs`: whether a unit remembers more than the states that can be set
-//! - `whole.rs`: units that nothing can start within a run
+//! - `whole_runs.rs`: units that nothing can start within a run
 //! - `lag.rs`, `lag_begin.rs`: a sensor's lag, one more state, and where it begins
 //! - `at_once.rs`: outputs that follow an input without a state between them
-//! - `about.rs`: one interval about a state, with its derivatives
+//! - `interval.rs`: one interval about a state, with its derivatives
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
 //! - `policy.rs`: the numbers that decide, with their reasons
 
-mod about;
+mod assemble;
 mod at_once;
 pub mod build;
 mod clock;
-mod excluded;
 pub mod first_path;
-mod fitted;
 pub mod grid;
+mod interval;
 mod lag;
 mod lag_begin;
 pub mod linearise;
+mod linearise_for_fit;
 pub mod machine;
 mod memory;
+mod outliers;
+mod parameter_steps;
 mod policy;
-mod refused;
+mod port_parameters;
+mod probe;
+mod read_through;
+mod refused_values;
 mod scales;
 pub mod schedule;
 pub mod stretch;
 #[cfg(test)]
 pub(crate) mod tests;
-mod through;
-mod whole;
+mod whole_runs;
 pub mod worker;
 
 /// What a sensor with a delay and a lag makes of values at times.

@@ -35,7 +35,7 @@ pub(super) struct Dynamics {
     pub explained: f64,
     /// A held input jumps where it changes by more than so many times its usual change.
     pub jump: f64,
-    /// Times closer than this share of the usual distance are one row: stamps of two columns written by hand.
+    /// Times closer than this share of the usual distance are one row: timestamps of two columns written by hand.
     pub same_row: f64,
     /// Rows of an input that are so many times as far apart as usual lack some between them, if a held input is another after it; twice
     /// as far in any case.

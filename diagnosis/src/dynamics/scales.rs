@@ -6,9 +6,19 @@ use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
 
+/// How far something must move to move an output as far as that moves, where a step of it changes the outputs of rows so; `None`: it changes
+/// none of them.
+fn scale(base: &[f64], moved: &[f64], step: f64, sizes: &[f64]) -> Option<f64> {
+    let changes = base.iter().zip(moved).zip(sizes.iter().cycle());
+    let largest = changes
+        .map(|((base, moved), size)| ((moved - base) / step).abs() / size.max(1e-300))
+        .fold(0.0, f64::max);
+    (largest > 0.0 && largest.is_finite()).then(|| 1.0 / largest)
+}
+
 impl Engine {
-    /// The size of a state that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
-    pub(super) fn unmeasured_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
+    /// The scales of all states, with one for each that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
+    pub(super) fn unmeasured_scales(&self, sizes: &[f64]) -> Result<Vec<f64>, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row) = (self.machine.order(), grid.time.len() / 2);
@@ -23,23 +33,16 @@ impl Engine {
                 let mut at = here.clone();
                 at[state] += step;
                 worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-                let entries = n + self.machine.channels.len() + schedule.reads[row].len()..base.len();
-                let told = entries.enumerate().map(|(place, entry)| {
-                    ((out[entry] - base[entry]) / step).abs() / sizes[place % sizes.len()].max(1e-300)
-                });
-                let told = told.fold(0.0, f64::max);
-                if told > 0.0 && told.is_finite() {
-                    scales[state] = 1.0 / told;
-                }
+                let first = n + self.machine.channels.len() + schedule.reads[row].len();
+                scales[state] = scale(&base[first..], &out[first..], step, sizes).unwrap_or(scales[state]);
             }
             Ok(())
         })?;
-        self.scales = scales;
-        Ok(())
+        Ok(scales)
     }
 
-    /// The size of an input that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
-    pub(super) fn unlogged_scales(&mut self, sizes: &[f64]) -> Result<(), Error> {
+    /// The scales of all inputs, with one for each that nobody logs: what moves an output by as much as it moves, over a stretch of rows.
+    pub(super) fn unlogged_scales(&self, sizes: &[f64]) -> Result<Vec<f64>, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row, width) = (self.machine.order(), grid.time.len() / 2, self.machine.inputs.len());
@@ -60,17 +63,10 @@ impl Engine {
                 let (at_row, fed) = (shifted(job.at_row), shifted(job.fed));
                 worker.interval(&self.machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
                 let first = n + self.machine.channels.len() + schedule.reads[row].len();
-                let told = (first..base.len()).enumerate().map(|(place, entry)| {
-                    ((out[entry] - base[entry]) / step).abs() / sizes[place % sizes.len()].max(1e-300)
-                });
-                let told = told.fold(0.0, f64::max);
-                if told > 0.0 && told.is_finite() {
-                    scales[input] = 1.0 / told;
-                }
+                scales[input] = scale(&base[first..], &out[first..], step, sizes).unwrap_or(scales[input]);
             }
             Ok(())
         })?;
-        self.input_scales = scales;
-        Ok(())
+        Ok(scales)
     }
 }

@@ -29,7 +29,7 @@ pub struct Left {
     pub error: f64,
     /// Sum of squares about the mean of each stretch.
     pub motion: f64,
-    /// Values.
+    /// Number of values.
     pub count: f64,
     /// Variance of the sensor.
     pub variance: f64,
@@ -47,14 +47,14 @@ struct Stretch<'a> {
 
 impl Engine {
     /// Of each compared channel; `None` where a unit fails or gives nothing finite.
-    pub fn followed(&self, glance: &Glance) -> Option<Vec<Left>> {
+    pub fn follow_stretches(&self, glance: &Glance) -> Option<Vec<Left>> {
         let machine = &self.machine;
         let neutral = machine.neutral();
         let schedules: Vec<Schedule> =
             self.grids.iter().map(|grid| Schedule::new(machine, grid, &neutral)).collect();
         let stretches = self.stretches(glance, &schedules);
         let one = |stretch: &Stretch<'_>| {
-            self.with_worker(|worker| self.follow(worker, stretch, glance.rounds)).ok()
+            self.with_worker(|worker| self.follow_stretch(worker, stretch, glance.rounds)).ok()
         };
         let parts: Option<Vec<Vec<Left>>> = stretches.par_iter().map(one).collect();
         let mut sums: Vec<Left> =
@@ -115,7 +115,12 @@ impl Engine {
         values
     }
 
-    fn follow(&self, worker: &mut Worker, stretch: &Stretch<'_>, rounds: usize) -> Result<Vec<Left>, Error> {
+    fn follow_stretch(
+        &self,
+        worker: &mut Worker,
+        stretch: &Stretch<'_>,
+        rounds: usize,
+    ) -> Result<Vec<Left>, Error> {
         let states = self.nominal_states(stretch.grid, stretch.row);
         let mut here = (states.clone(), self.apart(worker, stretch, &states)?);
         let free = !self.machine.whole && !states.is_empty();

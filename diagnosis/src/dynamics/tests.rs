@@ -135,7 +135,7 @@ fn value_a_machine_that_sticks_at_rest_is_read_back_as_soon_as_one_that_does_not
     // friction turns about at rest, where the model of an unmeasured rate begins: what is asked is asked beside that
     let rows = |name: &str, set: &str| {
         let mut built = built(&pendulum_with(name, 60, set));
-        built.engine.look_ahead().expect("it can be followed")
+        built.engine.choose_horizon().expect("it can be followed")
     };
     let free = rows("free", "");
     assert_eq!(rows("sticks", "\"acrobot_plant.fc_joint\" = 0.02\n"), free);

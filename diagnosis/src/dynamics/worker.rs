@@ -59,7 +59,7 @@ pub fn typed(kind: Kind, value: f64) -> Value {
 }
 
 /// What was fed, in words.
-fn told(machine: &Machine, fed: &[f64]) -> String {
+fn describe_inputs(machine: &Machine, fed: &[f64]) -> String {
     let each = machine.inputs.iter().zip(fed).map(|(input, value)| format!("{} = {value:?}", input.name));
     let each: Vec<String> = each.collect();
     if each.is_empty() { String::new() } else { format!(", fed {}", each.join(", ")) }
@@ -141,7 +141,7 @@ impl Worker {
             }
         }
         out.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(|| {
-            let (from, fed) = (job.time, told(machine, job.at_row));
+            let (from, fed) = (job.time, describe_inputs(machine, job.at_row));
             Error::Model(format!(
                 "a unit gives a value that is not finite in the interval from {from} s{fed}"
             ))
@@ -159,7 +159,7 @@ impl Worker {
     ///
     /// # Errors
     /// A unit refused something.
-    pub fn shown(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
+    pub fn shown_states(&mut self, machine: &Machine, job: &Job<'_>) -> Result<Vec<f64>, Error> {
         self.initialise(machine, job)?;
         machine
             .states
@@ -216,10 +216,10 @@ impl Worker {
         let starts = own.iter().map(|state| state.start).zip(job.states.iter().copied());
         for (reference, value) in job.parameters.iter().copied().chain(starts) {
             if reference.kind == Kind::Real {
-                self.reals[reference.unit].0.push(reference.reference);
-                self.reals[reference.unit].1.push(value);
+                self.reals[reference.instance].0.push(reference.reference);
+                self.reals[reference.instance].1.push(value);
             } else {
-                self.others[reference.unit].push((reference.reference, typed(reference.kind, value)));
+                self.others[reference.instance].push((reference.reference, typed(reference.kind, value)));
             }
         }
         let start = on_clock(machine, job, job.time);
@@ -237,8 +237,8 @@ impl Worker {
 
     fn feed(&mut self, machine: &Machine, values: &[f64]) -> Result<(), Error> {
         for (input, value) in machine.inputs.iter().zip(values) {
-            let Reference { unit, reference, kind } = input.variable;
-            let instance = &mut self.instances[unit];
+            let Reference { instance, reference, kind } = input.variable;
+            let instance = &mut self.instances[instance];
             match kind {
                 Kind::Real => instance.set_real(&[reference], &[*value]),
                 _ => instance.set(reference, &typed(kind, *value)),
@@ -250,15 +250,17 @@ impl Worker {
 
     /// Hands linked values on, to one unit or to all.
     fn carry(&mut self, machine: &Machine, to: Option<usize>) -> Result<(), Error> {
-        for link in machine.links.iter().filter(|link| to.is_none_or(|unit| unit == link.to.unit)) {
-            let value =
-                self.instances[link.from.unit].get(link.from.kind, link.from.reference).map_err(failed)?;
+        for link in machine.links.iter().filter(|link| to.is_none_or(|instance| instance == link.to.instance))
+        {
+            let value = self.instances[link.from.instance]
+                .get(link.from.kind, link.from.reference)
+                .map_err(failed)?;
             let value = match (link.to.kind, value.as_f64()) {
                 (Kind::Real, Some(number)) => Value::Real(link.by.apply(number)),
                 (kind, Some(number)) if kind != link.from.kind => typed(kind, number),
                 _ => value,
             };
-            self.instances[link.to.unit].set(link.to.reference, &value).map_err(failed)?;
+            self.instances[link.to.instance].set(link.to.reference, &value).map_err(failed)?;
         }
         Ok(())
     }
@@ -272,17 +274,17 @@ impl Worker {
             return Err(Error::TooSlow);
         }
         self.steps += 1;
-        for unit in 0..self.instances.len() {
+        for place in 0..self.instances.len() {
             if !machine.links.is_empty() {
-                self.carry(machine, Some(unit))?;
+                self.carry(machine, Some(place))?;
             }
             orchestrator::beat();
-            match self.instances[unit].do_step(from, span, true) {
+            match self.instances[place].do_step(from, span, true) {
                 Status::Ok | Status::Warning => {}
                 status => {
-                    let error = self.instances[unit].step_error(status, from);
-                    let name = machine.units[unit].fmu.path().display();
-                    let fed = told(machine, fed);
+                    let error = self.instances[place].step_error(status, from);
+                    let name = machine.units[place].fmu.path().display();
+                    let fed = describe_inputs(machine, fed);
                     return Err(Error::Model(format!("{name}, a step of {span} s: {error}{fed}")));
                 }
             }
@@ -291,7 +293,7 @@ impl Worker {
     }
 
     fn read(&mut self, variable: Reference) -> Result<f64, Error> {
-        let instance = &mut self.instances[variable.unit];
+        let instance = &mut self.instances[variable.instance];
         if variable.kind == Kind::Real {
             let mut value = [0.0];
             instance.get_real(&[variable.reference], &mut value).map_err(failed)?;

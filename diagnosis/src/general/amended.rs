@@ -74,28 +74,8 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
         scenario.units[0].interval = fine(problem, scenario.units[0].interval, &inputs);
     }
     rewire(&mut scenario, machine, &inputs);
-    let feeds: Vec<Feed> = logged
-        .iter()
-        .map(|place| {
-            let through = inputs.contains_key(place);
-            let to =
-                if through { format!("{}.u", before(*place)) } else { machine.inputs[*place].name.clone() };
-            Feed { place: *place, to, line: through && machine.inputs[*place].hold == Hold::Linear }
-        })
-        .collect();
-    let linear = |place: usize| machine.inputs[place].hold == Hold::Linear;
-    let mut added: Vec<(usize, bool, UnitEntry)> = Vec::new();
-    for (place, effects) in &inputs {
-        let unit = machine.inputs[*place].variable.unit;
-        let entry = entry(&before(*place), scenario.units[unit].interval, effects, linear(*place))?;
-        added.push((unit, true, entry));
-        connect(&mut scenario, &format!("{}.y", before(*place)), &machine.inputs[*place].name)?;
-    }
-    for (place, effects) in &outputs {
-        let unit = machine.channels[*place].variable.unit;
-        added.push((unit, false, entry(&behind(*place), scenario.units[unit].interval, effects, true)?));
-        connect(&mut scenario, &machine.channels[*place].name, &format!("{}.u", behind(*place)))?;
-    }
+    let feeds: Vec<Feed> = logged.iter().map(|place| feed(machine, &inputs, *place)).collect();
+    let added = between_ports(&mut scenario, machine, &inputs, &outputs)?;
     scenario.units = ordered(std::mem::take(&mut scenario.units), added);
     let step = scenario.units.first().map_or(0.0, |unit| unit.interval.to_f64());
     let mut text = Simulation::new(&scenario, units).map_err(failed)?.resolved();
@@ -105,6 +85,37 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
     text += &sources;
     let told = [told, inside].into_iter().flatten().reduce(|one, other| format!("{one}; {other}"));
     Ok(Amended { text, attachments, told })
+}
+
+/// Where the table of the first run feeds an input: past the effects before it.
+fn feed(machine: &Machine, inputs: &AtPorts, place: usize) -> Feed {
+    let (input, through) = (&machine.inputs[place], inputs.contains_key(&place));
+    let to = if through { format!("{}.u", before(place)) } else { input.name.clone() };
+    Feed { place, to, line: through && input.hold == Hold::Linear }
+}
+
+/// Units for the effects at ports, connected: each with the place of the unit that it belongs to, and whether it stands before that.
+fn between_ports(
+    scenario: &mut Scenario,
+    machine: &Machine,
+    inputs: &AtPorts,
+    outputs: &AtPorts,
+) -> Result<Vec<(usize, bool, UnitEntry)>, Error> {
+    let mut added: Vec<(usize, bool, UnitEntry)> = Vec::new();
+    for (place, effects) in inputs {
+        let (input, name) = (&machine.inputs[*place], before(*place));
+        let instance = input.variable.instance;
+        let linear = input.hold == Hold::Linear;
+        added.push((instance, true, entry(&name, scenario.units[instance].interval, effects, linear)?));
+        connect(scenario, &format!("{name}.y"), &input.name)?;
+    }
+    for (place, effects) in outputs {
+        let (output, name) = (&machine.channels[*place], behind(*place));
+        let instance = output.variable.instance;
+        added.push((instance, false, entry(&name, scenario.units[instance].interval, effects, true)?));
+        connect(scenario, &output.name, &format!("{name}.u"))?;
+    }
+    Ok(added)
 }
 
 /// Takes away the effects of sensors of local variables: a connection begins at an output.
@@ -194,10 +205,12 @@ fn parts(own: f64, row: f64, delays: &[f64]) -> i64 {
     (least..=GENERAL.finest * least).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(least)
 }
 
+/// Name of the unit before an input.
 fn before(place: usize) -> String {
     format!("input_effects_{}", place + 1)
 }
 
+/// Name of the unit behind an output.
 fn behind(place: usize) -> String {
     format!("output_effects_{}", place + 1)
 }

@@ -1,6 +1,6 @@
 //! Measured, nominal and amended of a run that was left out, from the windows that judge the gap.
 
-use super::mismatch::Window;
+use super::windows::Window;
 use crate::dynamics::Engine;
 use crate::overlay::{Channel, Dependence, at};
 

@@ -51,33 +51,16 @@ pub fn equivalent(
         return Ok((None, Some("a sensor lags: the amended scenario leaves the unlisted input out".into())));
     }
     let own = &studied.built.engine;
-    let effects = input_effects(&own.machine, &studied.fit.at.theta);
-    let fits = |input: &usize| {
-        let one = &own.machine.inputs[*input];
-        let fed = one.channel.is_some() || one.open;
-        fed && one.variable.kind == Kind::Real && effects[*input] == Effects::OFF && !driven(&one.name)
-    };
-    let inputs: Vec<usize> = (0..own.machine.inputs.len()).filter(fits).collect();
+    let inputs = free_inputs(studied, driven);
     if inputs.is_empty() {
         let text = "no declared input is free to carry the unlisted one: the amended scenario leaves it out";
         return Ok((None, Some(text.into())));
     }
     let (engine, theta, chords) = biased(own, &studied.fit.at.theta, &inputs);
     let runs = engine.chords(&theta, &studied.fit.at.paths, &chords)?;
-    let row = interval(&engine);
-    let tries =
-        inputs.iter().enumerate().flat_map(|(place, _)| GENERAL.memories.map(|memory| (place, memory * row)));
-    let best = tries
-        .map(|(place, memory)| {
-            let size = own.input_scales[inputs[place]];
-            let wide: Vec<Linearised> =
-                runs.iter().map(|run| augmented(run, place, memory, size, None)).collect();
-            let (sizes, begun) = begun(studied, noise, size, row);
-            let (noise, deviance) = maximise(&wide, &[], &begun, &sizes);
-            (deviance, place, memory, noise)
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((deviance, place, memory, noise)) = best else { return Ok((None, None)) };
+    let Some((deviance, place, memory, noise)) = likeliest(studied, &runs, &inputs, noise) else {
+        return Ok((None, None));
+    };
     let name = &own.machine.inputs[inputs[place]].name;
     let share = (studied.residual.none - deviance) / studied.residual.evidence;
     if !stands_for(share) {
@@ -88,7 +71,7 @@ pub fn equivalent(
         );
         return Ok((None, Some(text)));
     }
-    let found = followed(&engine, studied, &theta, (inputs[place], chords[place], memory), &noise)?;
+    let found = follow_course(&engine, studied, &theta, (inputs[place], chords[place], memory), &noise)?;
     let text = format!(
         "the amended scenario adds the unlisted input to {name}, which gains {:.0} % of its deviance; its course is part of \
          {}",
@@ -97,6 +80,40 @@ pub fn equivalent(
     );
     let (grid, start) = found;
     Ok((Some(Equivalent { input: inputs[place], grid, start }), Some(text)))
+}
+
+/// Inputs that can carry a course: real, fed by a log or by nobody knows what, with no effect and no other unit before them.
+fn free_inputs(studied: &Studied, driven: &dyn Fn(&str) -> bool) -> Vec<usize> {
+    let machine = &studied.built.engine.machine;
+    let effects = input_effects(machine, &studied.fit.at.theta);
+    let fits = |input: &usize| {
+        let one = &machine.inputs[*input];
+        let fed = one.channel.is_some() || one.open;
+        fed && one.variable.kind == Kind::Real && effects[*input] == Effects::OFF && !driven(&one.name)
+    };
+    (0..machine.inputs.len()).filter(fits).collect()
+}
+
+/// The likeliest course at one of these inputs, of runs with a column for a bias of each: deviance, place among the inputs, memory in s, and
+/// noises.
+fn likeliest(
+    studied: &Studied,
+    runs: &[Linearised],
+    inputs: &[usize],
+    noise: &Noise,
+) -> Option<(f64, usize, f64, Noise)> {
+    let engine = &studied.built.engine;
+    let row = interval(engine);
+    let tries = (0..inputs.len()).flat_map(|place| GENERAL.memories.map(|memory| (place, memory * row)));
+    let tried = tries.map(|(place, memory)| {
+        let size = engine.input_scales[inputs[place]];
+        let wide: Vec<Linearised> =
+            runs.iter().map(|run| augmented(run, place, memory, size, None)).collect();
+        let (sizes, first) = first_noises(studied, noise, size, row);
+        let (noise, deviance) = maximise(&wide, &[], &first, &sizes);
+        (deviance, place, memory, noise)
+    });
+    tried.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Whether an input that gains this share of the unlisted one's deviance does what that did.
@@ -121,11 +138,11 @@ fn biased(own: &Engine, theta: &[f64], inputs: &[usize]) -> (Engine, Vec<f64>, V
         });
         theta.push(0.0);
     }
-    (own.beside(machine, own.grids.clone()), theta, chords)
+    (own.with_runs(machine, own.grids.clone()), theta, chords)
 }
 
 /// Noises beside a course at an input: no equation has process noise but the course.
-fn begun(studied: &Studied, noise: &Noise, size: f64, row: f64) -> (Sizes, Noise) {
+fn first_noises(studied: &Studied, noise: &Noise, size: f64, row: f64) -> (Sizes, Noise) {
     let mut sizes = studied.residual.sizes.clone();
     let span = studied.built.engine.grids.iter().map(Grid::span).fold(row, f64::max);
     sizes.pinned = vec![true; sizes.process.len()];
@@ -171,7 +188,7 @@ fn augmented(run: &Linearised, column: usize, memory: f64, size: f64, around: Op
 }
 
 /// The first run about the course, until it has settled: its grid with the course, and its first state.
-fn followed(
+fn follow_course(
     engine: &Engine,
     studied: &Studied,
     theta: &[f64],
@@ -185,7 +202,7 @@ fn followed(
     let mut course = vec![0.0; first.time.len()];
     let mut held = course.clone();
     for _ in 0..GENERAL.linearisations {
-        let about = engine.beside(engine.machine.clone(), vec![with_course(first, input, &course)]);
+        let about = engine.with_runs(engine.machine.clone(), vec![with_course(first, input, &course)]);
         let run = about.run(0, theta, &path, &[chord])?;
         let smoothed = smooth(&augmented(&run, 0, memory, size, Some(&course)), noise);
         for (row, moved) in smoothed.state.chunks(n + 1).enumerate() {

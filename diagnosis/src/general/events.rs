@@ -2,20 +2,23 @@
 
 use super::policy::GENERAL;
 use crate::statistics::levels::{HALF, SAMPLE};
+use crate::statistics::median::median;
 
 /// The course of one run: its name, times and values.
 pub struct Course<'a> {
+    /// Name of the run.
     pub run: &'a str,
+    /// Times of its rows, s.
     pub time: &'a [f64],
+    /// A value for each of them, in the unit of the equation's state per s.
     pub value: &'a [f64],
 }
 
 /// When it acted, in each run in which it did, if all runs are quiet between. An event stands out from what is usual by a share of the most
 /// that any run shows.
 pub fn events(courses: &[Course<'_>]) -> Option<String> {
-    let mut all: Vec<f64> = courses.iter().flat_map(|course| course.value).copied().collect();
-    all.sort_by(f64::total_cmp);
-    let quiet = *all.get(all.len() / 2)?;
+    let all: Vec<f64> = courses.iter().flat_map(|course| course.value).copied().collect();
+    let quiet = median(all.iter().copied())?;
     let most = all.iter().map(|value| (value - quiet).abs()).fold(0.0, f64::max);
     let stands_out = |value: &f64| (value - quiet).abs() > GENERAL.event * most;
     let rows = all.iter().filter(|value| stands_out(value)).count();

@@ -2,10 +2,10 @@
 //! goes on in all rows from what was found, for small effects need every row. Where something without a name is left, that is what limits
 //! an answer, and not the number of rows: then what was found is fitted to all rows and judged there.
 
-use super::parted::Rows;
 use super::policy::GENERAL;
 use super::residual;
-use super::study::{Studied, nominal, studied};
+use super::rows_left_out::Rows;
+use super::study::{Studied, fit_nominal, studied};
 use crate::dynamics::Machine;
 use crate::dynamics::build::{Span, build};
 use crate::dynamics::first_path::Trails;
@@ -50,7 +50,7 @@ pub fn stretches<'a>(
         let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
         list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
     }
-    let joined = joined(&spread(&list, (most / GENERAL.stretch).max(rows.len())));
+    let joined = joined(&spread_evenly(&list, (most / GENERAL.stretch).max(rows.len())));
     Ok(Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect()))
 }
 
@@ -78,7 +78,7 @@ fn counted(machine: &Machine, run: &Run, (from, to): Span) -> usize {
 }
 
 /// So many of them, evenly spread.
-fn spread(list: &[Stretch], wanted: usize) -> Vec<Stretch> {
+fn spread_evenly(list: &[Stretch], wanted: usize) -> Vec<Stretch> {
     let wanted = wanted.min(list.len());
     (0..wanted).map(|part| list[part * list.len() / wanted]).collect()
 }
@@ -100,7 +100,7 @@ fn joined(taken: &[Stretch]) -> Vec<(usize, Span)> {
 ///
 /// # Errors
 /// As [`studied`].
-pub fn searched(
+pub fn search(
     problem: &Problem,
     options: &Options,
     before: (&Studied, &Trails),
@@ -120,14 +120,14 @@ pub fn searched(
         watch.stage("fitting what was found to all rows");
         over(problem, &all, found, before.1)?
     };
-    over.built.notices.push(told(&over, &part, goes_on));
+    over.built.notices.push(describe_stretches(&over, &part, goes_on));
     Ok(over)
 }
 
 /// What was found in stretches, fitted to all rows and judged there.
 fn over(problem: &Problem, rows: &Rows<'_>, found: Studied, known: &Trails) -> Result<Studied, Error> {
     let mut built = build(problem, rows)?;
-    let begun = nominal(&mut built, known)?;
+    let begun = fit_nominal(&mut built, known)?;
     let sizes = match found.residual.unlisted {
         Some(_) => built.sizes.with_pinned(found.residual.sizes.pinned.clone()),
         None => built.sizes.clone(),
@@ -135,7 +135,7 @@ fn over(problem: &Problem, rows: &Rows<'_>, found: Studied, known: &Trails) -> R
     let mut start = At { noise: found.fit.at.noise.clone(), ..begun.at.clone() };
     start.theta.clone_from(&found.fit.at.theta);
     let fit = fit(&built.engine, &start, &found.fit.free, Some(&sizes), &FitOptions::default())?;
-    let residual = residual::judged(&built.engine, &fit, &sizes, &found.policy);
+    let residual = residual::judge_residual(&built.engine, &fit, &sizes, &found.policy);
     let classes = found.classes.into_iter().map(|class| refitted(class, &found.effects, &fit)).collect();
     let told: Vec<String> = built.notices.iter().map(|notice| notice.message.clone()).collect();
     built.notices.extend(found.built.notices.into_iter().filter(|one| !told.contains(&one.message)));
@@ -146,13 +146,13 @@ fn over(problem: &Problem, rows: &Rows<'_>, found: Studied, known: &Trails) -> R
 /// A class with the value that its own effect has in all rows.
 fn refitted(class: Vec<Alternative>, effects: &[usize], fit: &crate::infer::Fit) -> Vec<Alternative> {
     let of = |one: Alternative| match fit.free.contains(&one.parameter) && effects.contains(&one.parameter) {
-        true => Alternative { loss: one.loss, ..Alternative::of(one.parameter, fit) },
+        true => Alternative { loss: one.loss, ..Alternative::as_fitted(one.parameter, fit) },
         false => one,
     };
     class.into_iter().map(of).collect()
 }
 
-fn told(over: &Studied, part: &Rows<'_>, goes_on: bool) -> Notice {
+fn describe_stretches(over: &Studied, part: &Rows<'_>, goes_on: bool) -> Notice {
     let rows: usize = over.built.engine.grids.iter().map(|grid| grid.time.len()).sum();
     let (most, parts) = (most(over.built.engine.machine.parameters.len()), part.len());
     let then = if goes_on { "went on from what it found in all" } else { "what it found was fitted to all" };
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn law_stretches_are_spread_evenly() {
         let places = |count, wanted| -> Vec<usize> {
-            spread(&list(count), wanted).iter().map(|one| one.place).collect()
+            spread_evenly(&list(count), wanted).iter().map(|one| one.place).collect()
         };
         assert_eq!(places(8, 4), [0, 2, 4, 6]);
         assert_eq!(places(7, 3), [0, 2, 4]);
@@ -201,6 +201,6 @@ mod tests {
     #[test]
     fn value_of_a_single_run_less_than_half_is_left_out() {
         // what is left out must tell whether the rest was understood: a tenth would not, and half would miss in the search
-        assert!((13.5..14.5).contains(&super::super::parted::cut(10.0, 16.0)));
+        assert!((13.5..14.5).contains(&super::super::rows_left_out::cut(10.0, 16.0)));
     }
 }

@@ -2,52 +2,18 @@
 //! The same windows give the page its courses of measured, nominal and amended.
 
 use super::courses::courses;
-use super::policy::GENERAL;
 use super::study::Studied;
+use super::windows::{Model, Window, windows};
 use crate::diagnosis::{Gap, Unknown, Where};
 use crate::dynamics::Engine;
-use crate::dynamics::build::{Span, build};
+use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
+use crate::dynamics::machine::Output;
 use crate::error::{Error, Notice};
-use crate::infer::fit::{At, Options, Path, fit};
+use crate::infer::Noise;
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
 use crate::statistics::levels::{HALF, MORE};
-use rayon::prelude::*;
-
-/// Sums of one channel over windows.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    square: f64,
-    count: f64,
-}
-
-/// One window's residuals, and the states that it was followed through.
-#[derive(Debug, Clone)]
-pub struct Window {
-    /// Place of its run.
-    pub run: usize,
-    from: f64,
-    to: f64,
-    sums: Vec<Sum>,
-    /// The compared values.
-    pub points: Vec<Point>,
-    /// States, n a row.
-    pub states: Vec<f64>,
-}
-
-/// One compared value of a window.
-#[derive(Debug, Clone, Copy)]
-pub struct Point {
-    /// Place of the channel.
-    pub channel: usize,
-    /// When, s.
-    pub time: f64,
-    /// Measured less simulated.
-    pub residual: f64,
-    /// Row of the window.
-    pub row: usize,
-}
 
 /// What rows say that were left out.
 pub struct HeldOut {
@@ -73,7 +39,7 @@ pub fn held_out(
     let neutral = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&neutral, &built.noise)?;
     let runs = built.engine.chords(&neutral, &paths, &[])?;
-    let noise = crate::infer::Noise { disturbance: None, ..trained.fit.at.noise.clone() };
+    let noise = Noise { disturbance: None, ..trained.fit.at.noise.clone() };
     built.engine.readmit(&neutral, &runs, &noise);
     known.add(&built.engine, &paths);
     let amended = match trained.effects.is_empty() {
@@ -89,27 +55,7 @@ pub fn held_out(
     let before = both.remove(0);
     let after = both.first().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
-    let mut gaps: Vec<(f64, usize, Gap)> = Vec::new();
-    for (channel, output) in built.engine.machine.channels.iter().enumerate() {
-        let floor = output.noise.unwrap_or(built.scatter[channel].quiet);
-        let (from, to) = (mean(&before, channel), mean(after, channel));
-        let closed = (from > floor)
-            .then(|| 1.0 - (to * to - floor * floor) / (from * from - floor * floor))
-            .filter(|_| from > 1.05 * floor);
-        let gap = Gap {
-            before: from,
-            after: to,
-            floor,
-            closed,
-            held_out_runs: names.clone(),
-            cross_validated: Vec::new(),
-            signal: output.name.clone(),
-            unit: output.unit.clone(),
-        };
-        gaps.push((from / floor.max(1e-300), channel, gap));
-    }
-    gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let order: Vec<usize> = gaps.iter().map(|(_, channel, _)| *channel).collect();
+    let (order, gaps) = gaps(&built, &before, after, &names);
     let channels = courses(&built.engine, &order, &before, after);
     let share = share(after, &built.engine);
     let notice = (share < HALF).then(|| Notice {
@@ -120,7 +66,36 @@ pub fn held_out(
             100.0 * share
         ),
     });
-    Ok(HeldOut { gaps: gaps.into_iter().map(|(_, _, gap)| gap).collect(), channels, notice })
+    Ok(HeldOut { gaps, channels, notice })
+}
+
+/// The gap of each channel before and after, and the channels' places: the one first that is farthest above its noise.
+fn gaps(built: &Built, before: &[Window], after: &[Window], runs: &[String]) -> (Vec<usize>, Vec<Gap>) {
+    let gap = |(channel, output): (usize, &Output)| {
+        let floor = output.noise.unwrap_or(built.scatter[channel].quiet);
+        let (from, to) = (mean(before, channel), mean(after, channel));
+        let gap = Gap {
+            before: from,
+            after: to,
+            floor,
+            closed: closed(from, to, floor),
+            held_out_runs: runs.to_vec(),
+            cross_validated: Vec::new(),
+            signal: output.name.clone(),
+            unit: output.unit.clone(),
+        };
+        (from / floor.max(1e-300), channel, gap)
+    };
+    let mut all: Vec<(f64, usize, Gap)> = built.engine.machine.channels.iter().enumerate().map(gap).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, channel, gap)| (channel, gap)).unzip()
+}
+
+/// The share of a gap that was closed, of squares above the noise's; nothing where there is hardly a gap: a twentieth above the noise is what
+/// a few hundred values scatter.
+fn closed(before: f64, after: f64, floor: f64) -> Option<f64> {
+    let above = |gap: f64| gap * gap - floor * floor;
+    (before > 1.05 * floor).then(|| 1.0 - above(after) / above(before))
 }
 
 /// The share of the rows left out that both models could be followed through.
@@ -162,142 +137,16 @@ fn squares(gaps: &[Gap]) -> (f64, f64) {
     (square(|gap| gap.before), square(|gap| gap.after))
 }
 
+/// Root mean square of a channel's residuals over windows, in the channel's unit; 0 where there is no value.
 fn mean(windows: &[Window], channel: usize) -> f64 {
     let (square, count) =
         windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));
     if count > 0.0 { (square / count).sqrt() } else { 0.0 }
 }
 
-/// Parameters, and the paths from which start states are looked for.
-type Model<'a> = (&'a [f64], &'a [Path]);
-
-/// Windows of so many rows, before any is halved.
-fn windows_of(rows: usize) -> usize {
-    rows.div_ceil(GENERAL.window).max(1)
-}
-
-/// Whether so many rows tell of a model at all.
-fn tells(rows: usize) -> bool {
-    rows >= GENERAL.shortest_window
-}
-
-/// Whether so many values tell how a window is followed from so many start states that are fitted to it.
-fn is_compared(values: f64, states: usize) -> bool {
-    values >= GENERAL.compared * states as f64
-}
-
-/// All windows of an engine's runs for each model, each followed from its own start state: the same ones for all, so that they are compared
-/// on the same rows.
-fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<Window>> {
-    let mut noise = trained.fit.at.noise.clone();
-    noise.disturbance = None;
-    let mut list: Vec<(usize, usize, usize)> = Vec::new();
-    for (run, grid) in engine.grids.iter().enumerate() {
-        let rows = grid.time.len();
-        // what begins nowhere but at its start is one window
-        let count = if engine.machine.whole { 1 } else { windows_of(rows) };
-        list.extend((0..count).map(|part| (run, part * rows / count, (part + 1) * rows / count)));
-    }
-    // no process noise: the least that the sweep takes
-    noise.process.iter_mut().zip(&engine.scales).for_each(|(size, scale)| *size = 1e-9 * scale);
-    noise.jitter = 0.0;
-    let n = engine.machine.order();
-    let all: Vec<Vec<Vec<Window>>> = list
-        .into_par_iter()
-        .map(|(run, from, to)| followed(engine, models, run, (from, to), &noise, n))
-        .collect();
-    let of = |model: usize| all.iter().flatten().map(|each| each[model].clone()).collect();
-    (0..models.len()).map(of).collect()
-}
-
-/// One stretch of rows, or its halves where a model can't follow it as a whole: its windows, one a model.
-fn followed(
-    engine: &Engine,
-    models: &[Model<'_>],
-    run: usize,
-    (from, to): (usize, usize),
-    noise: &crate::infer::Noise,
-    n: usize,
-) -> Vec<Vec<Window>> {
-    if !tells(to - from) {
-        return Vec::new();
-    }
-    let of = |(theta, paths): &Model<'_>| window(engine, theta, run, &paths[run], (from, to), noise, n);
-    if let Some(all) = models.iter().map(of).collect::<Option<Vec<Window>>>() {
-        return vec![all];
-    }
-    if engine.machine.whole {
-        return Vec::new();
-    }
-    let half = (from + to) / 2;
-    let mut both = followed(engine, models, run, (from, half), noise, n);
-    both.extend(followed(engine, models, run, (half, to), noise, n));
-    both
-}
-
-fn window(
-    engine: &Engine,
-    theta: &[f64],
-    run: usize,
-    path: &[f64],
-    (from, to): (usize, usize),
-    noise: &crate::infer::Noise,
-    n: usize,
-) -> Option<Window> {
-    let grid = &engine.grids[run];
-    let mut part = grid.clone();
-    part.time = grid.time[from..to].to_vec();
-    let (begin, end) = (part.time[0], part.time[part.time.len() - 1]);
-    let inside = |sample: &crate::dynamics::grid::Sample| (begin..=end).contains(&sample.time);
-    let outliers = (part.samples.iter().zip(&engine.outliers[run]))
-        .filter(|(sample, _)| inside(sample))
-        .map(|(_, out)| *out)
-        .collect();
-    part.samples.retain(inside);
-    let single = Engine {
-        outliers: vec![outliers],
-        starts: vec![(path[from * n..(from + 1) * n].to_vec(), engine.starts[run].1.clone())],
-        ..engine.beside(engine.machine.clone(), vec![part])
-    };
-    let start =
-        At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
-    let options = Options { rounds: 6, settled: 1e-2, ..Options::default() };
-    let fitted = fit(&single, &start, &[], None, &options).ok()?;
-    let own = run;
-    let run = &fitted.runs[0];
-    // what is left after the path's last small move, which the smoother gives
-    let moved = crate::infer::smooth(run, noise);
-    let wide = run.states;
-    let settled = (moved.state.chunks(wide.max(1)))
-        .all(|row| row.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < 0.1 * scale));
-    if !settled {
-        return None;
-    }
-    let mut sums = vec![Sum::default(); engine.machine.channels.len()];
-    let mut points = Vec::new();
-    for row in 0..run.rows() {
-        for value in run.values(row).filter(|value| run.measured[*value].weight > 0.0) {
-            let measured = &run.measured[value];
-            let by: f64 =
-                (0..wide).map(|i| run.observe[value * wide + i] * moved.state[row * wide + i]).sum();
-            let residual = measured.residual - by;
-            let sum = &mut sums[measured.channel];
-            sum.square += residual * residual;
-            sum.count += 1.0;
-            points.push(Point { channel: measured.channel, time: measured.time, residual, row });
-        }
-    }
-    let all: f64 = sums.iter().map(|sum| sum.count).sum();
-    if !is_compared(all, n) {
-        return None;
-    }
-    // each start state takes a value's worth of the residual away
-    let share = (all - n as f64) / all;
-    sums.iter_mut().for_each(|sum| sum.count *= share);
-    let path = &fitted.at.paths[0];
-    let states = (0..run.rows()).flat_map(|row| (0..n).map(move |i| (row * n + i, row * wide + i)));
-    let states = states.map(|(at, by)| path[at] + moved.state[by]).collect();
-    Some(Window { run: own, from: begin, to: end, sums, points, states })
+/// Whether a channel's excess over its noise tells of a model where so many values are compared: half as much again as the noise.
+fn is_telling(excess: f64, values: f64) -> bool {
+    excess > 0.5 * values
 }
 
 /// Where the nominal model parts from the log, over all runs.
@@ -317,7 +166,7 @@ pub fn places(studied: &Studied) -> Vec<Where> {
         let own: f64 = windows.iter().map(|window| excess(window, channel)).sum();
         let telling: Vec<&Window> = windows
             .iter()
-            .filter(|window| excess(window, channel) > 0.5 * window.sums[channel].count)
+            .filter(|window| is_telling(excess(window, channel), window.sums[channel].count))
             .collect();
         if whole > 0.0 && own > 0.0 && !telling.is_empty() {
             places.push(Where {
@@ -354,12 +203,12 @@ mod tests {
     }
 
     #[test]
-    fn value_windows_are_long_enough_to_tell_and_short_enough_to_be_followed() {
-        // two seconds at 100 Hz: a motor's start and settling, and no more than a slightly wrong model is followed through
-        assert_eq!([1, 180, 220, 1_900].map(windows_of), [1, 1, 2, 10]);
-        // twelve rows tell of four start values and of what is asked of them; half a dozen would be fitted
-        assert!(!tells(10) && tells(13));
-        // as many values as start states are met exactly, whatever the model: four states and three values each will do
-        assert!(!is_compared(11.0, 4) && is_compared(13.0, 4) && is_compared(0.0, 0));
+    fn value_a_gap_is_closed_where_there_is_one() {
+        // squares above the noise's: from 3 to 1
+        assert_eq!(closed(2.0, 2f64.sqrt(), 1.0).map(|share| (1e6 * share).round()), Some(666_667.0));
+        assert!(closed(1.06, 1.0, 1.0).is_some(), "worse than the noise by more than it scatters");
+        assert!(closed(1.04, 1.0, 1.0).is_none() && closed(0.0, 0.0, 0.0).is_none());
+        // a window tells of a model by half as much again as noise alone would leave
+        assert!(is_telling(55.0, 100.0) && !is_telling(45.0, 100.0) && !is_telling(0.0, 0.0));
     }
 }

@@ -2,38 +2,40 @@
 //!
 //! - `study.rs`: problem → engine → search → what has no name → [`Diagnosis`]
 //! - `reading.rs`: whether a row's outputs were read before or after its inputs began to act
-//! - `begun.rs`: whether rows can be begun anew, or each run is simulated whole
+//! - `rows_or_whole_runs.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
 //! - `residual.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
 //! - `events.rs`: when it acted, where it is quiet between
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
-//! - `given.rs`: a fit of what was asked for, in place of a search
-//! - `parted.rs`: which rows are searched, and which are left out for the gap
+//! - `fit_given.rs`: a fit of what was asked for, in place of a search
+//! - `rows_left_out.rs`: which rows are searched, and which are left out for the gap
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
+//! - `windows.rs`: windows of a run, each followed from a start state of its own
 //! - `courses.rs`: measured, nominal and amended there, for the page
-//! - `told.rs`: effects, classes, what the data would show
+//! - `findings.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod amended;
-mod begun;
 mod courses;
 mod equivalent;
 mod events;
-mod given;
+mod findings;
+mod fit_given;
 mod long;
 mod mismatch;
-mod parted;
 mod policy;
 mod reading;
 mod residual;
+mod rows_left_out;
+mod rows_or_whole_runs;
 mod runs;
 mod sensor;
 mod study;
 mod table;
-mod told;
+mod windows;
 
 pub use study::diagnosed;
 pub use table::{INPUT_LINES, INPUTS};

@@ -36,14 +36,14 @@ pub(super) struct General {
     pub larger: f64,
     /// Standard deviations by which neighbouring residuals resemble each other then.
     pub resembles: f64,
-    /// No name is worth more.
+    /// Highest probability that a name is given.
     pub sure: f64,
-    /// Most that a name is worth beside an unlisted input: what that imitates is not told apart. Of the maker's first set with pulses
+    /// Highest probability that a name is given beside an unlisted input: what that takes up is not told apart. Of the maker's first set with pulses
     /// that nobody lists, two of two names beside them were wrong.
     pub beside: f64,
     /// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
     pub steps_a_row: f64,
-    /// So many times as fine at most, for the delay to be a multiple of the step.
+    /// A step is divided by at most this number, for the delay to be a multiple of the step.
     pub finest: i64,
 }
 

@@ -5,7 +5,7 @@
 //! reads sees the row's own. The data tell, since each jump of the input shows in the output: the likelier one is taken. All rows
 //! are asked, as for units and signs: it is a fact of the logger, and in a part of them no input may jump.
 
-use super::study::nominal;
+use super::study::fit_nominal;
 use crate::dynamics::build::{Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -28,7 +28,7 @@ pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
     let deviance = |reading: Reading| {
         let other = Problem { reading, ..problem.clone() };
         let mut built = build(&other, runs)?;
-        Ok::<_, Error>((nominal(&mut built, &Trails::default())?.deviance, other))
+        Ok::<_, Error>((fit_nominal(&mut built, &Trails::default())?.deviance, other))
     };
     let (before, after) = (deviance(Reading::Before)?, deviance(Reading::After)?);
     let (mut likelier, words, by) = if before.0 <= after.0 {

@@ -32,7 +32,7 @@ pub struct Residual {
 ///
 /// Beside an unlisted input no equation has process noise of its own, unless that is needed, too: white noise of a state
 /// that forgets within a row and the noise of its sensor are nearly the same, and free together one takes the other's part.
-pub fn judged(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Residual {
+pub fn judge_residual(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy) -> Residual {
     let columns: Vec<usize> = (0..fit.free.len()).collect();
     let order = engine.machine.order();
     let exact = sizes.with_pinned(vec![true; order]);
@@ -104,15 +104,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let noise = studied.residual.unlisted.as_ref()?;
     let unlisted = noise.disturbance?;
     if !problem.ports.unknown_inputs {
-        return Some(Unknown {
-            signal: "the whole model".into(),
-            shape: "nobody asked where: [ports] unknown_inputs = false".into(),
-            nearest: format!(
-                "process noise gains {:.0} of deviance, which no candidate takes away",
-                studied.residual.evidence
-            ),
-            ..Unknown::default()
-        });
+        return Some(unasked(studied.residual.evidence));
     }
     let engine = &studied.built.engine;
     let courses: Vec<Vec<f64>> =
@@ -152,6 +144,17 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     })
 }
 
+/// What has no name where nobody asked for an unlisted input, though process noise gains so much deviance.
+fn unasked(evidence: f64) -> Unknown {
+    Unknown {
+        signal: "the whole model".into(),
+        shape: "nobody asked where: [ports] unknown_inputs = false".into(),
+        nearest: format!("process noise gains {evidence:.0} of deviance, which no candidate takes away"),
+        ..Unknown::default()
+    }
+}
+
+/// What the variable of a channel, or one that shows a state, is measured in.
 fn unit_of(problem: &Problem, name: &str) -> String {
     let channel = problem.channels.iter().find(|channel| channel.name == name);
     let of = |id| problem.model.variable(id).unit.clone();

@@ -65,7 +65,7 @@ fn differ(problem: &Problem, studied: &Studied, options: &Asked, watch: &mut Wat
     found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     let best = found.first()?;
     let alike = found.iter().filter(|one| one.deviance - best.deviance < studied.policy.class);
-    let told: Vec<String> = alike.map(|one| told(problem, studied, one)).collect();
+    let told: Vec<String> = alike.map(|one| describe_values(problem, studied, one)).collect();
     Some(format!("runs that differ: {}", told.join("; or ")))
 }
 
@@ -87,14 +87,14 @@ fn ranked(problem: &Problem, studied: &Studied, options: &Asked) -> Result<Vec<u
     let places: Vec<usize> = (0..columns.len()).collect();
     let runs: Vec<Reduced> = problem.runs.iter().map(|run| reduced(&of(run), noise, &places)).collect();
     let mut gains: Vec<(f64, usize)> =
-        places.iter().map(|place| (spread(&runs, *place), columns[*place])).collect();
+        places.iter().map(|place| (gain_of_own_values(&runs, *place), columns[*place])).collect();
     gains.sort_by(|a, b| b.0.total_cmp(&a.0));
     gains.retain(|(gain, _)| *gain > studied.policy.sure);
     Ok(gains.into_iter().take(FEW).map(|(_, parameter)| parameter).collect())
 }
 
 /// Deviance that values of their own gain over a common one: Σ s²/g - (Σ s)²/Σ g.
-fn spread(runs: &[Reduced], place: usize) -> f64 {
+fn gain_of_own_values(runs: &[Reduced], place: usize) -> f64 {
     let each = || {
         runs.iter().map(|run| (run.score[place], run.gram[(place, place)])).filter(|(_, gram)| *gram > 0.0)
     };
@@ -116,7 +116,7 @@ fn apart(problem: &Problem, studied: &Studied, parameter: usize, watch: &mut Wat
     let each = |begin: Vec<f64>| {
         let own = |run| match watch.is_over(COMPARED) {
             true => None,
-            false => alone(problem, studied, run, parameter, &begin).ok()?,
+            false => fit_one_run(problem, studied, run, parameter, &begin).ok()?,
         };
         let fits: Vec<Fit> = problem.whole_runs().into_iter().map(own).collect::<Option<_>>()?;
         Some(Apart {
@@ -129,7 +129,7 @@ fn apart(problem: &Problem, studied: &Studied, parameter: usize, watch: &mut Wat
 }
 
 /// One run's fit, where it leaves noise only.
-fn alone(
+fn fit_one_run(
     problem: &Problem,
     studied: &Studied,
     run: (&Run, (f64, f64)),
@@ -139,9 +139,9 @@ fn alone(
     let mut built = build(problem, &[run])?;
     let mut known = Trails::default();
     known.add(&studied.built.engine, &studied.fit.at.paths);
-    let (at, _) = built.begun(begin, &known)?;
+    let (at, _) = built.begin_fit(begin, &known)?;
     let fit = fit(&built.engine, &at, &[parameter], Some(&built.sizes), &Options::default())?;
-    let residual = residual::judged(&built.engine, &fit, &built.sizes, &studied.policy);
+    let residual = residual::judge_residual(&built.engine, &fit, &built.sizes, &studied.policy);
     let (effects, nominal, policy) = (vec![parameter], at.paths, studied.policy);
     let own = Studied {
         built,
@@ -158,7 +158,7 @@ fn alone(
     Ok(explained.then_some(own.fit))
 }
 
-fn told(problem: &Problem, studied: &Studied, apart: &Apart) -> String {
+fn describe_values(problem: &Problem, studied: &Studied, apart: &Apart) -> String {
     let parameter = &studied.built.engine.machine.parameters[apart.parameter];
     let each = problem.runs.iter().zip(&apart.values);
     let each: Vec<String> =
@@ -181,7 +181,7 @@ fn brief(value: f64, deviation: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{brief, spread};
+    use super::{brief, gain_of_own_values};
     use crate::statistics::linear::Reduced;
 
     #[test]
@@ -192,11 +192,11 @@ mod tests {
             one
         };
         // runs that ask for the same shift, each as well known as it likes
-        assert!(spread(&[run(2.0, 1.0), run(200.0, 100.0)], 0).abs() < 1e-9);
+        assert!(gain_of_own_values(&[run(2.0, 1.0), run(200.0, 100.0)], 0).abs() < 1e-9);
         // shifts of 1 and -1, each known to 0.1: 100 each against a common shift of 0
-        assert!((spread(&[run(100.0, 100.0), run(-100.0, 100.0)], 0) - 200.0).abs() < 1e-9);
+        assert!((gain_of_own_values(&[run(100.0, 100.0), run(-100.0, 100.0)], 0) - 200.0).abs() < 1e-9);
         // a run that tells nothing
-        assert!(spread(&[run(2.0, 1.0), run(0.0, 0.0)], 0).abs() < 1e-9);
+        assert!(gain_of_own_values(&[run(2.0, 1.0), run(0.0, 0.0)], 0).abs() < 1e-9);
     }
 
     #[test]

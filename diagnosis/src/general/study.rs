@@ -1,12 +1,12 @@
 //! From a problem to a diagnosis.
 
-use super::given::{checked, given};
+use super::fit_given::{check_names, fit_given};
 use super::mismatch::HeldOut;
-use super::parted::parted;
 use super::residual::{self, Residual};
-use super::{amended, begun, long, mismatch, reading, runs, sensor, told};
+use super::rows_left_out::parted;
+use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
-use crate::diagnosis::{Diagnosis, Gap, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Verdict};
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -39,7 +39,7 @@ pub struct Studied {
     pub policy: Policy,
     /// Its last screening.
     pub last: Option<Last>,
-    /// In words.
+    /// How it was found, in words.
     pub story: Vec<String>,
     /// Classes, if they were asked for.
     pub classes: Vec<Vec<Alternative>>,
@@ -60,12 +60,13 @@ pub fn diagnosed(
     let deadline = options.budget.deadline(Instant::now(), runs);
     let watch = &mut Watch::by(options.now, listener, options.budget.end((options.now)(), runs));
     let problem = &Problem { deadline, ..problem.clone() };
-    let found = found(problem, units, options, watch);
+    let found = diagnosed_in_time(problem, units, options, watch);
     // what was found after it stands on steps that were not made
     if deadline.is_some_and(|deadline| Instant::now() >= deadline) { Err(Error::TooSlow) } else { found }
 }
 
-fn found(
+/// The diagnosis, with what time allows.
+fn diagnosed_in_time(
     problem: &Problem,
     units: &UnitPath,
     options: &Options,
@@ -73,41 +74,28 @@ fn found(
 ) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
-    let problem = &begun::chosen(&reading::read(problem)?)?;
-    let (through, Searched { trained, held, all }) = begun::searched(problem, options, watch)?;
+    let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
+    let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
-        mismatch::unlike(&held.gaps).filter(|_| judged(&trained, &all) && options.fit.is_empty())
+        mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
     });
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
-    let effects = told::effects(problem, &all, unknown.is_some());
-    let verdict = if unknown.is_some() {
-        Verdict::Unknown
-    } else if effects.iter().any(|effect| effect.class.len() > 1) {
-        Verdict::Ambiguous
-    } else if effects.is_empty() {
-        Verdict::None
-    } else {
-        Verdict::Named
-    };
-    let proposal =
-        open(&all).filter(|_| !watch.is_over("the search for a next experiment")).and_then(|question| {
-            watch.stage("simulating experiments");
-            crate::design::next(problem, &question, units)
-        });
-    let (next_experiment, experiment) = proposal.map_or((None, None), |(next, text)| (Some(next), text));
+    let effects = findings::effects(problem, &all, unknown.is_some());
+    let verdict = verdict(unknown.is_some(), &effects);
+    let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
-    notices.extend(all.built.engine.told_refused());
+    notices.extend(all.built.engine.refusal_notices());
     notices.extend(held.notice);
-    let mut story = told::story(&all);
+    let mut story = findings::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);
     Ok(Diagnosis {
-        provenance: told::provenance(problem),
-        units: told::units(problem),
+        provenance: findings::provenance(problem),
+        units: findings::units(problem),
         verdict,
         effects,
         place: mismatch::places(&all),
@@ -115,7 +103,7 @@ fn found(
         unknown,
         correction: None,
         next_experiment,
-        minimum_detectable: told::detectable(&all)?,
+        minimum_detectable: findings::detectable(&all)?,
         gaps: held.gaps,
         cross_validation: Vec::new(),
         ended_early: watch.ended().to_vec(),
@@ -129,6 +117,34 @@ fn found(
     })
 }
 
+/// The verdict, by whether something has no name and by the effects that were named.
+fn verdict(is_unknown: bool, effects: &[Effect]) -> Verdict {
+    if is_unknown {
+        Verdict::Unknown
+    } else if effects.iter().any(|effect| effect.class.len() > 1) {
+        Verdict::Ambiguous
+    } else if effects.is_empty() {
+        Verdict::None
+    } else {
+        Verdict::Named
+    }
+}
+
+/// The experiment that tells the first open class apart, and its scenario, while there is time.
+fn next_experiment(
+    problem: &Problem,
+    all: &Studied,
+    units: &UnitPath,
+    watch: &mut Watch<'_>,
+) -> (Option<NextExperiment>, Option<String>) {
+    let question = open_class(all).filter(|_| !watch.is_over("the search for a next experiment"));
+    let proposal = question.and_then(|question| {
+        watch.stage("simulating experiments");
+        crate::design::next(problem, &question, units)
+    });
+    proposal.map_or((None, None), |(next, text)| (Some(next), text))
+}
+
 /// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
 /// for a part of that. What a user asked for stays.
 fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
@@ -137,7 +153,7 @@ fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
 }
 
 /// Whether the rows left out judged what was found in all rows.
-fn judged(trained: &Studied, all: &Studied) -> bool {
+fn is_judged(trained: &Studied, all: &Studied) -> bool {
     !all.effects.is_empty() && all.effects.iter().all(|effect| trained.effects.contains(effect))
 }
 
@@ -169,7 +185,7 @@ fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
     }
     let free: Vec<usize> = all.fit.free.iter().copied().filter(|free| all.effects.contains(free)).collect();
     all.fit = fit(engine, &start, &free, Some(&all.residual.sizes), &FitOptions::default())?;
-    all.residual = residual::judged(engine, &all.fit, &all.residual.sizes, &all.policy);
+    all.residual = residual::judge_residual(engine, &all.fit, &all.residual.sizes, &all.policy);
     all.last = None;
     Ok(())
 }
@@ -183,7 +199,11 @@ pub(super) struct Searched {
 }
 
 /// What is found without the rows left out, or in stretches of the others, in half of the time.
-pub(super) fn trained(problem: &Problem, options: &Options, watch: &mut Watch<'_>) -> Result<Studied, Error> {
+pub(super) fn search_without_left_out(
+    problem: &Problem,
+    options: &Options,
+    watch: &mut Watch<'_>,
+) -> Result<Studied, Error> {
     watch.stage("searching without the rows left out");
     let (kept, _) = parted(problem);
     let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
@@ -194,7 +214,7 @@ pub(super) fn trained(problem: &Problem, options: &Options, watch: &mut Watch<'_
 }
 
 /// Goes on from there: the gap on the rows left out, and a search in all rows.
-pub(super) fn continued(
+pub(super) fn search_all_rows(
     problem: &Problem,
     options: &Options,
     mut trained: Studied,
@@ -210,13 +230,13 @@ pub(super) fn continued(
         held = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }
     watch.stage("searching in all rows");
-    let mut all = long::searched(problem, options, (&trained, &known), watch)?;
+    let mut all = long::search(problem, options, (&trained, &known), watch)?;
     withdraw(&mut all, &unfit)?;
     Ok(Searched { trained, held, all })
 }
 
-/// The first class that is open.
-fn open(studied: &Studied) -> Option<Question<'_>> {
+/// The first effect whose class is open.
+fn open_class(studied: &Studied) -> Option<Question<'_>> {
     let policy = studied.policy;
     let near = |list: &[Alternative]| -> Vec<_> {
         list.iter().filter(|one| one.loss < policy.class).copied().collect()
@@ -241,13 +261,13 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 }
 
 /// The nominal model fitted: path and noises only.
-pub(super) fn nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
-    let (at, runs) = built.begun(&built.engine.machine.neutral(), known)?;
+pub(super) fn fit_nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
+    let (at, runs) = built.begin_fit(&built.engine.machine.neutral(), known)?;
     let mut fitted = fit_from(&built.engine, &at, runs, &[], Some(&built.sizes), &FitOptions::default())?;
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;
     }
-    built.notices.extend(built.engine.told_outliers());
+    built.notices.extend(built.engine.outlier_notices());
     Ok(fitted)
 }
 
@@ -264,19 +284,51 @@ pub fn studied(
     watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
     let mut built = build(problem, runs)?;
-    checked(&built.engine.machine, options)?;
+    check_names(&built.engine.machine, options)?;
     let candidates = candidates(&built, options);
-    let nominal = match before {
-        Some((_, known)) => nominal(&mut built, known)?,
-        None => nominal(&mut built, &Trails::default())?,
-    };
+    let none = Trails::default();
+    let nominal = fit_nominal(&mut built, before.map_or(&none, |(_, known)| known))?;
     let sizes: Sizes = built.sizes.clone();
-    let policy = Policy::of(candidates.len(), built.engine.machine.order());
-    let beside: Sizes;
-    let mut search = Search {
+    let mut search = new_search(problem, &built, candidates, options);
+    let policy = search.policy;
+    search.visited.insert(Vec::new(), nominal.clone());
+    let (effects, begun) = first_model(&mut search, before.map(|known| known.0), &nominal)?;
+    if !options.fit.is_empty() {
+        return fit_given(built, &sizes, options, &nominal.at, policy);
+    }
+    let end = watch.share(HALF);
+    let (mut effects, mut here) = search.walk(effects, begun, watch)?;
+    watch.end_at(end);
+    here = search.with_linearised_runs(here)?;
+    let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
+    if residual.unlisted.is_some() && problem.ports.unknown_inputs {
+        (effects, here, residual) = beside_unlisted(&mut search, residual, effects, here, watch)?;
+    }
+    let mut alternatives = Vec::new();
+    if classes {
+        let found = effects.clone();
+        (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
+        if effects != found {
+            residual = residual::judge_residual(&built.engine, &here, &search.sizes, &search.policy);
+        }
+    }
+    let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
+    let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
+    built.notices.extend(search.doubts.into_iter().map(notice));
+    Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
+}
+
+/// A search among these candidates that has visited no model.
+fn new_search<'a>(
+    problem: &Problem,
+    built: &'a Built,
+    candidates: Vec<usize>,
+    options: &'a Options,
+) -> Search<'a> {
+    Search {
         engine: &built.engine,
-        sizes: &sizes,
-        policy,
+        sizes: built.sizes.clone(),
+        policy: Policy::of(candidates.len(), built.engine.machine.order()),
         options: FitOptions::default(),
         candidates,
         yields: problem.ports.unknown_inputs,
@@ -285,9 +337,16 @@ pub fn studied(
         story: Vec::new(),
         doubts: Vec::new(),
         last: None,
-    };
-    search.visited.insert(Vec::new(), nominal.clone());
-    let (effects, begun) = match before.map(|known| known.0).filter(|before| !before.effects.is_empty()) {
+    }
+}
+
+/// Where the search begins: with what was found in other rows, as far as these need it, else with the nominal model.
+fn first_model(
+    search: &mut Search<'_>,
+    before: Option<&Studied>,
+    nominal: &Fit,
+) -> Result<(Vec<usize>, Fit), Error> {
+    let (effects, begun) = match before.filter(|before| !before.effects.is_empty()) {
         Some(before) => {
             let mut start = nominal.at.clone();
             start.theta.clone_from(&before.fit.at.theta);
@@ -296,46 +355,35 @@ pub fn studied(
         }
         None => (Vec::new(), nominal.clone()),
     };
-    let begun = search.fresh(begun)?;
-    if !options.fit.is_empty() {
-        return given(built, &sizes, options, &nominal.at, policy);
-    }
-    let end = watch.share(HALF);
-    let (mut effects, mut here) = search.walk(effects, begun, watch)?;
-    watch.end_at(end);
-    here = search.fresh(here)?;
-    let mut residual = residual::judged(&built.engine, &here, &sizes, &search.policy);
-    if let Some(unlisted) = residual.unlisted.clone().filter(|_| problem.ports.unknown_inputs) {
-        // what has no name remembers: beside it only names count that explain more than it does
-        search.story.push(format!(
-            "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
-            residual.evidence
-        ));
-        search.visited.clear();
-        beside = residual.sizes.clone();
-        search.sizes = &beside;
-        search.policy = policy.beside(residual.evidence);
-        let mut start = here.at.clone();
-        start.noise = unlisted;
-        let again = search.visit(&effects, &start)?;
-        (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
-        let fresh = search.fresh(here)?;
-        (effects, here) = search.walk(effects, fresh, watch)?;
-        here = search.fresh(here)?;
-        (effects, here) = search.agreed(effects, here)?;
-        (effects, here) = search.nearer(effects, here, policy, watch)?;
-        residual = residual::judged(&built.engine, &here, &beside, &search.policy);
-    }
-    let mut alternatives = Vec::new();
-    if classes {
-        let found = effects.clone();
-        (effects, here, alternatives) = search.alternatives(effects, here, watch)?;
-        if effects != found {
-            residual = residual::judged(&built.engine, &here, search.sizes, &search.policy);
-        }
-    }
-    let (story, last, nominal) = (search.story, search.last, nominal.at.paths);
-    let notice = |message| Notice { file: "dataset.toml".into(), line: 0, message };
-    built.notices.extend(search.doubts.into_iter().map(notice));
-    Ok(Studied { built, effects, fit: here, nominal, residual, story, classes: alternatives, policy, last })
+    Ok((effects, search.with_linearised_runs(begun)?))
+}
+
+/// Goes on beside the unlisted input that was found: what has no name remembers, and beside it only names count that explain more than it
+/// does.
+fn beside_unlisted(
+    search: &mut Search<'_>,
+    residual: Residual,
+    effects: Vec<usize>,
+    here: Fit,
+    watch: &mut Watch<'_>,
+) -> Result<(Vec<usize>, Fit, Residual), Error> {
+    search.story.push(format!(
+        "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
+        residual.evidence
+    ));
+    let alone = search.policy;
+    search.policy = alone.beside(residual.evidence);
+    search.sizes = residual.sizes;
+    search.visited.clear();
+    let mut start = here.at;
+    start.noise = residual.unlisted.unwrap_or(start.noise);
+    let again = search.visit(&effects, &start)?;
+    let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
+    let fresh = search.with_linearised_runs(here)?;
+    let (effects, here) = search.walk(effects, fresh, watch)?;
+    let here = search.with_linearised_runs(here)?;
+    let (effects, here) = search.agreed(effects, here)?;
+    let (effects, here) = search.nearer(effects, here, alone, watch)?;
+    let residual = residual::judge_residual(search.engine, &here, &search.sizes, &search.policy);
+    Ok((effects, here, residual))
 }

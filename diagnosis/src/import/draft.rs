@@ -21,7 +21,7 @@ pub(super) struct Tried {
 }
 
 /// Tries what was found so far. What can't be read is told by the data set itself.
-pub(super) fn of(
+pub(super) fn try_draft(
     file: &Path,
     fmu: &Fmu,
     units: &UnitPath,

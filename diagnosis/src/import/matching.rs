@@ -9,26 +9,15 @@ use orchestrator::fmu::{Causality, Description, Variable};
 use orchestrator::{Fmu, Kind};
 
 /// Matches the columns of a log with inputs, outputs and local variables, the likeliest pair first.
-pub(super) fn columns(
+pub(super) fn match_columns(
     fmu: &Fmu,
     sheet: &Sheet,
     time: usize,
     notices: &mut Vec<String>,
 ) -> Result<Vec<Match>, Error> {
     let description = fmu.description();
-    let mut pairs = Vec::new();
-    for (column, header) in sheet.columns.iter().enumerate().filter(|(column, _)| *column != time) {
-        for (place, variable) in description.variables.iter().enumerate() {
-            let Some(rank) = rank(variable) else { continue };
-            let alike = likeness(header, variable, description, &instance(fmu));
-            let alike = alike.or_else(|| only(header, variable, sheet, time, fmu));
-            let Some((score, why)) = alike else { continue };
-            pairs.push((score + rank, column, place, why));
-        }
-    }
-    pairs.sort_by(|one, other| other.0.total_cmp(&one.0));
     let (mut taken, mut matches): (Vec<usize>, Vec<Match>) = (Vec::new(), Vec::new());
-    for (_, column, place, why) in pairs {
+    for (_, column, place, why) in likely_pairs(fmu, sheet, time) {
         if taken.contains(&column) || matches.iter().any(|known| known.variable == place) {
             continue;
         }
@@ -48,35 +37,56 @@ pub(super) fn columns(
     }
     matches.sort_by_key(|known| (!known.fed, known.variable));
     let left = (0..sheet.columns.len()).filter(|column| *column != time && !taken.contains(column));
-    for column in left {
-        notices.push(format!(
-            "column {:?} fits no variable of {}: left out",
-            sheet.columns[column].text,
-            instance(fmu)
-        ));
-    }
-    for input in description.variables.iter().filter(|v| v.causality == Causality::Input) {
-        let fed = matches.iter().any(|known| description.variables[known.variable].name == input.name);
-        if !fed {
-            let start = input.start.as_ref().map_or("nothing".to_owned(), ToString::to_string);
-            notices
-                .push(format!("input {} is in no column: it stays at its start value, {start}", input.name));
-        }
-    }
+    notices.extend(left.map(|column| {
+        format!("column {:?} fits no variable of {}: left out", sheet.columns[column].text, instance(fmu))
+    }));
+    notices.extend(unfed_inputs(description, &matches));
     if matches.iter().all(|known| known.fed) {
-        let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
-        let outputs: Vec<&str> = outputs.map(|variable| variable.name.as_str()).take(8).collect();
-        let columns = sheet.columns.iter().enumerate().filter(|(column, _)| *column != time);
-        let columns: Vec<String> = columns.map(|(_, head)| format!("{:?}", head.text)).collect();
-        let problem = format!(
-            "no column ({}) is an output of {} ({}): name a column after the variable that it measures",
-            columns.join(", "),
-            instance(fmu),
-            outputs.join(", ")
-        );
-        return Err(Error::Manifest { path: sheet.path.clone(), line: 1, problem });
+        return Err(no_output(fmu, sheet, time));
     }
     Ok(matches)
+}
+
+/// Columns and variables that may be one, the likeliest pair first: likeness, places of both, and why.
+fn likely_pairs(fmu: &Fmu, sheet: &Sheet, time: usize) -> Vec<(f64, usize, usize, String)> {
+    let description = fmu.description();
+    let mut pairs = Vec::new();
+    for (column, header) in sheet.columns.iter().enumerate().filter(|(column, _)| *column != time) {
+        for (place, variable) in description.variables.iter().enumerate() {
+            let Some(rank) = rank(variable) else { continue };
+            let alike = likeness(header, variable, description, &instance(fmu));
+            let alike = alike.or_else(|| only(header, variable, sheet, time, fmu));
+            let Some((score, why)) = alike else { continue };
+            pairs.push((score + rank, column, place, why));
+        }
+    }
+    pairs.sort_by(|one, other| other.0.total_cmp(&one.0));
+    pairs
+}
+
+/// What to say of inputs that are in no column.
+fn unfed_inputs<'a>(description: &'a Description, matches: &'a [Match]) -> impl Iterator<Item = String> + 'a {
+    let is_fed = |name: &str| matches.iter().any(|known| description.variables[known.variable].name == name);
+    let inputs = description.variables.iter().filter(|v| v.causality == Causality::Input);
+    inputs.filter(move |input| !is_fed(&input.name)).map(|input| {
+        let start = input.start.as_ref().map_or("nothing".to_owned(), ToString::to_string);
+        format!("input {} is in no column: it stays at its start value, {start}", input.name)
+    })
+}
+
+/// No column is an output of the unit.
+fn no_output(fmu: &Fmu, sheet: &Sheet, time: usize) -> Error {
+    let outputs = fmu.description().variables.iter().filter(|v| v.causality == Causality::Output);
+    let outputs: Vec<&str> = outputs.map(|variable| variable.name.as_str()).take(8).collect();
+    let columns = sheet.columns.iter().enumerate().filter(|(column, _)| *column != time);
+    let columns: Vec<String> = columns.map(|(_, head)| format!("{:?}", head.text)).collect();
+    let problem = format!(
+        "no column ({}) is an output of {} ({}): name a column after the variable that it measures",
+        columns.join(", "),
+        instance(fmu),
+        outputs.join(", ")
+    );
+    Error::Manifest { path: sheet.path.clone(), line: 1, problem }
 }
 
 /// The way to SI for a variable whose description names no unit.

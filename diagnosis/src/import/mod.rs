@@ -7,18 +7,18 @@
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
-//! - `line.rs`: the straight line between measured and simulated
-//! - `idle.rs`: parameters that change nothing
+//! - `straight_line.rs`: the straight line between measured and simulated
+//! - `idle_parameters.rs`: parameters that change nothing
 //! - `write.rs`: the folder
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod draft;
-mod idle;
-mod line;
+mod idle_parameters;
 mod matching;
 mod policy;
 mod sheet;
 mod starts;
+mod straight_line;
 mod text;
 mod trial;
 mod write;
@@ -28,6 +28,7 @@ use crate::observe::{self, Affine};
 use orchestrator::{Fmu, Isolation, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
+use trial::Known;
 
 /// What was made.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +66,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    fn checked(self) -> Result<(), Error> {
+    fn check(self) -> Result<(), Error> {
         let wrong = |option, given: f64, wanted: &str| {
             Err(Error::Option { option, given: given.to_string(), problem: format!("expected {wanted}") })
         };
@@ -94,9 +95,47 @@ pub fn import(
     isolated: bool,
 ) -> Result<Imported, Error> {
     let isolation = isolated.then_some(limits);
-    clock.map_or(Ok(()), Clock::checked)?;
+    clock.map_or(Ok(()), Clock::check)?;
     let unit = units.open(fmu).map_err(crate::opened::model)?;
     let unit = isolation.map_or_else(|| unit.clone(), |isolation| unit.isolated(isolation.clone()));
+    let sheets = read_sheets(logs, &unit, clock)?;
+    let Some(first) = sheets.first() else {
+        return Err(Error::Nominal("no log was given".into()));
+    };
+    let mut notices: Vec<String> = other_columns(first, &sheets[1..]).collect();
+    let (time, told) = first.time_column(unit.description())?;
+    let told = clock.map_or(told, |clock| format!("{} rows a second, as asked for", clock.rate));
+    let mut matches = matching::match_columns(&unit, first, time.place, &mut notices)?;
+    let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
+    let known = Known { fmu: &unit, units, sheet: longest, time: &time, starts: &[], signs: None, isolation };
+    known.trial(&matches).rehearse(limits)?;
+    let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
+    let starts = starts::find_starts(&unit, &measured);
+    let known = Known { starts: &starts, ..known };
+    let mut candidates = write::parameters(&unit, &starts);
+    let found = write::Found::new(&sheets, &known, &told, &matches, &candidates);
+    let draft::Tried { signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
+    candidates.retain(|place| !unshown.contains(place));
+    let known = Known { signs: signs.as_ref(), ..known };
+    trial::against_model(&known, &mut matches, &mut notices);
+    for sheet in &sheets {
+        sheet.gaps(&time, &mut notices)?;
+    }
+    let tried = idle_parameters::find_idle(&known.trial(&matches), &candidates);
+    let found = write::Found {
+        unshown: &unshown,
+        tried: Some(&tried),
+        ..write::Found::new(&sheets, &known, &told, &matches, &candidates)
+    };
+    let guesses = write::folder(out, fmu, &unit, &found)?;
+    // what was written must read
+    let problem = observe::load(out, units, isolation)?;
+    notices.extend(problem.notices.iter().map(ToString::to_string));
+    Ok(Imported { guesses, notices })
+}
+
+/// The logs, with a column of time for those that a clock is given for. Columns that have a variable's name have it to the letter.
+fn read_sheets(logs: &[PathBuf], unit: &Fmu, clock: Option<Clock>) -> Result<Vec<Sheet>, Error> {
     let mut sheets = Vec::new();
     for log in logs {
         let mut sheet = Sheet::read(log)?;
@@ -104,91 +143,23 @@ pub fn import(
             sheet.timed(rate, start)?;
         }
         sheet.with_names(&|text| {
-            let own = text.strip_prefix(&instance(&unit)).and_then(|rest| rest.strip_prefix('.'));
+            let own = text.strip_prefix(&instance(unit)).and_then(|rest| rest.strip_prefix('.'));
             unit.description().place(own.unwrap_or(text)).is_some()
         });
         sheets.push(sheet);
     }
-    let Some(first) = sheets.first() else {
-        return Err(Error::Nominal("no log was given".into()));
-    };
-    let mut notices = Vec::new();
-    for other in &sheets[1..] {
-        if other.names() != first.names() {
-            notices.push(format!(
-                "{} has other columns than {}; its columns are taken by the same names",
-                other.path.display(),
-                first.path.display()
-            ));
-        }
-    }
-    let (time, told) = first.time_column(unit.description())?;
-    let told = clock.map_or(told, |clock| format!("{} rows a second, as asked for", clock.rate));
-    let mut matches = matching::columns(&unit, first, time.place, &mut notices)?;
-    let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
-    trial::Trial {
-        fmu: &unit,
-        units,
-        sheet: longest,
-        time: &time,
-        starts: &[],
-        matches: &matches,
-        isolation,
-    }
-    .rehearsed(limits)?;
-    let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
-    let starts = starts::of(&unit, &measured);
-    let mut candidates = write::parameters(&unit, &starts);
-    let plain = write::Found {
-        sheets: &sheets,
-        time: &time,
-        told: &told,
-        matches: &matches,
-        starts: &starts,
-        unshown: &[],
-        candidates: &candidates,
-        tried: &idle::Found::default(),
-    };
-    let draft::Tried { signs, unshown } = draft::of(fmu, &unit, units, isolation, &plain);
-    candidates.retain(|place| !unshown.contains(place));
-    let known = trial::Known {
-        fmu: &unit,
-        units,
-        sheets: &sheets,
-        time: &time,
-        starts: &starts,
-        signs: signs.as_ref(),
-        isolation,
-    };
-    trial::against_model(&known, &mut matches, &mut notices);
-    for sheet in &sheets {
-        sheet.gaps(&time, &mut notices)?;
-    }
-    let trial = trial::Trial {
-        fmu: &unit,
-        units,
-        sheet: longest,
-        time: &time,
-        starts: &starts,
-        matches: &matches,
-        isolation,
-    };
-    let tried = idle::of(&trial, &candidates);
-    let found = write::Found {
-        sheets: &sheets,
-        time: &time,
-        told: &told,
-        matches: &matches,
-        starts: &starts,
-        unshown: &unshown,
-        candidates: &candidates,
-        tried: &tried,
-    };
-    let guesses = write::folder(out, fmu, &unit, &found)?;
-    // what was written must read
-    let problem = observe::load(out, units, isolation)?;
-    notices.extend(problem.notices.iter().map(ToString::to_string));
-    Ok(Imported { guesses, notices })
+    Ok(sheets)
+}
+
+/// Which logs have other columns than the first.
+fn other_columns<'a>(first: &'a Sheet, others: &'a [Sheet]) -> impl Iterator<Item = String> + 'a {
+    others.iter().filter(|other| other.names() != first.names()).map(|other| {
+        format!(
+            "{} has other columns than {}; its columns are taken by the same names",
+            other.path.display(),
+            first.path.display()
+        )
+    })
 }
 
 /// Where the time stands, and in what.

@@ -10,13 +10,13 @@ pub(super) struct Import {
     pub gap: f64,
     /// Least likeness of the names of a column and of its variable.
     pub alike: f64,
-    /// What a fitting unit of measurement adds to it.
+    /// What a fitting unit of measurement adds to the likeness.
     pub fitting_unit: f64,
-    /// What the same initial adds to the same number.
+    /// What the same initial adds to the likeness of names with the same number.
     pub same_initial: f64,
     /// A start value is moved by this share of its size. Numerical only: far above `start_shown`.
     pub start_move: f64,
-    /// And shown again to this share.
+    /// A variable shows a start where it shows that move to this share of it.
     pub start_shown: f64,
     /// Correlation below which model and log say nothing of each other.
     pub tells: f64,
@@ -27,7 +27,7 @@ pub(super) struct Import {
     pub turn: f64,
     /// Inputs whose signs are tried; beyond that all are taken as they are.
     pub turned_inputs: usize,
-    /// Rows that are tried.
+    /// Most rows of a log on which the model is tried.
     pub rows: usize,
     /// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
     pub offset: f64,

@@ -6,6 +6,7 @@ use super::text::{Separator, Text};
 use crate::error::Error;
 use crate::observe::EPOCH;
 use crate::observe::measure;
+use crate::statistics::median::usual_step;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
 
@@ -45,12 +46,50 @@ struct Cells {
     first: Option<(usize, String)>,
 }
 
+impl Cells {
+    /// Counts a cell of a line, and gives its number; `NaN` where it holds none.
+    fn count(&mut self, cell: &str, comma: bool, line: usize) -> f64 {
+        match (cell, number(cell, comma)) {
+            ("", _) => f64::NAN,
+            (_, Some(value)) => {
+                self.numbers += 1;
+                value
+            }
+            (cell, None) => {
+                self.words += 1;
+                self.first.get_or_insert_with(|| (line, cell.to_owned()));
+                f64::NAN
+            }
+        }
+    }
+}
+
+/// Whether a line below the names holds units of measurement: something, and no number.
+fn is_line_of_units(record: &csv::StringRecord) -> bool {
+    record.iter().any(|cell| !cell.is_empty()) && record.iter().all(|cell| number(cell, true).is_none())
+}
+
+/// What is wrong with a line of more cells than there are names, where a further one holds a number.
+fn nameless(record: &csv::StringRecord, names: usize, comma: bool) -> Option<String> {
+    let cell = record.iter().skip(names).find(|cell| number(cell, comma).is_some())?;
+    Some(format!("{} cells below {names} names: {cell} stands below none", record.len()))
+}
+
+impl Header {
+    /// Takes the unit of measurement from the cell below the name, if it holds one.
+    fn measured_in(&mut self, cell: &str) {
+        if !cell.is_empty() {
+            self.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned());
+        }
+    }
+}
+
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        let Text { separator, table, above } = Text::of(&bytes, path)?;
+        let Text { separator, table, above } = Text::decode(&bytes, path)?;
         let comma = separator != Separator::Comma;
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(separator.byte())
@@ -64,46 +103,20 @@ impl Sheet {
         let mut decimal = false;
         let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
         for record in reader.records() {
-            let record = record.map_err(|error| {
-                wrong(
-                    above + error.position().map_or(1, |at| at.line() as usize),
-                    format!("not CSV: {error}"),
-                )
-            })?;
+            let line = |error: &csv::Error| error.position().map_or(1, |at| at.line() as usize);
+            let record = record.map_err(|error| wrong(above + line(&error), format!("not CSV: {error}")))?;
             let line = above + record.position().map_or(0, |position| position.line() as usize);
-            if rows.is_empty()
-                && record.iter().any(|cell| !cell.is_empty())
-                && record.iter().all(|cell| number(cell, true).is_none())
-            {
-                let units = columns.iter_mut().zip(record.iter()).filter(|(_, cell)| !cell.is_empty());
-                units.for_each(|(column, cell)| {
-                    column.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned())
-                });
+            if rows.is_empty() && is_line_of_units(&record) {
+                columns.iter_mut().zip(record.iter()).for_each(|(column, cell)| column.measured_in(cell));
                 continue;
             }
             decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
-            if let Some(cell) = record.iter().skip(columns.len()).find(|cell| number(cell, comma).is_some()) {
-                let (cells, names) = (record.len(), columns.len());
-                return Err(wrong(
-                    line,
-                    format!("{cells} cells below {names} names: {cell} stands below none"),
-                ));
+            if let Some(problem) = nameless(&record, columns.len(), comma) {
+                return Err(wrong(line, problem));
             }
-            let mut row: Vec<f64> = Vec::with_capacity(columns.len());
-            for (place, cell) in record.iter().take(columns.len()).enumerate() {
-                row.push(match (cell, number(cell, comma)) {
-                    ("", _) => f64::NAN,
-                    (_, Some(value)) => {
-                        kinds[place].numbers += 1;
-                        value
-                    }
-                    (cell, None) => {
-                        kinds[place].words += 1;
-                        kinds[place].first.get_or_insert_with(|| (line, cell.to_owned()));
-                        f64::NAN
-                    }
-                });
-            }
+            let mut row: Vec<f64> = (record.iter().take(columns.len()).zip(&mut kinds))
+                .map(|(cell, kind)| kind.count(cell, comma, line))
+                .collect();
             row.resize(columns.len(), f64::NAN);
             rows.push(row);
         }
@@ -112,12 +125,8 @@ impl Sheet {
         if sheet.rows.len() < 3 {
             return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
         }
-        sheet.dialect = separator.told().map(|name| {
-            format!(
-                "columns were separated by {name}{}",
-                if decimal { ", numbers had decimal commas" } else { "" }
-            )
-        });
+        let commas = if decimal { ", numbers had decimal commas" } else { "" };
+        sheet.dialect = separator.in_words().map(|name| format!("columns were separated by {name}{commas}"));
         Ok(sheet)
     }
 
@@ -238,9 +247,7 @@ impl Sheet {
 
     /// The median distance of rows in the log's own unit.
     pub(super) fn usual_gap(&self, place: usize) -> f64 {
-        let mut gaps: Vec<f64> = self.rows.windows(2).map(|pair| pair[1][place] - pair[0][place]).collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+        usual_step(&self.column(place)).unwrap_or(0.0)
     }
 
     /// Tells where rows are missing, and how uneven they are.

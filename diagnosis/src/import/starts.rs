@@ -24,7 +24,7 @@ pub(super) struct Start {
 }
 
 /// States of a unit that can be started; of two variables that one parameter starts a measured one goes first.
-pub(super) fn of(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
+pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
     let description = fmu.description();
     let mut all: Vec<Start> = (0..description.variables.len())
         .filter(|place| observe::shows_its_start(&description.variables[*place]))
@@ -32,7 +32,7 @@ pub(super) fn of(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
         .collect();
     let shown: Vec<usize> =
         (0..description.variables.len()).filter(|place| moves(&description.variables[*place])).collect();
-    let Ok(nominal) = begun(fmu, &shown, None) else { return all };
+    let Ok(nominal) = initialised(fmu, &shown, None) else { return all };
     for (place, parameter) in
         description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
     {
@@ -120,7 +120,7 @@ fn follows(
     let (Some(moved), true) = (moved, nominal.iter().any(|one| is(*one, value))) else {
         return Ok(Vec::new());
     };
-    let there = begun(fmu, shown, Some((parameter.reference, moved)))?;
+    let there = initialised(fmu, shown, Some((parameter.reference, moved)))?;
     let both = shown.iter().zip(nominal.iter().zip(&there));
     Ok(both
         .filter(|(_, (before, after))| is(**before, value) && is(**after, moved))
@@ -134,7 +134,7 @@ fn is_shown(shown: f64, value: f64, by: f64) -> bool {
 }
 
 /// What variables show after initialisation, with a parameter's value.
-fn begun(fmu: &Fmu, shown: &[usize], set: Option<(u32, f64)>) -> Result<Vec<f64>, orchestrator::Error> {
+fn initialised(fmu: &Fmu, shown: &[usize], set: Option<(u32, f64)>) -> Result<Vec<f64>, orchestrator::Error> {
     let mut instance = fmu.instantiate(&instance(fmu))?;
     let (reals, values): (Vec<u32>, Vec<f64>) = set.into_iter().unzip();
     instance.begin(0.0, None, Begin { reals: &reals, values: &values, settings: &[] })?;

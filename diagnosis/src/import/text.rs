@@ -21,14 +21,14 @@ pub(super) enum Separator {
 impl Separator {
     const ALL: [(Self, char); 3] = [(Self::Semicolon, ';'), (Self::Tab, '\t'), (Self::Comma, ',')];
 
-    fn of(line: &str) -> Option<Self> {
+    fn guess(line: &str) -> Option<Self> {
         let known = Self::ALL.into_iter().find(|(_, letter)| line.contains(*letter));
         let blanks = || line.split_whitespace().nth(1).map(|_| Self::Blanks);
         known.map(|(separator, _)| separator).or_else(blanks)
     }
 
     /// In words; commas need none.
-    pub(super) fn told(self) -> Option<&'static str> {
+    pub(super) fn in_words(self) -> Option<&'static str> {
         match self {
             Self::Comma => None,
             Self::Semicolon => Some("semicolons"),
@@ -74,14 +74,14 @@ pub(super) struct Text {
 
 impl Text {
     /// Finds the table in a file's bytes.
-    pub(super) fn of(bytes: &[u8], path: &Path) -> Result<Self, Error> {
+    pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Self, Error> {
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
         let text = decoded(bytes).trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
         let lines: Vec<&str> = text.lines().collect();
         let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with(COMMENTS);
         let first = lines.iter().position(|line| !is_comment(line));
         let Some(first) = first else { return Err(wrong(1, "no table in it".into())) };
-        let Some(separator) = Separator::of(lines[first]) else {
+        let Some(separator) = Separator::guess(lines[first]) else {
             return Err(wrong(
                 first + 1,
                 "one column only: wanted is a line of names, separated by commas".into(),
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<(Separator, String, usize), String> {
-        let found = Text::of(text.as_bytes(), Path::new("log.txt")).map_err(|error| error.to_string())?;
+        let found = Text::decode(text.as_bytes(), Path::new("log.txt")).map_err(|error| error.to_string())?;
         Ok((found.separator, found.table, found.above))
     }
 
@@ -187,7 +187,7 @@ mod tests {
         let wide: Vec<u8> =
             "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         for bytes in [text.as_bytes().to_vec(), latin, wide] {
-            let found = Text::of(&bytes, Path::new("log.csv")).expect("a table");
+            let found = Text::decode(&bytes, Path::new("log.csv")).expect("a table");
             assert_eq!(found.table.lines().next(), Some("t,T [\u{b0}C]"));
         }
     }

@@ -1,55 +1,100 @@
 //! Runs the model on a log's inputs and compares: signs, units of measurement that no header names, large offsets.
 
-use super::line::{Line, line};
 use super::policy::IMPORT;
 use super::sheet::Sheet;
 use super::starts::{self, Start};
+use super::straight_line::{Line, line};
 use super::{Match, Time, instance};
 use crate::check::{STRETCH, Signs};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
 use crate::statistics::levels::SEVERAL;
 use ended::{Failed, Within};
-use orchestrator::fmu::{Description, Variable};
+use judge::judge;
+use orchestrator::fmu::Description;
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, Isolation, MemoryRecorder, Place, Scenario, Simulation, UnitPath};
 use std::time::Duration;
 
-/// Units that logs are written in, beside the model's own.
-const USUAL: [&str; 22] = [
-    "degC", "deg", "rpm", "deg/s", "mm", "cm", "km", "km/h", "mV", "kV", "mA", "uA", "kPa", "bar", "kW",
-    "kN", "mN.m", "g", "ms", "%", "mA.h", "degF",
-];
-
 /// What is known before a trial.
+#[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
+    /// The unit.
     pub fmu: &'a Fmu,
+    /// Where units are found by name.
     pub units: &'a UnitPath,
-    pub sheets: &'a [Sheet],
+    /// The longest log.
+    pub sheet: &'a Sheet,
+    /// Where its time stands, and in what unit.
     pub time: &'a Time,
+    /// Which parameters are starts of which states.
     pub starts: &'a [Start],
     /// The signs that stretches of the logs tell, where they do.
     pub signs: Option<&'a Signs>,
+    /// Limits of processes of its own, if runs are made in such.
     pub isolation: Option<&'a Isolation>,
+}
+
+impl<'a> Known<'a> {
+    /// The model on the inputs of the log, matched so.
+    pub fn trial(&self, matches: &'a [Match]) -> Trial<'a> {
+        let Self { fmu, units, sheet, time, starts, isolation, .. } = *self;
+        Trial { fmu, units, sheet, time, starts, matches, isolation }
+    }
 }
 
 /// Tries every match against the model and writes what it says beside it.
 pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &mut Vec<String>) {
-    let Known { fmu, units, sheets, time, starts, signs, isolation } = *known;
-    let Some(sheet) = sheets.iter().max_by_key(|sheet| sheet.rows.len()) else { return };
+    let Known { fmu, starts, signs, .. } = *known;
     if let Some(signs) = signs {
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
     }
     let fed: Vec<usize> = (0..matches.len()).filter(|place| matches[*place].fed).collect();
-    let turned = if signs.is_none() { turned_ways(fed.len()) } else { 1 };
+    let ways = if signs.is_none() { turned_ways(fed.len()) } else { 1 };
+    let (turns, lines) = match likeliest_signs(known, matches, &fed, ways) {
+        Ok(found) => found,
+        Err(failed) => {
+            let why = failed.as_ref().map_or("nothing to run", Failed::in_short);
+            notices.push(format!("signs and units were not tried against the model: {why}"));
+            return;
+        }
+    };
+    let described = fmu.description();
+    for (bit, place) in fed.iter().enumerate().filter(|_| ways > 1) {
+        let matched = &mut matches[*place];
+        if turns >> bit & 1 == 1 {
+            let own = converted(matched, described);
+            matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
+            matched.evidence.push("sign turned: the model follows the logs better so".into());
+            notices.push(format!("column {:?}: sign turned, by trial", matched.column));
+        } else {
+            matched.evidence.push("sign as logged: no other follows the logs better".into());
+        }
+    }
+    for (matched, line) in matches.iter_mut().zip(lines) {
+        // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
+        if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
+            judge(matched, line, described, starts, signs.is_some(), notices);
+        }
+    }
+}
+
+/// The way of so many with which the model follows the logs best: which signs of the `fed` it turns, a bit each, and the line of each output.
+/// An error is why the last of them couldn't be run.
+fn likeliest_signs(
+    known: &Known<'_>,
+    matches: &[Match],
+    fed: &[usize],
+    ways: usize,
+) -> Result<(usize, Vec<Option<Line>>), Option<Failed>> {
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
-    for turns in 0..turned {
+    for turns in 0..ways {
         let sign = |place: usize| match fed.iter().position(|other| *other == place) {
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match (Trial { fmu, units, sheet, time, starts, matches, isolation }).compared(&sign) {
+        let lines = match known.trial(matches).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
@@ -69,30 +114,7 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             best = Some((score, turns, lines));
         }
     }
-    let Some((_, turns, lines)) = best else {
-        let why = failed.as_ref().map_or("nothing to run", Failed::in_short);
-        notices.push(format!("signs and units were not tried against the model: {why}"));
-        return;
-    };
-    let described = fmu.description();
-    for (bit, place) in fed.iter().enumerate().filter(|_| turned > 1) {
-        let turn = turns >> bit & 1 == 1;
-        let matched = &mut matches[*place];
-        if turn {
-            let own = converted(matched, described);
-            matched.affine = Some(Affine { scale: -own.scale, offset: -own.offset });
-            matched.evidence.push("sign turned: the model follows the logs better so".into());
-            notices.push(format!("column {:?}: sign turned, by trial", matched.column));
-        } else {
-            matched.evidence.push("sign as logged: no other follows the logs better".into());
-        }
-    }
-    for (matched, line) in matches.iter_mut().zip(lines) {
-        // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
-        if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
-            judge(matched, line, described, starts, signs.is_some(), notices);
-        }
-    }
+    best.map(|(_, turns, lines)| (turns, lines)).ok_or(failed)
 }
 
 /// Ways in which the signs of so many inputs are tried.
@@ -128,95 +150,19 @@ fn converted(matched: &Match, description: &Description) -> Affine {
     matched.affine.or_else(by_unit).unwrap_or(Affine::SAME)
 }
 
-/// What a line says of unit, sign and offset of an output. `known`: its sign is.
-fn judge(
-    matched: &mut Match,
-    line: Line,
-    description: &Description,
-    starts: &[Start],
-    known: bool,
-    notices: &mut Vec<String>,
-) {
-    let variable = &description.variables[matched.variable];
-    let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
-    if line.correlation.abs() < IMPORT.tells && known {
-        return;
-    }
-    let has_unit = matched.unit.is_none() && unit_of(line, variable, description).is_some();
-    if !line.begun && !has_unit {
-        matched.evidence.push(format!(
-            "nothing tried: the stretch without gaps begins within the log, and nothing says where the model stood there ({said})"
-        ));
-        return;
-    }
-    if line.correlation.abs() < IMPORT.tells || line.slope < 0.0 && !line.fits() {
-        matched.evidence.push(format!("the model alone says nothing of sign and unit ({said})"));
-        notices.push(format!(
-            "column {:?} and {} don't go together ({said}): look at unit and sign",
-            matched.column, variable.name
-        ));
-        return;
-    }
-    let own = converted(matched, description);
-    let sign = line.slope.signum();
-    let size = line.slope.abs();
-    if matched.unit.is_none()
-        && let Some((unit, found)) = unit_of(line, variable, description)
-    {
-        matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
-        matched.unit = Some(unit.to_owned());
-        if sign < 0.0 {
-            matched.affine = Some(Affine { scale: -found.scale, offset: found.offset });
-        }
-        return;
-    }
-    // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
-    let fits = line.fits();
-    let apart = line.mean.1 - sign * line.mean.0;
-    let far =
-        fits && starts::find(starts, matched.variable).is_none() && apart.abs() > IMPORT.offset * line.spread;
-    if sign < 0.0 || far {
-        let offset = if far { -sign * apart } else { 0.0 };
-        matched.affine = Some(Affine { scale: sign * own.scale, offset: sign * own.offset + offset });
-        let what = match (sign < 0.0, far) {
-            (true, true) => "sign turned and offset taken out",
-            (true, false) => "sign turned",
-            _ => "offset taken out",
-        };
-        matched.evidence.push(format!("{what}, by trial: {said}, means apart by {apart:.4}"));
-        notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
-        return;
-    }
-    let fits = if (size - 1.0).abs() < IMPORT.unit.1 {
-        "sign and size fit"
-    } else {
-        "the sign fits, the size does not: look at the unit"
-    };
-    matched.evidence.push(format!("{fits}: {said}"));
-}
-
-/// The unit of measurement that explains a slope.
-fn unit_of(line: Line, variable: &Variable, description: &Description) -> Option<(&'static str, Affine)> {
-    variable.unit.as_deref().filter(|unit| !unit.is_empty())?;
-    let near = |slope: f64| line.correlation.abs() >= IMPORT.unit.0 && (slope - 1.0).abs() < IMPORT.unit.1;
-    USUAL.into_iter().find_map(|unit| {
-        let found = measure::conversion(unit, variable, description).ok()?;
-        // measured = slope · model + offset is scale · measured + shift = model
-        let shifted = found.offset != 0.0;
-        let apart = (found.scale * line.offset + found.offset).abs();
-        let zero = !shifted || apart < 0.2 * found.offset.abs();
-        let other = shifted || (found.scale - 1.0).abs() > 1e-6;
-        (other && near(found.scale * line.slope.abs()) && zero).then_some((unit, found))
-    })
-}
-
 /// The model on the inputs of a log.
 pub(super) struct Trial<'a> {
+    /// The unit.
     pub fmu: &'a Fmu,
+    /// Where units are found by name.
     pub units: &'a UnitPath,
+    /// The log.
     pub sheet: &'a Sheet,
+    /// Where its time stands, and in what unit.
     pub time: &'a Time,
+    /// Which parameters are starts of which states.
     pub starts: &'a [Start],
+    /// Which column is which variable.
     pub matches: &'a [Match],
     /// In processes of its own, if that is asked for.
     pub isolation: Option<&'a Isolation>,
@@ -227,10 +173,13 @@ pub(super) fn name(fmu: &Fmu, matched: &Match) -> String {
     format!("{}.{}", instance(fmu), fmu.description().variables[matched.variable].name)
 }
 
-/// Times of a log's longest stretch in s from its begin, and where it begins.
+/// A log's longest stretch without a gap.
 struct Stretch {
+    /// Times of its rows from its begin on, s.
     times: Vec<f64>,
+    /// Its first row in the log.
     first: usize,
+    /// Usual distance of rows, s.
     gap: f64,
 }
 
@@ -239,8 +188,8 @@ impl Trial<'_> {
         let place = self.sheet.place(&self.time.name).ok_or_else(|| Failed::other("no time"))?;
         let (all, usual) = (self.sheet.column(place), self.sheet.usual_gap(place));
         let stretch = whole_stretch(&all, usual);
-        let stamps = &all[stretch.clone()];
-        let times = stamps.iter().map(|stamp| (stamp - stamps[0]) * self.time.seconds).collect();
+        let timestamps = &all[stretch.clone()];
+        let times = timestamps.iter().map(|time| (time - timestamps[0]) * self.time.seconds).collect();
         Ok(Stretch { times, first: stretch.start, gap: usual * self.time.seconds })
     }
 
@@ -259,7 +208,7 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// The unit crashed, ended its process, or did not come back from a call.
-    pub(super) fn rehearsed(&self, limits: &Isolation) -> Result<(), Error> {
+    pub(super) fn rehearse(&self, limits: &Isolation) -> Result<(), Error> {
         let mut within = Within::new(None);
         let run = self
             .stretch()
@@ -335,12 +284,12 @@ impl Trial<'_> {
 }
 
 /// The longest stretch of rows without a gap: what acted within one is not known.
-fn whole_stretch(stamps: &[f64], usual: f64) -> std::ops::Range<usize> {
-    let torn = |row: &usize| stamps[*row] - stamps[row - 1] > IMPORT.gap * usual;
+fn whole_stretch(timestamps: &[f64], usual: f64) -> std::ops::Range<usize> {
+    let torn = |row: &usize| timestamps[*row] - timestamps[row - 1] > IMPORT.gap * usual;
     let edges: Vec<usize> =
-        [0].into_iter().chain((1..stamps.len()).filter(torn)).chain([stamps.len()]).collect();
+        [0].into_iter().chain((1..timestamps.len()).filter(torn)).chain([timestamps.len()]).collect();
     let longest = edges.windows(2).map(|pair| pair[0]..pair[1]).max_by_key(|stretch| stretch.len());
-    let longest = longest.unwrap_or(0..stamps.len());
+    let longest = longest.unwrap_or(0..timestamps.len());
     longest.start..longest.end.min(longest.start + IMPORT.rows)
 }
 
@@ -361,5 +310,6 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, Failed> {
 }
 
 mod ended;
+mod judge;
 #[cfg(test)]
 mod tests;

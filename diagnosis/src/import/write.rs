@@ -1,8 +1,9 @@
 //! The folder of a data set: the unit, the logs as plain CSV, and `dataset.toml` with each guess beside its evidence.
 
-use super::idle;
+use super::idle_parameters;
 use super::sheet::Sheet;
 use super::starts::Start;
+use super::trial::Known;
 use super::{Match, Time, instance};
 use crate::error::Error;
 use orchestrator::Fmu;
@@ -14,18 +15,36 @@ use std::path::Path;
 /// What was found of the logs and the unit.
 #[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
+    /// The logs.
     pub sheets: &'a [Sheet],
+    /// Where their time stands, and in what unit.
     pub time: &'a Time,
     /// How the time was found, in words.
     pub told: &'a str,
+    /// Which column is which variable.
     pub matches: &'a [Match],
+    /// Which parameters are starts of which states.
     pub starts: &'a [Start],
     /// Parameters that are starts of states which no variable shows.
     pub unshown: &'a [usize],
     /// Parameters that may be off.
     pub candidates: &'a [usize],
     /// What trying them said.
-    pub tried: &'a idle::Found,
+    pub tried: Option<&'a idle_parameters::Found>,
+}
+
+impl<'a> Found<'a> {
+    /// Before any parameter was tried.
+    pub fn new(
+        sheets: &'a [Sheet],
+        known: &Known<'a>,
+        told: &'a str,
+        matches: &'a [Match],
+        candidates: &'a [usize],
+    ) -> Self {
+        let Known { time, starts, .. } = *known;
+        Self { sheets, time, told, matches, starts, unshown: &[], candidates, tried: None }
+    }
 }
 
 /// Writes everything and gives a line for each guess.
@@ -53,7 +72,8 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     states(&mut text, &mut guesses, fmu, starts, unshown);
     let candidates: Vec<usize> =
         candidates.iter().copied().filter(|place| !unshown.contains(place)).collect();
-    put_candidates(&mut text, &mut guesses, fmu, &candidates, tried);
+    let none = idle_parameters::Found::default();
+    put_candidates(&mut text, &mut guesses, fmu, &candidates, tried.unwrap_or(&none));
     for (number, sheet) in sheets.iter().enumerate() {
         let name = format!("run-{:02}.csv", number + 1);
         put(&name, plain(sheet))?;
@@ -153,7 +173,7 @@ fn put_candidates(
     guesses: &mut Vec<String>,
     fmu: &Fmu,
     all: &[usize],
-    tried: &idle::Found,
+    tried: &idle_parameters::Found,
 ) {
     let entry = |place: usize, mark: &str| {
         let variable = &fmu.description().variables[place];

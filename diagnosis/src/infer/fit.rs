@@ -82,13 +82,13 @@ pub struct At {
 /// A fit that has ended.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// Where.
+    /// Parameters, paths and noises at its end.
     pub at: At,
     /// The parameters that were free.
     pub free: Vec<usize>,
     /// -2 log likelihood with the free parameters where it is least.
     pub deviance: f64,
-    /// Covariance of the free parameters.
+    /// Covariance of the free parameters, in their order and units; infinite where the data tell nothing.
     pub covariance: DMatrix<f64>,
     /// The runs, linearised about the end, with columns for the free parameters.
     pub runs: Vec<Linearised>,
@@ -170,19 +170,25 @@ fn is_cut(model: &dyn Linearise, free: &[usize], theta: &[f64], reach: &[(f64, f
 
 /// The noises of a place by itself, the parameters held there, and the deviance with them. In a round the parameters are free, so that a fit
 /// goes far at first; two places, neither of which is the end, are compared by these.
-fn alone(runs: &[Linearised], from: &Noise, sizes: &Sizes, options: &Options) -> (Noise, f64) {
+fn noise_held(runs: &[Linearised], from: &Noise, sizes: &Sizes, options: &Options) -> (Noise, f64) {
     let (noise, deviance, _) = maximise_within(runs, &[], from, sizes, options.noises);
     (noise, deviance)
 }
 
-/// What a step gains, by the linear model.
-pub fn promised(reduced: &Reduced, shift: &[f64]) -> f64 {
+/// By how much a step lowers the deviance, by the linear model.
+fn predicted_decrease(reduced: &Reduced, shift: &[f64]) -> f64 {
     let shift = DVector::from_column_slice(shift);
     2.0 * shift.dot(&reduced.score) - shift.dot(&(&reduced.gram * &shift))
 }
 
 /// Moves every path to the smoothed one, after the parameters moved by `shift`; the largest move in units of the scales.
-fn follow(paths: &mut [Path], runs: &[Linearised], noise: &Noise, shift: &[f64], scales: &[f64]) -> f64 {
+fn smooth_paths(
+    paths: &mut [Path],
+    runs: &[Linearised],
+    noise: &Noise,
+    shift: &[f64],
+    scales: &[f64],
+) -> f64 {
     let shift: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
     let moves: Vec<Vec<f64>> = runs.par_iter().map(|run| smooth(&run.shifted(&shift), noise).state).collect();
     let mut largest = 0.0;
@@ -214,7 +220,7 @@ pub fn fit(
     fit_from(model, start, runs, free, sizes, options)
 }
 
-/// The same with the runs linearised at the start, a column for each free parameter, where they are known already.
+/// Fits from runs that are linearised at the start already, with a column for each free parameter.
 ///
 /// # Errors
 /// As [`fit`].
@@ -226,87 +232,141 @@ pub fn fit_from(
     sizes: Option<&Sizes>,
     options: &Options,
 ) -> Result<Fit, Error> {
+    let task = Task { model, free, sizes, options, rise: allowed_rise(&runs, options) };
     let all: Vec<usize> = (0..free.len()).collect();
     let mut at = start.clone();
     let mut best: Option<(At, Vec<Linearised>, f64)> = None;
-    let (mut damping, mut failures, mut rounds) = (0.0, 0, 0);
-    let values: usize = runs.iter().map(|run| run.measured.len()).sum();
-    let rise = f64::max(1.0, options.rise * values as f64);
+    let (mut damping, mut rounds) = (Damping { factor: 0.0, failures: 0 }, 0);
     loop {
         rounds += 1;
-        let mut quiet = true;
-        if let Some(sizes) = sizes {
-            (at.noise, _, quiet) = maximise_within(&runs, &all, &at.noise, sizes, options.noises);
-        }
+        let quiet = task.settle_noises(&runs, &mut at.noise);
         let here = reduced(&runs, &at.noise, &all);
         let value = here.square + here.log_det;
-        let worse = best.as_ref().is_some_and(|(from, about, known)| {
-            let seems = !value.is_finite() || value > known + rise;
-            let is = |sizes: &Sizes| {
-                let here = alone(&runs, &at.noise, sizes, options).1;
-                !here.is_finite() || here > alone(about, &from.noise, sizes, options).1 + rise
-            };
-            seems && sizes.is_none_or(is)
-        });
-        if worse && failures < options.damped {
-            failures += 1;
-            damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
+        let worse = best.as_ref().is_some_and(|best| task.is_worse(&runs, &at.noise, value, best));
+        if worse && damping.failures < options.damped {
+            damping.fail();
         } else if !worse {
             best = Some((at.clone(), runs.clone(), value));
         }
         let Some((from, about, _)) = &best else {
             return Err(Error::Model("the model leaves no finite likelihood at its nominal values".into()));
         };
-        let last = rounds >= options.rounds || failures >= options.damped;
+        let last = rounds >= options.rounds || damping.failures >= options.damped;
         if worse && last {
-            return Ok(ended(from.clone(), about.clone(), free, rounds));
+            return Ok(end_fit(from.clone(), about.clone(), free, rounds));
         }
         let here = if worse { reduced(about, &from.noise, &all) } else { here };
-        let ranges: Vec<_> = free.iter().map(|one| within_reach(model, *one, from.theta[*one])).collect();
-        let shift = step(&here, &from.theta, free, &ranges, damping);
-        let gain = promised(&here, &shift);
-        let (about, mut to) = (about.clone(), from.clone());
-        for (parameter, by) in free.iter().zip(&shift) {
-            to.theta[*parameter] += by;
-        }
-        if let (Some(sizes), true) = (sizes, is_cut(model, free, &to.theta, &ranges)) {
-            // the noises are those of the whole step, too small for what a part of it leaves
-            let by: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
-            let moved: Vec<Linearised> = about.par_iter().map(|run| run.shifted(&by)).collect();
-            to.noise = alone(&moved, &to.noise, sizes, options).0;
-        }
-        let moved = if damping > 0.0 && failures > 1 {
-            // states follow a damped step, too: a share of the way
-            damped_follow(&mut to.paths, &about, &to.noise, &shift, model.scales(), 1.0 / (1.0 + damping))
-        } else {
-            follow(&mut to.paths, &about, &to.noise, &shift, model.scales())
-        };
+        let Round { to, gain, moved } = task.round(from, about, &here, &damping);
         if last || quiet && gain < options.enough && moved < options.settled {
-            return Ok(ended(at_best(best), about, free, rounds));
+            return Ok(end_fit(from.clone(), about.clone(), free, rounds));
         }
         match model.linearise(&to.theta, &to.paths, free) {
             Ok(there) => (at, runs) = (to, there),
             Err(_) => {
-                failures += 1;
-                damping = if damping == 0.0 { 1.0 } else { 8.0 * damping };
-                if failures >= options.damped {
-                    // the model can't be followed where the data lead: the best place stays
-                    return Ok(ended(at_best(best), about, free, rounds));
+                // the model can't be followed where the data lead: from the best place with more damping, or not at all
+                damping.fail();
+                if damping.failures >= options.damped {
+                    return Ok(end_fit(from.clone(), about.clone(), free, rounds));
                 }
-                // begin again from the best place with more damping
-                let (from, about, _) = best.clone().unwrap_or_else(|| (at.clone(), runs.clone(), 0.0));
-                (at, runs) = (from, about);
+                (at, runs) = (from.clone(), about.clone());
             }
         }
     }
 }
 
-fn at_best(best: Option<(At, Vec<Linearised>, f64)>) -> At {
-    // set before any step is taken
-    best.map_or_else(|| unreachable!("a step was taken from a place"), |(at, _, _)| at)
+/// By how much a round may raise the deviance of so many values.
+fn allowed_rise(runs: &[Linearised], options: &Options) -> f64 {
+    let values: usize = runs.iter().map(|run| run.measured.len()).sum();
+    f64::max(1.0, options.rise * values as f64)
 }
 
-fn damped_follow(
+/// Levenberg's damping: none at first, more after each round that failed.
+struct Damping {
+    factor: f64,
+    failures: usize,
+}
+
+impl Damping {
+    /// Damps more: a round raised the deviance, or led where the model can't be run.
+    fn fail(&mut self) {
+        self.failures += 1;
+        self.factor = if self.factor == 0.0 { 1.0 } else { 8.0 * self.factor };
+    }
+}
+
+/// What is fitted.
+struct Task<'a> {
+    model: &'a dyn Linearise,
+    free: &'a [usize],
+    sizes: Option<&'a Sizes>,
+    options: &'a Options,
+    /// A round may raise the deviance by so much.
+    rise: f64,
+}
+
+/// Where a round leads.
+struct Round {
+    to: At,
+    /// Decrease of the deviance by the linear model.
+    gain: f64,
+    /// Largest move of a path, in units of the states' scales.
+    moved: f64,
+}
+
+impl Task<'_> {
+    /// Moves the noises on, the parameters free; whether they have settled.
+    fn settle_noises(&self, runs: &[Linearised], noise: &mut Noise) -> bool {
+        let Some(sizes) = self.sizes else { return true };
+        let all: Vec<usize> = (0..self.free.len()).collect();
+        let (settled, _, quiet) = maximise_within(runs, &all, noise, sizes, self.options.noises);
+        *noise = settled;
+        quiet
+    }
+
+    /// Whether a place with this deviance is worse than the best one.
+    fn is_worse(
+        &self,
+        runs: &[Linearised],
+        noise: &Noise,
+        value: f64,
+        (best, about, known): &(At, Vec<Linearised>, f64),
+    ) -> bool {
+        let seems = !value.is_finite() || value > known + self.rise;
+        let is = |sizes: &Sizes| {
+            let here = noise_held(runs, noise, sizes, self.options).1;
+            !here.is_finite() || here > noise_held(about, &best.noise, sizes, self.options).1 + self.rise
+        };
+        seems && self.sizes.is_none_or(is)
+    }
+
+    /// A Gauss-Newton step of the parameters within their reach, and the paths that follow it.
+    fn round(&self, from: &At, about: &[Linearised], here: &Reduced, damping: &Damping) -> Round {
+        let (model, free, scales) = (self.model, self.free, self.model.scales());
+        let ranges: Vec<_> = free.iter().map(|one| within_reach(model, *one, from.theta[*one])).collect();
+        let shift = step(here, &from.theta, free, &ranges, damping.factor);
+        let mut to = from.clone();
+        for (parameter, by) in free.iter().zip(&shift) {
+            to.theta[*parameter] += by;
+        }
+        if let (Some(sizes), true) = (self.sizes, is_cut(model, free, &to.theta, &ranges)) {
+            // the noises are those of the whole step, too small for what a part of it leaves
+            let by: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
+            let moved: Vec<Linearised> = about.par_iter().map(|run| run.shifted(&by)).collect();
+            to.noise = noise_held(&moved, &to.noise, sizes, self.options).0;
+        }
+        let moved = if damping.factor > 0.0 && damping.failures > 1 {
+            // states follow a damped step, too: a share of the way
+            let share = 1.0 / (1.0 + damping.factor);
+            smooth_paths_damped(&mut to.paths, about, &to.noise, &shift, scales, share)
+        } else {
+            smooth_paths(&mut to.paths, about, &to.noise, &shift, scales)
+        };
+        Round { to, gain: predicted_decrease(here, &shift), moved }
+    }
+}
+
+/// Moves every path a share of the way to the smoothed one; the largest move in units of the scales.
+fn smooth_paths_damped(
     paths: &mut [Path],
     runs: &[Linearised],
     noise: &Noise,
@@ -315,14 +375,15 @@ fn damped_follow(
     share: f64,
 ) -> f64 {
     let before = paths.to_vec();
-    let moved = follow(paths, runs, noise, shift, scales);
+    let moved = smooth_paths(paths, runs, noise, shift, scales);
     for (path, before) in paths.iter_mut().zip(&before) {
         path.iter_mut().zip(before).for_each(|(to, from)| *to = from + share * (*to - from));
     }
     share * moved
 }
 
-fn ended(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
+/// The fit that ends at a place about which the runs are linearised.
+fn end_fit(at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fit {
     let all: Vec<usize> = (0..free.len()).collect();
     let here = reduced(&runs, &at.noise, &all);
     let told = informed(&here);
@@ -334,6 +395,5 @@ fn ended(mut at: At, runs: Vec<Linearised>, free: &[usize], rounds: usize) -> Fi
             }
         }
     }
-    at.paths.shrink_to_fit();
     Fit { deviance: here.square + here.log_det, at, free: free.to_vec(), covariance, runs, rounds }
 }

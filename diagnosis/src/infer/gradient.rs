@@ -97,6 +97,7 @@ fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64], kep
     sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
 }
 
+/// The gradient of one run for N states, an unlisted input among them, from the last row to the first.
 fn backward<const N: usize>(
     run: &Linearised,
     noise: &Noise,
@@ -104,80 +105,112 @@ fn backward<const N: usize>(
     shift: &[f64],
     kept: &Kept,
 ) -> Gradient {
-    let (n, p) = (run.states, columns.len());
+    let p = columns.len();
     let mut sum = Gradient::zero(noise);
-    let mut adjoint = [0.0; N];
-    let mut spread = [[0.0; N]; N];
+    let mut adjoint = Adjoint::<N> { mean: [0.0; N], spread: [[0.0; N]; N] };
     for row in (0..run.rows()).rev() {
         for value in run.values(row).rev() {
             let s = kept.variance[value];
             if s.is_infinite() {
                 continue;
             }
-            let measured = &run.measured[value];
             let own = &kept.columns[value * p..(value + 1) * p];
             let e = kept.innovation[value] - own.iter().zip(shift).map(|(j, by)| j * by).sum::<f64>();
             let gain = &kept.gain[value * N..(value + 1) * N];
-            let observe = &run.observe[value * n..(value + 1) * n];
-            let mut through = [0.0; N];
-            let (mut along, mut twice) = (0.0, 0.0);
-            for i in 0..N {
-                let k = gain[i] / s;
-                along += k * adjoint[i];
-                for j in 0..N {
-                    through[i] += spread[i][j] * gain[j] / s;
-                }
-                twice += k * through[i];
-            }
-            let (u, d) = (e / s - along, 1.0 / s + twice);
-            let sigma = noise.channels[measured.channel];
-            let late = noise.jitter * measured.slope;
-            sum.channels[measured.channel].add(sigma * sigma, d - u * u, d);
-            sum.jitter.add(late * late, d - u * u, d);
-            for (i, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
-                adjoint[i] += h * u;
-                for (j, other) in observe.iter().enumerate() {
-                    spread[i][j] += h * other * d;
-                }
-                for j in 0..N {
-                    spread[i][j] -= h * through[j];
-                    spread[j][i] -= h * through[j];
-                }
+            adjoint.take_value(run, noise, value, (e, s, gain), &mut sum);
+        }
+        match row.checked_sub(1) {
+            Some(before) => adjoint.go_back(run, noise, before, &mut sum),
+            None => {
+                let first = noise.disturbance.map(|unlisted| unlisted.size * unlisted.size);
+                adjoint.add_disturbance(run.states, first, &mut sum);
             }
         }
-        let unlisted = noise.disturbance;
-        if row == 0 {
-            if let Some(unlisted) = unlisted {
-                let excess = spread[n][n] - adjoint[n] * adjoint[n];
-                sum.disturbance.add(unlisted.size * unlisted.size, excess, spread[n][n]);
-            }
-            break;
-        }
-        let step = Interval::<N>::new(run, noise, row - 1);
-        let dt = run.interval(row - 1);
-        for (equation, q) in noise.process.iter().enumerate().take(n).filter(|(_, q)| **q > 0.0) {
-            let (mut along, mut twice) = (0.0, 0.0);
-            for i in 0..n {
-                let g = direction(run, row - 1, equation, i);
-                along += g * adjoint[i];
-                for j in 0..n {
-                    twice += g * spread[i][j] * direction(run, row - 1, equation, j);
-                }
-            }
-            sum.process[equation].add(q * q / dt, twice - along * along, twice);
-        }
-        if unlisted.is_some() {
-            let excess = spread[n][n] - adjoint[n] * adjoint[n];
-            sum.disturbance.add(step.covariance[n][n], excess, spread[n][n]);
-        }
-        adjoint = std::array::from_fn(|j| (0..N).map(|i| step.transition[i][j] * adjoint[i]).sum::<f64>());
-        spread = back(&step.transition, &spread);
     }
     sum
 }
 
+/// The adjoint state r and its covariance N.
+struct Adjoint<const N: usize> {
+    mean: [f64; N],
+    spread: [[f64; N]; N],
+}
+
+impl<const N: usize> Adjoint<N> {
+    /// Before a value with the innovation e, its variance s and the gain P Hᵀ.
+    #[inline]
+    fn take_value(
+        &mut self,
+        run: &Linearised,
+        noise: &Noise,
+        value: usize,
+        (e, s, gain): (f64, f64, &[f64]),
+        sum: &mut Gradient,
+    ) {
+        let (n, measured) = (run.states, &run.measured[value]);
+        let observe = &run.observe[value * n..(value + 1) * n];
+        let mut through = [0.0; N];
+        let (mut along, mut twice) = (0.0, 0.0);
+        for i in 0..N {
+            let k = gain[i] / s;
+            along += k * self.mean[i];
+            for j in 0..N {
+                through[i] += self.spread[i][j] * gain[j] / s;
+            }
+            twice += k * through[i];
+        }
+        let (u, d) = (e / s - along, 1.0 / s + twice);
+        let sigma = noise.channels[measured.channel];
+        let late = noise.jitter * measured.slope;
+        sum.channels[measured.channel].add(sigma * sigma, d - u * u, d);
+        sum.jitter.add(late * late, d - u * u, d);
+        for (i, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+            self.mean[i] += h * u;
+            for (j, other) in observe.iter().enumerate() {
+                self.spread[i][j] += h * other * d;
+            }
+            for j in 0..N {
+                self.spread[i][j] -= h * through[j];
+                self.spread[j][i] -= h * through[j];
+            }
+        }
+    }
+
+    /// Before the interval after a row.
+    #[inline]
+    fn go_back(&mut self, run: &Linearised, noise: &Noise, row: usize, sum: &mut Gradient) {
+        let n = run.states;
+        let step = Interval::<N>::new(run, noise, row);
+        let dt = run.interval(row);
+        for (equation, q) in noise.process.iter().enumerate().take(n).filter(|(_, q)| **q > 0.0) {
+            let (mut along, mut twice) = (0.0, 0.0);
+            for i in 0..n {
+                let g = direction(run, row, equation, i);
+                along += g * self.mean[i];
+                for j in 0..n {
+                    twice += g * self.spread[i][j] * direction(run, row, equation, j);
+                }
+            }
+            sum.process[equation].add(q * q / dt, twice - along * along, twice);
+        }
+        let variance = noise.disturbance.map(|_| step.covariance[n][n]);
+        self.add_disturbance(n, variance, sum);
+        self.mean =
+            std::array::from_fn(|j| (0..N).map(|i| step.transition[i][j] * self.mean[i]).sum::<f64>());
+        self.spread = back_through(&step.transition, &self.spread);
+    }
+
+    /// The unlisted input's part, where there is one with this variance.
+    fn add_disturbance(&self, n: usize, variance: Option<f64>, sum: &mut Gradient) {
+        if let Some(variance) = variance {
+            let excess = self.spread[n][n] - self.mean[n] * self.mean[n];
+            sum.disturbance.add(variance, excess, self.spread[n][n]);
+        }
+    }
+}
+
 /// Tᵀ N T, symmetric to the last bit.
-fn back<const N: usize>(t: &[[f64; N]; N], n: &[[f64; N]; N]) -> [[f64; N]; N] {
+fn back_through<const N: usize>(t: &[[f64; N]; N], n: &[[f64; N]; N]) -> [[f64; N]; N] {
     let mut half = [[0.0; N]; N];
     for i in 0..N {
         for k in 0..N {

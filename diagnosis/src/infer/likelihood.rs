@@ -49,7 +49,7 @@ impl Sizes {
         self.pinned.get(equation).copied().unwrap_or(false)
     }
 
-    /// The same without process noise in these equations.
+    /// These sizes with process noise at its least in the equations that are marked.
     pub fn with_pinned(&self, pinned: Vec<bool>) -> Self {
         Self { pinned, ..self.clone() }
     }
@@ -144,11 +144,11 @@ pub fn reduced(runs: &[Linearised], noise: &Noise, columns: &[usize]) -> Reduced
 
 /// -2 log likelihood with the parameters where it is least.
 pub fn profile(reduced: &Reduced) -> f64 {
-    reduced.square - best(reduced).1 + reduced.log_det
+    reduced.square - best_shift(reduced).1 + reduced.log_det
 }
 
 /// Where the parameters are best, and what is gained by going there.
-fn best(reduced: &Reduced) -> (Vec<f64>, f64) {
+fn best_shift(reduced: &Reduced) -> (Vec<f64>, f64) {
     let told = informed(reduced);
     let gram = crate::statistics::linear::submatrix(&reduced.gram, &told);
     let score = crate::statistics::linear::subvector(&reduced.score, &told);
@@ -169,7 +169,7 @@ pub fn maximise(runs: &[Linearised], columns: &[usize], start: &Noise, sizes: &S
     (noise, deviance)
 }
 
-/// The same in at most so many rounds, and whether it came to its end.
+/// As [`maximise`], in at most so many rounds; and whether it came to its end.
 pub fn maximise_within(
     runs: &[Linearised],
     columns: &[usize],
@@ -184,34 +184,23 @@ pub fn maximise_within(
     let at = clamped(DVector::from_iterator(slots.len(), first));
     let deviance = |at: &DVector<f64>| profile(&reduced(runs, &written(start, &slots, at), columns));
     let swept = |at: DVector<f64>| Swept::new(runs, columns, written(start, &slots, &at), at);
-    let mut here = swept(at);
-    // what an effect explains may have been the process noise's: beyond a ridge there is a valley with less of it
-    let valleys = smaller(&here.at, &slots).into_iter().map(&clamped).map(|less| (deviance(&less), less));
-    let lowest = valleys.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
-    if let Some((_, at)) = lowest {
-        here = swept(at);
-    }
+    let valleys = with_less_process_noise(&at, &slots).into_iter().map(&clamped);
+    let mut here = lowest(swept(at), valleys, &deviance, &swept);
     let slopes = |here: &Swept| derivatives(runs, columns, here, &slots, &deviance);
     let (mut gradient, curvature) = slopes(&here);
     let mut inverse = DMatrix::from_diagonal(&curvature.map(|second| 1.0 / second.max(INFER.flat)));
     let mut ended = false;
     for round in 0..rounds {
-        let direction = held(-&inverse * &gradient, &here.at, &gradient, &slots);
+        let direction = held_within(-&inverse * &gradient, &here.at, &gradient, &slots);
         let longest = direction.amax();
         if longest < 1e-6 {
             ended = true;
             break;
         }
-        let mut length = (INFER.longest_move / longest).min(1.0);
-        let promised = -gradient.dot(&direction);
-        let accepted = (0..8).find_map(|_| {
-            let there = swept(clamped(&here.at + &direction * length));
-            let good =
-                there.value.is_finite() && there.value <= here.value - 1e-4 * length * promised.max(0.0);
-            length *= if good { 1.0 } else { 0.35 };
-            good.then_some(there)
-        });
-        let Some(there) = accepted else {
+        let length = (INFER.longest_move / longest).min(1.0);
+        let decrease = -gradient.dot(&direction);
+        let try_at = |length: f64| swept(clamped(&here.at + &direction * length));
+        let Some(there) = backtracked(here.value, decrease, length, &try_at) else {
             ended = true;
             break;
         };
@@ -221,10 +210,38 @@ pub fn maximise_within(
             break;
         }
         let next = slopes(&there).0;
-        updated(&mut inverse, &(&there.at - &here.at), &(&next - &gradient));
+        update_inverse(&mut inverse, &(&there.at - &here.at), &(&next - &gradient));
         (here, gradient) = (there, next);
     }
     (here.noise, here.value, ended)
+}
+
+/// Where the search begins: what an effect explains may have been the process noise's, and beyond a ridge there is a valley with less of it.
+fn lowest(
+    here: Swept,
+    valleys: impl Iterator<Item = DVector<f64>>,
+    deviance: &dyn Fn(&DVector<f64>) -> f64,
+    swept: &dyn Fn(DVector<f64>) -> Swept,
+) -> Swept {
+    let all = valleys.map(|less| (deviance(&less), less));
+    let lowest = all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(there, _)| *there < here.value);
+    lowest.map_or(here, |(_, at)| swept(at))
+}
+
+/// The first of ever shorter steps that lowers the deviance by a share of what it is predicted to; nothing where none of a few does.
+fn backtracked(
+    value: f64,
+    predicted_decrease: f64,
+    mut length: f64,
+    try_at: &dyn Fn(f64) -> Swept,
+) -> Option<Swept> {
+    (0..8).find_map(|_| {
+        let there = try_at(length);
+        let good =
+            there.value.is_finite() && there.value <= value - 1e-4 * length * predicted_decrease.max(0.0);
+        length *= if good { 1.0 } else { 0.35 };
+        good.then_some(there)
+    })
 }
 
 /// A place of the search with what one sweep of every run gave there: the deviance, and what its gradient needs.
@@ -244,12 +261,12 @@ impl Swept {
         let mut sum = Reduced::zero(columns.len());
         parts.iter().for_each(|(part, _)| sum.add(part));
         let kept = parts.into_iter().map(|(_, kept)| kept).collect();
-        Self { value: profile(&sum), shift: best(&sum).0, at, noise, kept }
+        Self { value: profile(&sum), shift: best_shift(&sum).0, at, noise, kept }
     }
 }
 
-/// The same with less process noise, of all equations or of one.
-fn smaller(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
+/// Places with less process noise than this one, of all equations or of one.
+fn with_less_process_noise(at: &DVector<f64>, slots: &[Slot]) -> Vec<DVector<f64>> {
     let equations: Vec<usize> =
         (0..slots.len()).filter(|slot| matches!(slots[*slot].which, Which::Process(_))).collect();
     let by = |which: &[usize], share: f64| {
@@ -295,7 +312,12 @@ fn derivatives(
 }
 
 /// A direction that leaves no range: what stands at an end and would go beyond stays.
-fn held(direction: DVector<f64>, at: &DVector<f64>, gradient: &DVector<f64>, slots: &[Slot]) -> DVector<f64> {
+fn held_within(
+    direction: DVector<f64>,
+    at: &DVector<f64>,
+    gradient: &DVector<f64>,
+    slots: &[Slot],
+) -> DVector<f64> {
     let stuck = |i: usize| {
         let (least, most) = slots[i].range;
         at[i] <= least && gradient[i] > 0.0 || at[i] >= most && gradient[i] < 0.0
@@ -310,7 +332,7 @@ fn held(direction: DVector<f64>, at: &DVector<f64>, gradient: &DVector<f64>, slo
 }
 
 /// The BFGS update of the inverse Hessian, left out where curvature is not positive.
-fn updated(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f64>) {
+fn update_inverse(inverse: &mut DMatrix<f64>, moved: &DVector<f64>, change: &DVector<f64>) {
     let along = moved.dot(change);
     if along <= 1e-12 {
         return;

@@ -5,11 +5,11 @@
 pub struct Measured {
     /// Place of the channel.
     pub channel: usize,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
-    /// Measured minus predicted at the path.
+    /// Measured minus predicted at the path, in the channel's unit.
     pub residual: f64,
-    /// Rate of change of the predicted value, per s: a timestamp that is off shows in proportion to it.
+    /// Rate of change of the predicted value, in the channel's unit per s: a timestamp that is off shows in proportion to it.
     pub slope: f64,
     /// Share of the weight that noise alone would give; 0 for an outlier.
     pub weight: f64,
@@ -29,25 +29,25 @@ pub struct Follows {
 /// One run about a path x̂ of `rows` rows, with n states and p parameters.
 #[derive(Debug, Clone, Default)]
 pub struct Linearised {
-    /// States.
+    /// Number of states, n.
     pub states: usize,
-    /// Parameters.
+    /// Number of parameters, p.
     pub parameters: usize,
     /// Times of the rows, s.
     pub time: Vec<f64>,
-    /// ∂F/∂x of each interval, row by row (n x n).
+    /// ∂F/∂x of each interval, row by row (n x n numbers an interval, row-major).
     pub transition: Vec<f64>,
-    /// ∂F/∂θ of each interval, a column behind the other (p columns of n).
+    /// ∂F/∂θ of each interval, a column behind the other (p columns of n numbers an interval).
     pub drive: Vec<f64>,
-    /// F(x̂(k)) - x̂(k+1) of each interval (n).
+    /// F(x̂(k)) - x̂(k+1) of each interval (n numbers an interval, in the states' units).
     pub defect: Vec<f64>,
     /// Where the values of each row begin in `measured`; one more than rows.
     pub first: Vec<usize>,
-    /// The values.
+    /// The measured values, in the order of rows.
     pub measured: Vec<Measured>,
-    /// ∂h/∂x of each value (n).
+    /// ∂h/∂x of each value (n numbers a value).
     pub observe: Vec<f64>,
-    /// ∂h/∂θ of each value (p).
+    /// ∂h/∂θ of each value (p numbers a value).
     pub direct: Vec<f64>,
     /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
     /// Empty: none is.
@@ -62,7 +62,7 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// Rows.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.time.len()
     }
@@ -88,8 +88,8 @@ impl Linearised {
         &self.drive[at..at + self.states]
     }
 
-    /// The same with these columns only, in this order.
-    pub fn chosen(&self, columns: &[usize]) -> Self {
+    /// This run with the columns of these parameters only, in this order.
+    pub fn with_columns(&self, columns: &[usize]) -> Self {
         let rows = 0..self.rows().saturating_sub(1);
         let drive = rows.flat_map(|row| columns.iter().flat_map(move |column| self.column(row, *column)));
         let direct = (0..self.measured.len()).flat_map(|value| {
@@ -117,7 +117,7 @@ impl Linearised {
         }
     }
 
-    /// The same about the same path, after the parameters moved by `shift` (place, amount), to first order.
+    /// This run about the same path, after the parameters moved by `shift` (place, amount), to first order.
     pub fn shifted(&self, shift: &[(usize, f64)]) -> Self {
         let mut moved = self.clone();
         for (place, by) in shift.iter().filter(|(_, by)| *by != 0.0) {

@@ -26,5 +26,4 @@ pub use fit::{At, Fit, fit};
 pub use likelihood::{Sizes, maximise};
 pub use linearised::{Linearised, Measured};
 pub use noise::{Disturbance, Noise};
-pub use smooth::{Smoothed, smooth};
-pub use sweep::sweep;
+pub use smooth::smooth;

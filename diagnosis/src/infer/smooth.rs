@@ -10,7 +10,7 @@ use super::sweep::{Interval, Kept, MOST_STATES, dimension, sweep_kept};
 /// What is most likely, given all values of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// Deviation from the path, n a row.
+    /// Deviation from the path, n numbers a row, in the states' units.
     pub state: Vec<f64>,
     /// The unlisted input at each row, if there is one.
     pub disturbance: Vec<f64>,

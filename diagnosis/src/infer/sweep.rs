@@ -9,7 +9,7 @@
     reason = "i and j are the indices of matrices, in the formulas and here"
 )]
 
-use super::linearised::Linearised;
+use super::linearised::{Follows, Linearised};
 use super::noise::Noise;
 use crate::statistics::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
@@ -20,7 +20,7 @@ pub const MOST_STATES: usize = 24;
 /// What the backward pass needs: one entry a value or row.
 #[derive(Debug, Default)]
 pub struct Kept {
-    /// Innovation of each value.
+    /// Innovation of each value, in its channel's unit.
     pub innovation: Vec<f64>,
     /// Its variance.
     pub variance: Vec<f64>,
@@ -43,21 +43,21 @@ pub fn sweep(run: &Linearised, noise: &Noise, columns: &[usize]) -> Reduced {
     dispatch(run, noise, columns, None)
 }
 
-/// The same, and keeps what smoothing needs. The size of a state is that of [`dimension`].
+/// Runs the filter without columns, and keeps what smoothing needs: N numbers a state of a row, where N is [`dimension`].
 pub fn sweep_kept(run: &Linearised, noise: &Noise) -> (Reduced, Kept) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, &[], Some(&mut kept));
     (reduced, kept)
 }
 
-/// The same with columns, and the sum of their scores up to each row.
+/// Runs the filter with these columns, and gives the sum of their scores up to each row, too.
 pub fn sweep_scores(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Vec<f64>) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, columns, Some(&mut kept));
     (reduced, kept.score)
 }
 
-/// The sums, and innovations with their columns and gains: what a gradient needs.
+/// Runs the filter with these columns, and keeps innovations with their columns and gains: what a gradient needs.
 pub fn sweep_columns(run: &Linearised, noise: &Noise, columns: &[usize]) -> (Reduced, Kept) {
     let mut kept = Kept { values_only: true, ..Kept::default() };
     let reduced = dispatch(run, noise, columns, Some(&mut kept));
@@ -147,121 +147,204 @@ pub fn direction(run: &Linearised, row: usize, equation: usize, i: usize) -> f64
     0.5 * run.interval(row) * (a + if i == equation { 1.0 } else { 0.0 })
 }
 
+/// The filter for N states, an unlisted input among them.
 fn filter<const N: usize>(
     run: &Linearised,
     noise: &Noise,
     columns: &[usize],
     mut kept: Option<&mut Kept>,
 ) -> Reduced {
-    let (n, p) = (run.states, columns.len());
-    let mut mean = [0.0; N];
-    let mut covariance = [[0.0; N]; N];
-    for i in 0..n {
-        mean[i] = run.start.0[i];
-        covariance[i][i] = run.start.1[i] * run.start.1[i];
+    let mut filter = Filter::<N>::new(run, noise, columns);
+    for row in 0..run.rows() {
+        for value in run.values(row) {
+            filter.take_in(value, kept.as_deref_mut());
+        }
+        if let Some(kept) = kept.as_deref_mut().filter(|kept| !kept.values_only) {
+            kept.mean.extend_from_slice(&filter.mean);
+            filter.covariance.iter().for_each(|row| kept.covariance.extend_from_slice(row));
+            kept.score.extend_from_slice(&filter.score);
+        }
+        if row + 1 < run.rows() {
+            filter.predict(row);
+        }
     }
-    let mut sensitivity = vec![[0.0; N]; p];
-    for known in &run.follows {
-        let (own, before) = (known.state, covariance);
+    filter.reduced()
+}
+
+/// The filter on its way through a run.
+struct Filter<'a, const N: usize> {
+    run: &'a Linearised,
+    noise: &'a Noise,
+    columns: &'a [usize],
+    /// m.
+    mean: [f64; N],
+    /// P.
+    covariance: [[f64; N]; N],
+    /// M, a column for each parameter.
+    sensitivity: Vec<[f64; N]>,
+    /// J of the last value.
+    innovation_columns: Vec<f64>,
+    /// Sum of J e / s.
+    score: Vec<f64>,
+    /// Sum of J J' / s, its lower half.
+    gram: Vec<f64>,
+    /// Sum of e² / s.
+    square: f64,
+    /// Sum of log s, with what is left out.
+    log_det: f64,
+    /// Number of values that were taken in.
+    count: f64,
+}
+
+impl<'a, const N: usize> Filter<'a, N> {
+    /// Before the first row.
+    fn new(run: &'a Linearised, noise: &'a Noise, columns: &'a [usize]) -> Self {
+        let (n, p) = (run.states, columns.len());
+        let mut filter = Self {
+            run,
+            noise,
+            columns,
+            mean: [0.0; N],
+            covariance: [[0.0; N]; N],
+            sensitivity: vec![[0.0; N]; p],
+            innovation_columns: vec![0.0; p],
+            score: vec![0.0; p],
+            gram: vec![0.0; p * p],
+            square: 0.0,
+            log_det: run.left_out,
+            count: 0.0,
+        };
+        for i in 0..n {
+            filter.mean[i] = run.start.0[i];
+            filter.covariance[i][i] = run.start.1[i] * run.start.1[i];
+        }
+        run.follows.iter().for_each(|known| filter.lead(known));
+        if let Some(unlisted) = noise.disturbance {
+            filter.covariance[n][n] = unlisted.size * unlisted.size;
+        }
+        filter
+    }
+
+    /// A state of the first row that begins where those before it lead.
+    fn lead(&mut self, known: &Follows) {
+        let (own, before) = (known.state, self.covariance);
         for (j, by) in known.by.iter().enumerate() {
-            mean[own] += by * mean[j];
+            self.mean[own] += by * self.mean[j];
             for i in 0..own {
-                covariance[own][i] += by * before[j][i];
-                covariance[own][own] += by * before[j][i] * known.by.get(i).copied().unwrap_or(0.0);
+                self.covariance[own][i] += by * before[j][i];
+                self.covariance[own][own] += by * before[j][i] * known.by.get(i).copied().unwrap_or(0.0);
             }
         }
         for i in 0..own {
-            covariance[i][own] = covariance[own][i];
+            self.covariance[i][own] = self.covariance[own][i];
         }
-        sensitivity.iter_mut().zip(columns).for_each(|(m, column)| m[own] = known.direct[*column]);
+        let columns = self.sensitivity.iter_mut().zip(self.columns);
+        columns.for_each(|(m, column)| m[own] = known.direct[*column]);
     }
-    if let Some(unlisted) = noise.disturbance {
-        covariance[n][n] = unlisted.size * unlisted.size;
+
+    /// Takes a value in: e, s and J, the sums, then m, P and M.
+    #[inline]
+    fn take_in(&mut self, value: usize, mut kept: Option<&mut Kept>) {
+        let (run, n) = (self.run, self.run.states);
+        let measured = &run.measured[value];
+        let observe = &run.observe[value * n..(value + 1) * n];
+        let mut gain = [0.0; N];
+        let mut predicted = 0.0;
+        for (j, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+            predicted += h * self.mean[j];
+            for (gain, row) in gain.iter_mut().zip(&self.covariance) {
+                *gain += h * row[j];
+            }
+        }
+        let spread: f64 = observe.iter().zip(&gain).map(|(h, gain)| h * gain).sum();
+        let own = self.noise.variance(measured.channel, measured.slope);
+        let innovation = measured.residual - predicted;
+        let variance = spread.max(0.0) + own;
+        if let Some(kept) = kept.as_deref_mut() {
+            kept.innovation.push(innovation);
+            kept.variance.push(if measured.weight > 0.0 { variance } else { f64::INFINITY });
+            kept.gain.extend_from_slice(&gain);
+        }
+        if measured.weight == 0.0 {
+            if let Some(kept) = kept {
+                kept.columns.resize(kept.columns.len() + self.columns.len(), 0.0);
+            }
+            return;
+        }
+        let direct = &run.direct[value * run.parameters..(value + 1) * run.parameters];
+        for (slot, (column, m)) in self.columns.iter().zip(&self.sensitivity).enumerate() {
+            let through: f64 = observe.iter().zip(m).map(|(h, m)| h * m).sum();
+            self.innovation_columns[slot] = through + direct[*column];
+        }
+        if let Some(kept) = kept {
+            kept.columns.extend_from_slice(&self.innovation_columns);
+        }
+        self.add(innovation, variance);
+        self.correct(&gain, innovation, variance);
     }
-    let mut innovation_columns = vec![0.0; p];
-    let mut score = vec![0.0; p];
-    let mut gram = vec![0.0; p * p];
-    let (mut square, mut log_det, mut count) = (0.0, run.left_out, 0.0);
-    for row in 0..run.rows() {
-        for value in run.values(row) {
-            let measured = &run.measured[value];
-            let observe = &run.observe[value * n..(value + 1) * n];
-            let mut gain = [0.0; N];
-            let mut predicted = 0.0;
-            for (j, h) in observe.iter().enumerate().filter(|(_, h)| **h != 0.0) {
-                predicted += h * mean[j];
-                for (gain, row) in gain.iter_mut().zip(&covariance) {
-                    *gain += h * row[j];
-                }
-            }
-            let spread: f64 = observe.iter().zip(&gain).map(|(h, gain)| h * gain).sum();
-            let own = noise.variance(measured.channel, measured.slope);
-            let innovation = measured.residual - predicted;
-            let variance = spread.max(0.0) + own;
-            if let Some(kept) = kept.as_deref_mut() {
-                kept.innovation.push(innovation);
-                kept.variance.push(if measured.weight > 0.0 { variance } else { f64::INFINITY });
-                kept.gain.extend_from_slice(&gain);
-            }
-            if measured.weight == 0.0 {
-                if let Some(kept) = kept.as_deref_mut() {
-                    kept.columns.resize(kept.columns.len() + p, 0.0);
-                }
-                continue;
-            }
-            let direct = &run.direct[value * run.parameters..(value + 1) * run.parameters];
-            for (slot, (column, m)) in columns.iter().zip(&sensitivity).enumerate() {
-                let through: f64 = observe.iter().zip(m).map(|(h, m)| h * m).sum();
-                innovation_columns[slot] = through + direct[*column];
-            }
-            if let Some(kept) = kept.as_deref_mut() {
-                kept.columns.extend_from_slice(&innovation_columns);
-            }
-            square += innovation * innovation / variance;
-            log_det += libm::log(variance);
-            count += 1.0;
-            for i in 0..p {
-                let weighted = innovation_columns[i] / variance;
-                score[i] += weighted * innovation;
-                for j in 0..=i {
-                    gram[i * p + j] += weighted * innovation_columns[j];
-                }
-            }
-            for i in 0..N {
-                let k = gain[i] / variance;
-                mean[i] += k * innovation;
-                for (m, column) in sensitivity.iter_mut().zip(&innovation_columns) {
-                    m[i] -= k * column;
-                }
-                for j in 0..N {
-                    covariance[i][j] -= k * gain[j];
-                }
-            }
-        }
-        if let Some(kept) = kept.as_deref_mut().filter(|kept| !kept.values_only) {
-            kept.mean.extend_from_slice(&mean);
-            covariance.iter().for_each(|row| kept.covariance.extend_from_slice(row));
-            kept.score.extend_from_slice(&score);
-        }
-        if row + 1 < run.rows() {
-            let step = Interval::<N>::new(run, noise, row);
-            let defect = &run.defect[row * n..(row + 1) * n];
-            mean = times(&step.transition, &mean);
-            mean.iter_mut().zip(defect).for_each(|(mean, defect)| *mean += defect);
-            for (m, column) in sensitivity.iter_mut().zip(columns) {
-                *m = times(&step.transition, m);
-                m.iter_mut().zip(run.column(row, *column)).for_each(|(m, column)| *m += column);
-            }
-            covariance = spread(&step.transition, &covariance);
-            for i in 0..N {
-                for j in 0..N {
-                    covariance[i][j] += step.covariance[i][j];
-                }
+
+    /// Adds a value to the sums.
+    #[inline]
+    fn add(&mut self, innovation: f64, variance: f64) {
+        let p = self.columns.len();
+        self.square += innovation * innovation / variance;
+        self.log_det += libm::log(variance);
+        self.count += 1.0;
+        for i in 0..p {
+            let weighted = self.innovation_columns[i] / variance;
+            self.score[i] += weighted * innovation;
+            for j in 0..=i {
+                self.gram[i * p + j] += weighted * self.innovation_columns[j];
             }
         }
     }
-    let gram = DMatrix::from_fn(p, p, |i, j| gram[i.max(j) * p + i.min(j)]);
-    Reduced { square, score: DVector::from_vec(score), gram, freedom: count, log_det }
+
+    /// m, P and M after a value with the gain P Hᵀ.
+    #[inline]
+    fn correct(&mut self, gain: &[f64; N], innovation: f64, variance: f64) {
+        for i in 0..N {
+            let k = gain[i] / variance;
+            self.mean[i] += k * innovation;
+            for (m, column) in self.sensitivity.iter_mut().zip(&self.innovation_columns) {
+                m[i] -= k * column;
+            }
+            for j in 0..N {
+                self.covariance[i][j] -= k * gain[j];
+            }
+        }
+    }
+
+    /// m, P and M at the end of the interval after a row.
+    #[inline]
+    fn predict(&mut self, row: usize) {
+        let (run, n) = (self.run, self.run.states);
+        let step = Interval::<N>::new(run, self.noise, row);
+        let defect = &run.defect[row * n..(row + 1) * n];
+        self.mean = times(&step.transition, &self.mean);
+        self.mean.iter_mut().zip(defect).for_each(|(mean, defect)| *mean += defect);
+        for (m, column) in self.sensitivity.iter_mut().zip(self.columns) {
+            *m = times(&step.transition, m);
+            m.iter_mut().zip(run.column(row, *column)).for_each(|(m, column)| *m += column);
+        }
+        self.covariance = spread(&step.transition, &self.covariance);
+        for i in 0..N {
+            for j in 0..N {
+                self.covariance[i][j] += step.covariance[i][j];
+            }
+        }
+    }
+
+    /// The sums over the run.
+    fn reduced(self) -> Reduced {
+        let p = self.columns.len();
+        Reduced {
+            square: self.square,
+            score: DVector::from_vec(self.score),
+            gram: DMatrix::from_fn(p, p, |i, j| self.gram[i.max(j) * p + i.min(j)]),
+            freedom: self.count,
+            log_det: self.log_det,
+        }
+    }
 }
 
 /// A v.

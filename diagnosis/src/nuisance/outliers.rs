@@ -16,7 +16,7 @@ pub fn outliers(time: &[f64], values: &[f64], scale: f64, driven: impl Fn(f64, f
         let fits = (1..=NUISANCE.longest).find(|length| {
             let after = place + length;
             after < values.len()
-                && alone(&values[place - 1..=after], scale)
+                && stands_alone(&values[place - 1..=after], scale)
                 && !driven(time[place.saturating_sub(NUISANCE.rings)], time[after])
         });
         match fits {
@@ -31,7 +31,7 @@ pub fn outliers(time: &[f64], values: &[f64], scale: f64, driven: impl Fn(f64, f
 }
 
 /// Whether all but the ends lie beyond both ends, on the same side.
-fn alone(stretch: &[f64], scale: f64) -> bool {
+fn stands_alone(stretch: &[f64], scale: f64) -> bool {
     let (first, last) = (stretch[0], stretch[stretch.len() - 1]);
     let needed = (NUISANCE.beyond * scale).max(NUISANCE.alone * (last - first).abs());
     let inner = &stretch[1..stretch.len() - 1];

@@ -48,9 +48,9 @@ pub(super) fn resolve(
 
 /// Every tunable or fixed parameter, but those that start a state.
 fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
-    let every = (0..model.fmus.len()).flat_map(|unit| {
-        let places = 0..model.description(unit).variables.len();
-        places.map(move |place| VariableId { unit, place })
+    let every = (0..model.fmus.len()).flat_map(|instance| {
+        let places = 0..model.description(instance).variables.len();
+        places.map(move |place| VariableId { instance, place })
     });
     let fits = |id: &VariableId| {
         let variable = model.variable(*id);

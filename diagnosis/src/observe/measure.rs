@@ -201,24 +201,7 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
         return Ok(whole(1.0 / factor, -offset / factor));
     }
     let base = |name: &str| description.unit(name).and_then(|unit| unit.base).or_else(|| named(name));
-    let Some(from) = base(unit) else {
-        let known = description.units.iter().flat_map(|definition| {
-            std::iter::once(definition.name.as_str())
-                .chain(definition.display.iter().map(|(name, ..)| name.as_str()))
-        });
-        let usual =
-            BARE.iter().chain(PREFIXED).map(|(name, ..)| *name).chain(SHIFTED.iter().map(|(name, ..)| *name));
-        let prefixed: Vec<String> = PREFIXES.iter().map(|(prefix, _)| format!("{prefix}{own}")).collect();
-        let prefixed = prefixed.iter().map(String::as_str).filter(|name| named(name).is_some());
-        let known: Vec<&str> = known.chain(prefixed).chain(usual).collect();
-        let own = base(own).map(|own| own.exponents);
-        let fits = known.iter().copied().filter(|name| base(name).map(|base| base.exponents) == own);
-        let near = nearest(unit, fits);
-        if near.starts_with("did you mean") {
-            return Err(format!("unit = {unit:?} is unknown: {near}"));
-        }
-        return Err(format!("unit = {unit:?} is unknown: {}", nearest(unit, known.into_iter())));
-    };
+    let Some(from) = base(unit) else { return Err(unknown_unit(unit, own, description)) };
     let Some(to) = base(own) else {
         return Err(format!(
             "unit = {unit:?}: the description gives {own:?}, the unit of {}, no BaseUnit; write `scale` and `offset` \
@@ -233,6 +216,27 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
         ));
     }
     Ok(whole(from.factor / to.factor, (from.offset - to.offset) / to.factor))
+}
+
+/// What to say of a unit that nobody knows, for a variable in `own`.
+fn unknown_unit(unit: &str, own: &str, description: &Description) -> String {
+    let base = |name: &str| description.unit(name).and_then(|unit| unit.base).or_else(|| named(name));
+    let known = description.units.iter().flat_map(|definition| {
+        std::iter::once(definition.name.as_str())
+            .chain(definition.display.iter().map(|(name, ..)| name.as_str()))
+    });
+    let usual =
+        BARE.iter().chain(PREFIXED).map(|(name, ..)| *name).chain(SHIFTED.iter().map(|(name, ..)| *name));
+    let prefixed: Vec<String> = PREFIXES.iter().map(|(prefix, _)| format!("{prefix}{own}")).collect();
+    let prefixed = prefixed.iter().map(String::as_str).filter(|name| named(name).is_some());
+    let known: Vec<&str> = known.chain(prefixed).chain(usual).collect();
+    let own = base(own).map(|own| own.exponents);
+    let fits = known.iter().copied().filter(|name| base(name).map(|base| base.exponents) == own);
+    let near = nearest(unit, fits);
+    if near.starts_with("did you mean") {
+        return format!("unit = {unit:?} is unknown: {near}");
+    }
+    format!("unit = {unit:?} is unknown: {}", nearest(unit, known.into_iter()))
 }
 
 /// Seconds in a unit of time.

@@ -25,6 +25,7 @@ pub(crate) use log::EPOCH;
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};
+use crate::statistics::median::median;
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
 pub(crate) use resolve::shows_its_start;
@@ -86,7 +87,7 @@ pub struct Nominal {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VariableId {
     /// Place of its unit in [`Nominal::fmus`] and in the scenario.
-    pub unit: usize,
+    pub instance: usize,
     /// Place of the variable in the unit's description.
     pub place: usize,
 }
@@ -286,13 +287,10 @@ pub struct Series {
 }
 
 impl Problem {
-    /// Usual distance of the logs' rows, s.
+    /// Usual distance of the logs' rows, s; 1 where no log has two.
     pub fn row(&self) -> f64 {
-        let mut gaps: Vec<f64> = (self.runs.iter().flat_map(|run| &run.series))
-            .flat_map(|series| series.time.windows(2).map(|pair| pair[1] - pair[0]))
-            .collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(1.0)
+        let all = self.runs.iter().flat_map(|run| &run.series);
+        median(all.flat_map(|series| series.time.windows(2).map(|pair| pair[1] - pair[0]))).unwrap_or(1.0)
     }
 
     /// All runs, each from its first row to its last, s.
@@ -322,18 +320,18 @@ impl Nominal {
     }
 
     /// The description of a unit.
-    pub fn description(&self, unit: usize) -> &Description {
-        self.fmus[unit].description()
+    pub fn description(&self, instance: usize) -> &Description {
+        self.fmus[instance].description()
     }
 
     /// A variable's description.
     pub fn variable(&self, id: VariableId) -> &Variable {
-        &self.description(id.unit).variables[id.place]
+        &self.description(id.instance).variables[id.place]
     }
 
     /// `instance.variable`.
     pub fn name(&self, id: VariableId) -> String {
-        format!("{}.{}", self.scenario.units[id.unit].name, self.variable(id).name)
+        format!("{}.{}", self.scenario.units[id.instance].name, self.variable(id).name)
     }
 
     /// The nominal value: from `[set]` or the scenario, else the start value.

@@ -4,6 +4,7 @@ use super::raw::File;
 use super::{Nominal, Series, VariableId};
 use crate::error::Error;
 use crate::opened::{open, text};
+use crate::statistics::median::median;
 use orchestrator::scenario::{Given, UnitEntry};
 use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value, nearest};
 use std::collections::BTreeMap;
@@ -16,7 +17,7 @@ pub(super) fn load(folder: &Path, file: &File, units: &UnitPath) -> Result<Nomin
         (Some(name), None) => {
             named(folder, name.get_ref()).map_err(|problem| file.wrong(&name.span(), problem))?
         }
-        (None, Some(name)) => alone(folder, file, name, units)?,
+        (None, Some(name)) => unit_alone(folder, file, name, units)?,
         (Some(_), Some(name)) => {
             return Err(file.wrong(&name.span(), "`scenario` and `fmu` both: one of them names the model"));
         }
@@ -54,7 +55,7 @@ fn named(folder: &Path, name: &str) -> Result<Scenario, String> {
 }
 
 /// A scenario of one unit, which steps once a row until [`pace`] knows the logs.
-fn alone(
+fn unit_alone(
     folder: &Path,
     file: &File,
     name: &toml::Spanned<String>,
@@ -80,11 +81,8 @@ fn alone(
 
 /// Gives a unit alone its interval: the usual distance of rows, divided so that it is no more than the unit's own step.
 pub(super) fn pace<'a>(model: &mut Nominal, logs: impl Iterator<Item = &'a Series> + Clone) {
-    let mut gaps: Vec<f64> =
-        logs.clone().flat_map(|s| s.time.windows(2).map(|pair| pair[1] - pair[0])).collect();
-    gaps.sort_by(f64::total_cmp);
-    let Some(gap) = gaps.get(gaps.len() / 2) else { return };
-    let gap = rounded(*gap);
+    let gaps = logs.clone().flat_map(|s| s.time.windows(2).map(|pair| pair[1] - pair[0]));
+    let Some(gap) = median(gaps).map(rounded) else { return };
     let own = model.description(0).default_experiment.step_size.filter(|step| *step > 0.0).unwrap_or(gap);
     let parts = (gap / own - 1e-9).ceil().max(1.0);
     let whole = |series: &Series| Some(series.time.last()? - series.time.first()?);
@@ -98,7 +96,7 @@ pub(super) fn pace<'a>(model: &mut Nominal, logs: impl Iterator<Item = &'a Serie
     }
 }
 
-/// Four digits: what stamps that jitter mean.
+/// Four digits: what timestamps that jitter mean.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
@@ -114,10 +112,10 @@ fn apply(scenario: &mut Scenario, fmus: &[Fmu], file: &File) -> Result<(), Error
             problem: format!("[set] {problem}"),
         };
         let id = find(scenario, fmus, name).map_err(|problem| wrong(problem.clone()))?;
-        let unit = &scenario.units[id.unit].name;
-        let variable = &fmus[id.unit].description().variables[id.place].name;
+        let instance = &scenario.units[id.instance].name;
+        let variable = &fmus[id.instance].description().variables[id.place].name;
         scenario
-            .set(&format!("{unit}.{variable}"), &text(value))
+            .set(&format!("{instance}.{variable}"), &text(value))
             .map_err(|error| wrong(format!("{name}: {error}")))?;
     }
     Ok(())
@@ -141,8 +139,8 @@ fn flatten(
 /// A variable by its full name; an error is what is wrong and what would be right.
 pub(super) fn find(scenario: &Scenario, fmus: &[Fmu], full: &str) -> Result<VariableId, String> {
     let of = |unit: &UnitEntry| full.strip_prefix(unit.name.as_str())?.strip_prefix('.').map(str::to_owned);
-    let found = scenario.units.iter().enumerate().find_map(|(unit, entry)| Some((unit, of(entry)?)));
-    let Some((unit, name)) = found else {
+    let found = scenario.units.iter().enumerate().find_map(|(place, entry)| Some((place, of(entry)?)));
+    let Some((instance, name)) = found else {
         let instances: Vec<&str> = scenario.units.iter().map(|unit| unit.name.as_str()).collect();
         let holders =
             scenario.units.iter().zip(fmus).filter(|(_, fmu)| fmu.description().variable(full).is_some());
@@ -160,36 +158,39 @@ pub(super) fn find(scenario: &Scenario, fmus: &[Fmu], full: &str) -> Result<Vari
             }
         });
     };
-    let description = fmus[unit].description();
-    description.place(&name).map(|place| VariableId { unit, place }).ok_or_else(|| {
+    let description = fmus[instance].description();
+    description.place(&name).map(|place| VariableId { instance, place }).ok_or_else(|| {
         let known = description.variables.iter().map(|variable| variable.name.as_str());
-        format!("{} has no variable {name:?}: {}", scenario.units[unit].name, nearest(&name, known))
+        format!("{} has no variable {name:?}: {}", scenario.units[instance].name, nearest(&name, known))
     })
 }
 
 /// What the units are given, as values of the variables' types.
 fn values(scenario: &Scenario, fmus: &[Fmu], file: &File) -> Result<Vec<(VariableId, Value)>, Error> {
     let mut set = Vec::new();
-    for (unit, (entry, fmu)) in scenario.units.iter().zip(fmus).enumerate() {
+    for (instance, (entry, fmu)) in scenario.units.iter().zip(fmus).enumerate() {
         for (name, given) in &entry.set {
             let Some(place) = fmu.description().place(name) else { continue };
             let kind = fmu.description().variables[place].kind;
-            let Some(value) = Value::parse(kind, &shown(&given.value)) else {
+            let Some(value) = Value::parse(kind, &describe_given(&given.value)) else {
                 let full = format!("{}.{name}", entry.name);
                 return Err(Error::Manifest {
                     path: file.path.clone(),
                     line: file.line_of_set(&full),
-                    problem: format!("{full} = {:?}: not a value of type {kind}", shown(&given.value)),
+                    problem: format!(
+                        "{full} = {:?}: not a value of type {kind}",
+                        describe_given(&given.value)
+                    ),
                 });
             };
-            set.push((VariableId { unit, place }, value));
+            set.push((VariableId { instance, place }, value));
         }
     }
     Ok(set)
 }
 
 /// A given value as text.
-fn shown(given: &Given) -> String {
+fn describe_given(given: &Given) -> String {
     match given {
         Given::Text(text) => text.clone(),
         Given::Toml(value) => text(value),

@@ -9,16 +9,16 @@ use orchestrator::{Fmu, Kind, Value};
 
 /// Takes the values that the units themselves have, where they differ and nobody set them.
 pub(super) fn take(model: &mut Nominal, notices: &mut Vec<Notice>) {
-    for unit in 0..model.fmus.len() {
+    for instance in 0..model.fmus.len() {
         let set: Vec<(u32, Value)> = (model.set.iter())
-            .filter(|(id, _)| id.unit == unit)
+            .filter(|(id, _)| id.instance == instance)
             .map(|(id, value)| (model.variable(*id).reference, value.clone()))
             .collect();
         // a unit that can't be asked tells why when it is to be run
-        let name = &model.scenario.units[unit].name;
-        let Ok(others) = others(&model.fmus[unit], name, &set) else { continue };
+        let name = &model.scenario.units[instance].name;
+        let Ok(others) = others(&model.fmus[instance], name, &set) else { continue };
         for (place, value) in others {
-            let id = VariableId { unit, place };
+            let id = VariableId { instance, place };
             if model.set.iter().any(|(known, _)| *known == id) {
                 continue;
             }

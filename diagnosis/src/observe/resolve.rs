@@ -155,7 +155,7 @@ fn conversion(model: &Nominal, raw: &raw::Channel, id: VariableId, file: &File) 
                 "`unit` and `scale` or `offset` both: one of them says how the log's numbers are converted";
             Err(file.wrong(&unit.span(), problem))
         }
-        Some(unit) => measure::conversion(unit.get_ref(), model.variable(id), model.description(id.unit))
+        Some(unit) => measure::conversion(unit.get_ref(), model.variable(id), model.description(id.instance))
             .map_err(|problem| file.wrong(&unit.span(), problem)),
     }
 }
@@ -271,9 +271,9 @@ fn seconds(raw: &raw::Run, file: &File) -> Result<f64, Error> {
 
 /// Variables that are states where no `[[state]]` says otherwise.
 fn states_by_default(model: &Nominal) -> impl Iterator<Item = VariableId> {
-    let every = (0..model.fmus.len()).flat_map(|unit| {
-        let places = 0..model.description(unit).variables.len();
-        places.map(move |place| VariableId { unit, place })
+    let every = (0..model.fmus.len()).flat_map(|instance| {
+        let places = 0..model.description(instance).variables.len();
+        places.map(move |place| VariableId { instance, place })
     });
     every.filter(|id| shows_its_start(model.variable(*id)))
 }
@@ -319,20 +319,23 @@ fn states(
         let shows = raw.shows.as_ref().map(|name| variable(model, name, file)).transpose()?;
         states.push(entry(start, shows.or((!parameter).then_some(start))));
     }
+    notices.extend(unlisted_states(model, &states, file));
+    Ok(states)
+}
+
+/// What a user should know of variables that are states only where no `[[state]]` is written.
+fn unlisted_states(model: &Nominal, states: &[State], file: &File) -> Option<Notice> {
     let is_listed =
         |id: &VariableId| states.iter().any(|state| state.start == *id || state.shows == Some(*id));
     let left: Vec<String> =
         states_by_default(model).filter(|id| !is_listed(id)).map(|id| model.name(id)).collect();
-    if !left.is_empty() {
-        let message = format!(
-            "{} would be a state if no [[state]] were written, and is none now: each row begins with it where the unit starts; add a \
-             [[state]] for what moves",
-            left.join(", ")
-        );
-        let line = file.raw.state.first().map_or(0, |first| file.line(&first.span()));
-        notices.push(Notice { file: "dataset.toml".into(), line, message });
-    }
-    Ok(states)
+    let message = format!(
+        "{} would be a state if no [[state]] were written, and is none now: each row begins with it where the unit starts; add a \
+         [[state]] for what moves",
+        left.join(", ")
+    );
+    let line = file.raw.state.first().map_or(0, |first| file.line(&first.span()));
+    (!left.is_empty()).then(|| Notice { file: "dataset.toml".into(), line, message })
 }
 
 /// An output or local variable that is set before initialisation, and shows its value afterwards.

@@ -49,9 +49,9 @@ pub(super) fn unlogged(
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     }
     let known = list.len();
-    for unit in 0..model.fmus.len() {
-        for (place, described) in model.description(unit).variables.iter().enumerate() {
-            let variable = VariableId { unit, place };
+    for instance in 0..model.fmus.len() {
+        for (place, described) in model.description(instance).variables.iter().enumerate() {
+            let variable = VariableId { instance, place };
             let is_open = described.causality == Causality::Input && described.kind == Kind::Real;
             if !is_open || logged(variable) || model.is_driven(variable) {
                 continue;

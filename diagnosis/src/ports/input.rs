@@ -3,8 +3,8 @@
 //! A held log is a chain of straight lines with jumps; delay, saturation and rate limit turn lines into lines; a lag
 //! adds to each what fades away exponentially, and cuts it where the unit has to be stepped. Gain and bias act last.
 
+use super::Course;
 use super::policy::PORTS;
-use crate::dynamics::grid::Course;
 use crate::observe::Hold;
 
 /// The effects at one input, each at a value.

@@ -15,28 +15,29 @@ pub mod trials;
 pub mod walk;
 
 pub(crate) use policy::SEARCHING;
-pub use walk::{Search, Visited};
+pub use walk::Search;
 
-/// Numbers of the search; `tests/policy_any.rs` holds them against the null distribution, and fails when one moves.
+/// Numbers of the search. `tests/policy_any.rs` holds `gain` and `unknown` against the null distribution; `most`, `looked` and `fitted` it
+/// compares with what they are, so that nobody moves one unseen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
     /// Deviance that a model must gain by one more effect: what the best of all candidates gains by chance (χ² with one degree of
     /// freedom) in one of `SEARCHING.false_alarm` searches.
     pub gain: f64,
-    /// The same, whatever `gain` is beside an unlisted input.
+    /// What `gain` is without an unlisted input, whatever it is beside one.
     pub sure: f64,
-    /// The same beside an unlisted input.
+    /// Deviance that a model must gain by one more effect beside an unlisted input, at least.
     pub beside: f64,
     /// Effects within this deviance of the best one are not told apart.
     pub class: f64,
-    /// How many of the screened are looked at with the noises taken anew.
+    /// Number of screened candidates whose gain is computed once more with the noises taken anew.
     pub looked: usize,
-    /// How many of these are fitted.
+    /// Number of these that are fitted.
     pub fitted: usize,
-    /// Most effects.
+    /// Most effects that a model has.
     pub most: usize,
     /// Deviance that process noise or an unlisted input must gain over none before the verdict is "unknown": two numbers, size and
-    /// memory, at the best of all equations (χ² with two degrees of freedom), and twice that for honest integrators.
+    /// memory, at the best of all equations (χ² with two degrees of freedom), and twice that, for two integrators that are both right differ by what long logs show.
     pub unknown: f64,
 }
 
@@ -60,7 +61,7 @@ impl Policy {
 }
 
 impl Policy {
-    /// The same beside an unlisted input that gains so much.
+    /// These thresholds beside an unlisted input that gains so much deviance.
     pub fn beside(self, unlisted: f64) -> Self {
         Self { gain: self.beside.max(SEARCHING.left * unlisted), ..self }
     }

@@ -66,25 +66,7 @@ impl Search<'_> {
                 }
                 None => break,
             };
-            let mut start = here.at.clone();
-            let mut with = effects.clone();
-            for (parameter, value) in near.effects {
-                start.theta[parameter] = value;
-                with.push(parameter);
-            }
-            let names: Vec<&str> = with[effects.len()..].iter().map(|place| self.name(*place)).collect();
-            self.story.push(format!(
-                "{} would do {:.0} % of what the unlisted input did",
-                names.join(", "),
-                100.0 * near.share
-            ));
-            let fitted = match self.visit(&with, &start) {
-                Ok(fitted) => fitted,
-                Err(error) => {
-                    self.story.push(format!("they can't be fitted: {error}"));
-                    break;
-                }
-            };
+            let Some((with, fitted)) = self.with_nearest(&effects, &here, near) else { break };
             let beside = std::mem::replace(&mut self.policy, alone);
             let kept = self.pruned(with, fitted, "the unlisted input doesn't");
             let kept = kept.and_then(|(with, fit)| self.agreed(with, fit));
@@ -96,6 +78,30 @@ impl Search<'_> {
             (effects, here) = (with, fit);
         }
         Ok((effects, here))
+    }
+
+    /// The effects with those that come nearest to the unlisted input, fitted; nothing where they can't be.
+    fn with_nearest(&mut self, effects: &[usize], here: &Fit, near: Nearest) -> Option<(Vec<usize>, Fit)> {
+        let mut start = here.at.clone();
+        let mut with = effects.to_vec();
+        for (parameter, value) in near.effects {
+            start.theta[parameter] = value;
+            with.push(parameter);
+        }
+        let names: Vec<&str> = with[effects.len()..].iter().map(|place| self.name(*place)).collect();
+        let told = format!(
+            "{} would do {:.0} % of what the unlisted input did",
+            names.join(", "),
+            100.0 * near.share
+        );
+        self.story.push(told);
+        match self.visit(&with, &start) {
+            Ok(fitted) => Some((with, fitted)),
+            Err(error) => {
+                self.story.push(format!("they can't be fitted: {error}"));
+                None
+            }
+        }
     }
 }
 

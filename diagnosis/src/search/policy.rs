@@ -13,7 +13,7 @@ pub(crate) struct Searching {
     /// And it must gain at least this share of what the unlisted input gains: what a guessed form leaves is a share of what it takes.
     /// Pushes at a motor's load left 0.3 % that a gain of the current's sensor seemed to explain.
     pub left: f64,
-    /// Process noise must gain so many times what chance gives: two honest integrators differ by what long logs show.
+    /// Process noise must gain so many times what chance gives: two integrators that are both right differ by what long logs show.
     pub integrators: f64,
     /// The truth fits worse than the best of its class by more than this in 0.27 % of data sets: three standard deviations, squared.
     pub class: f64,

@@ -66,7 +66,7 @@ impl Screen {
             self.chords.iter().position(|chord| *chord == local)
         };
         let columns: Vec<usize> = free.iter().map(place).collect::<Option<_>>()?;
-        Some(self.runs.iter().map(|run| run.chosen(&columns)).collect())
+        Some(self.runs.iter().map(|run| run.with_columns(&columns)).collect())
     }
 }
 

@@ -24,8 +24,8 @@ pub struct Search<'a> {
     /// The machine with its runs.
     pub engine: &'a Engine,
     /// Which noises are free.
-    pub sizes: &'a Sizes,
-    /// Numbers.
+    pub sizes: Sizes,
+    /// Thresholds, in deviance, and how much is tried.
     pub policy: Policy,
     /// Knobs of each fit.
     pub options: Options,
@@ -35,7 +35,7 @@ pub struct Search<'a> {
     pub yields: bool,
     /// What is known of the machine from other data.
     pub earlier: Option<&'a Earlier>,
-    /// Memory.
+    /// Models that were fitted already.
     pub visited: Visited,
     /// What was done, in words.
     pub story: Vec<String>,
@@ -45,12 +45,29 @@ pub struct Search<'a> {
     pub last: Option<Last>,
 }
 
+/// Whether a candidate that was screened may gain what a name must, once it is fitted: a linear gain is at least half of that.
+fn may_gain(screened: f64, least: f64) -> bool {
+    screened > 0.5 * least
+}
+
+/// Whether a candidate that was screened may fit better than the effect that gains `floor` within its class: linear gains are off by a
+/// fifth where both are small.
+fn may_replace(screened: f64, floor: f64) -> bool {
+    screened > 0.8 * floor
+}
+
+/// Whether another takes an effect's place: by less of deviance than 1 two fits of one model differ, and a search would go to and fro.
+fn replaces(other: f64, own: f64) -> bool {
+    other < own - 1.0
+}
+
 impl Search<'_> {
     /// A switch or count is set, everything else is fitted.
     pub fn is_fitted(&self, parameter: usize) -> bool {
         !matches!(self.engine.machine.parameters[parameter].scale, Scale::Switch | Scale::Count)
     }
 
+    /// Name of a parameter.
     pub(super) fn name(&self, parameter: usize) -> &str {
         &self.engine.machine.parameters[parameter].name
     }
@@ -63,7 +80,7 @@ impl Search<'_> {
         self.visit_from(effects, start, None)
     }
 
-    /// The same with what a screening about this very start has linearised already.
+    /// As [`Self::visit`], with what a screening about this very start has linearised already.
     fn visit_from(&mut self, effects: &[usize], start: &At, screen: Option<&Screen>) -> Result<Fit, Error> {
         let mut key = effects.to_vec();
         key.sort_unstable();
@@ -83,7 +100,7 @@ impl Search<'_> {
                 }
                 Err(error) => return Err(error),
             };
-        let fitted = fit_from(self.engine, &start, runs, &free, Some(self.sizes), &self.options)?;
+        let fitted = fit_from(self.engine, &start, runs, &free, Some(&self.sizes), &self.options)?;
         self.visited.insert(key, fitted.clone());
         Ok(fitted)
     }
@@ -94,7 +111,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// Units are too slow.
-    pub(super) fn without(
+    pub(super) fn without_effect(
         &mut self,
         effects: &[usize],
         here: &Fit,
@@ -131,7 +148,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// A unit failed.
-    pub fn fresh(&self, mut fit: Fit) -> Result<Fit, Error> {
+    pub fn with_linearised_runs(&self, mut fit: Fit) -> Result<Fit, Error> {
         if fit.runs.is_empty() {
             fit.runs = self.engine.linearise(&fit.at.theta, &fit.at.paths, &fit.free)?;
         }
@@ -151,7 +168,7 @@ impl Search<'_> {
         while !effects.is_empty() {
             let mut weakest: Option<(usize, Fit)> = None;
             for place in 0..effects.len() {
-                let Some((_, less)) = self.without(&effects, &here, place)? else { continue };
+                let Some((_, less)) = self.without_effect(&effects, &here, place)? else { continue };
                 if weakest.as_ref().is_none_or(|(_, known)| less.deviance < known.deviance) {
                     weakest = Some((place, less));
                 }
@@ -175,7 +192,7 @@ impl Search<'_> {
     pub fn agreed(&mut self, mut effects: Vec<usize>, mut here: Fit) -> Result<(Vec<usize>, Fit), Error> {
         let sure = self.policy.sure;
         loop {
-            here = self.fresh(here)?;
+            here = self.with_linearised_runs(here)?;
             let clear = |effect: usize| {
                 let off = here.at.theta[effect] - self.engine.machine.parameters[effect].neutral;
                 (off / here.robust_deviation(effect)).powi(2)
@@ -201,12 +218,13 @@ impl Search<'_> {
         self.visited.values_mut().for_each(|fit| fit.runs.clear());
     }
 
+    /// Candidates that are none of these effects.
     pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
     }
 
     /// Tries the best of a screening about `from` beside `effects`; the best that was fitted.
-    pub(super) fn best(
+    pub(super) fn best_fitted(
         &mut self,
         effects: &[usize],
         from: &Fit,
@@ -256,13 +274,13 @@ impl Search<'_> {
     ) -> Result<(Vec<usize>, Fit), Error> {
         while effects.len() < self.policy.most && !watch.is_over(FURTHER) {
             let screen = linearised(self.engine, &here, &self.others(&effects))?;
-            let ranked = ranked(self.engine, &here, &screen, self.sizes, &self.policy);
+            let ranked = ranked(self.engine, &here, &screen, &self.sizes, &self.policy);
             if let Some(first) = ranked.first() {
                 watch.trying(self.name(first.chord.parameter), effects.len(), self.policy.most);
             }
-            let worth = ranked.iter().filter(|screened| screened.gain > 0.5 * self.policy.gain);
+            let worth = ranked.iter().filter(|screened| may_gain(screened.gain, self.policy.gain));
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
-            let best = self.best(&effects, &here, &screen, &tried);
+            let best = self.best_fitted(&effects, &here, &screen, &tried);
             let Some((with, fit)) = best.filter(|(_, fit)| self.is_an_effect(&here, fit)) else {
                 self.last = Some(screen.last(&here));
                 break;
@@ -270,7 +288,7 @@ impl Search<'_> {
             // another in its place says as much with fewer names
             let (swapped, other) = self.settled(effects.clone(), here.clone(), watch)?;
             if swapped != effects {
-                (effects, here) = (swapped, self.fresh(other)?);
+                (effects, here) = (swapped, self.with_linearised_runs(other)?);
                 continue;
             }
             let gained = here.deviance - fit.deviance;
@@ -312,7 +330,7 @@ impl Search<'_> {
         let mut place = 0;
         while place < effects.len() {
             let gone = effects[place];
-            let Some((without, less)) = self.without(&effects, &here, place)? else {
+            let Some((without, less)) = self.without_effect(&effects, &here, place)? else {
                 place += 1;
                 continue;
             };
@@ -326,15 +344,15 @@ impl Search<'_> {
                 continue;
             }
             let screen = linearised(self.engine, &less, &self.others(&without))?;
-            let ranked = ranked(self.engine, &less, &screen, self.sizes, &self.policy);
+            let ranked = ranked(self.engine, &less, &screen, &self.sizes, &self.policy);
             let floor = less.deviance - here.deviance - self.policy.class;
             let near: Vec<Screened> = (ranked.iter())
-                .filter(|screened| screened.chord.parameter != gone && screened.gain > 0.8 * floor)
+                .filter(|screened| screened.chord.parameter != gone && may_replace(screened.gain, floor))
                 .take(self.policy.fitted)
                 .copied()
                 .collect();
-            if let Some((with, fit)) = self.best(&without, &less, &screen, &near)
-                && fit.deviance < here.deviance - 1.0
+            if let Some((with, fit)) = self.best_fitted(&without, &less, &screen, &near)
+                && replaces(fit.deviance, here.deviance)
             {
                 let other = self.name(with[with.len() - 1]).to_owned();
                 self.story.push(format!("{other} fits better than {} in its place", self.name(gone)));
@@ -344,5 +362,18 @@ impl Search<'_> {
             place += 1;
         }
         Ok((effects, here))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{may_gain, may_replace, replaces};
+
+    #[test]
+    fn value_what_a_screened_candidate_must_gain_to_be_fitted() {
+        // the threshold of twenty candidates is 20.8: what seems to gain 11 may gain that, what seems to gain 10 is not tried
+        assert!(may_gain(11.0, 20.8) && !may_gain(10.0, 20.8));
+        assert!(may_replace(85.0, 100.0) && !may_replace(75.0, 100.0));
+        assert!(replaces(98.9, 100.0) && !replaces(99.1, 100.0));
     }
 }

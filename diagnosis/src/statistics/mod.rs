@@ -3,4 +3,5 @@
 pub mod bootstrap;
 pub mod levels;
 pub mod linear;
+pub mod median;
 pub mod random;

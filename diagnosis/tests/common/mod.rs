@@ -1,6 +1,6 @@
 //! Data sets for tests: written by hand, or recorded from a simulation with an effect switched on.
 
-use diagnosis::statistics::random::Random;
+use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, Notice};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
 use std::fmt::Write as _;

@@ -92,7 +92,7 @@ impl<'a> Linked<'a> {
     /// Path and noises at a point, before anything is fitted.
     fn first_path(&mut self, point: &[f64]) -> Result<At, Error> {
         let theta = self.theta(point);
-        Ok(self.built.begun(&theta, &Trails::default())?.0)
+        Ok(self.built.begin_fit(&theta, &Trails::default())?.0)
     }
 
     /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.

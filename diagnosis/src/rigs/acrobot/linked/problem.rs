@@ -147,7 +147,7 @@ fn both_angles(run: &Run) -> bool {
 fn id(nominal: &Nominal, name: &str) -> Result<VariableId, Error> {
     let place = nominal.description(0).place(name);
     let none = || Error::Model(format!("{} has no variable `{name}`", nominal.fmus[0].path().display()));
-    place.map(|place| VariableId { unit: 0, place }).ok_or_else(none)
+    place.map(|place| VariableId { instance: 0, place }).ok_or_else(none)
 }
 
 /// The plant alone, without an actuator and without a mechanical limit.
@@ -158,14 +158,17 @@ fn nominal(model: &Model) -> Result<Nominal, Error> {
     scenario.sources.clear();
     // no longer than a gap: the unit steps from one change of the torque to the next
     scenario.units.iter_mut().for_each(|unit| unit.interval = Rational::new(1, 1).unwrap_or(unit.interval));
-    let set =
-        model.plant.given().map(|(place, value)| (VariableId { unit: 0, place }, value.clone())).collect();
+    let set = model
+        .plant
+        .given()
+        .map(|(place, value)| (VariableId { instance: 0, place }, value.clone()))
+        .collect();
     let mut nominal = Nominal { scenario, fmus: vec![model.plant.fmu().clone()], set };
     let off = actuator().map(|(name, effect)| (name, if effect == InputEffect::Gain { 1.0 } else { 0.0 }));
     for (name, value) in off.chain([(parameters::LIMIT, 1e9), ("plant.tolerance", RESIDUAL.integrator)]) {
         let own = name.split_once('.').map_or(name, |(_, own)| own);
         if let Some(place) = nominal.description(0).place(own) {
-            nominal.set.push((VariableId { unit: 0, place }, Value::Real(value)));
+            nominal.set.push((VariableId { instance: 0, place }, Value::Real(value)));
         }
     }
     Ok(nominal)

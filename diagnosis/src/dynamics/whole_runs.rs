@@ -9,10 +9,10 @@
 //! are: what the outputs show from there on of another input is what they show.
 
 use super::build::Span;
-use super::excluded::excluded;
 use super::grid::{Course, Grid, Lost};
 use super::linearise::{Chord, Engine, difference};
 use super::machine::{Machine, Parameter, Reference, Role, State};
+use super::outliers::excluded;
 use super::policy::DYNAMICS;
 use super::schedule::{Schedule, output_effects};
 use super::worker::Job;
@@ -28,7 +28,7 @@ use rayon::prelude::*;
 pub(super) fn states(machine: &Machine) -> Vec<State> {
     let own = |(channel, output): (usize, &super::machine::Output)| State {
         name: output.name.clone(),
-        start: Reference { unit: 0, reference: 0, kind: output.variable.kind },
+        start: Reference { instance: 0, reference: 0, kind: output.variable.kind },
         shows: None,
         nominal: 0.0,
         channel: Some(channel),
@@ -77,6 +77,16 @@ fn without_sensors(machine: &Machine, theta: &[f64]) -> Vec<f64> {
 /// Whether something shows over some rows, or over all of these.
 fn within(all: usize, shows: &mut dyn FnMut(usize) -> Result<bool, Error>) -> Result<bool, Error> {
     Ok(shows(DYNAMICS.watched.min(all))? || all > DYNAMICS.watched && shows(all)?)
+}
+
+/// What the outputs of a whole run show, a number for each row and channel.
+struct Shown {
+    /// By themselves.
+    base: Vec<f64>,
+    /// Of each unknown: another start, another input.
+    unknown: Vec<Vec<f64>>,
+    /// Of each chord.
+    columns: Vec<Vec<f64>>,
 }
 
 impl Engine {
@@ -224,8 +234,7 @@ impl Engine {
         let columns = chords.par_iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let mut unknown = self.begins_elsewhere(grid, theta, &base)?;
         unknown.extend(self.unknown_inputs(grid, theta, &base)?);
-        let rows = grid.time.len();
-        let wide = n + unknown.len();
+        let (rows, wide) = (grid.time.len(), n + unknown.len());
         let mut out = Linearised {
             states: wide,
             parameters: p,
@@ -238,11 +247,20 @@ impl Engine {
         out.start.0.extend(unknown.iter().map(|_| 0.0));
         out.start.1.extend(unknown.iter().map(|_| 1.0));
         for row in 0..rows - 1 {
+            // what a channel shows beyond the model stays what it is, and so does what is unknown
             let one = |place| if place % (wide + 1) == 0 { 1.0 } else { 0.0 };
             out.transition.extend((0..wide * wide).map(one));
             out.defect.extend((0..n).map(|i| path[row * n + i] - path[(row + 1) * n + i]));
             out.defect.extend(unknown.iter().map(|_| 0.0));
         }
+        self.add_whole_values(run, path, &Shown { base, unknown, columns }, &mut out);
+        Ok(out)
+    }
+
+    /// The values of a whole run against its path.
+    fn add_whole_values(&self, run: usize, path: &Path, shown: &Shown, out: &mut Linearised) {
+        let (grid, n, base) = (&self.grids[run], self.machine.order(), &shown.base);
+        let rows = grid.time.len();
         let mut samples = grid.samples.iter().zip(&self.outliers[run]).peekable();
         for row in 0..rows {
             let around = (row.saturating_sub(1), (row + 1).min(rows - 1));
@@ -257,12 +275,11 @@ impl Engine {
                     weight: if *outlier { 0.0 } else { 1.0 },
                 });
                 out.observe.extend((0..n).map(|i| if i == sample.channel { 1.0 } else { 0.0 }));
-                out.observe.extend(unknown.iter().map(|shows| shows[entry]));
-                out.direct.extend(columns.iter().map(|column| column[entry]));
+                out.observe.extend(shown.unknown.iter().map(|shows| shows[entry]));
+                out.direct.extend(shown.columns.iter().map(|column| column[entry]));
             }
             out.first.push(out.measured.len());
         }
-        Ok(out)
     }
 
     /// A parameter's largest change of a whole run, in units of noise.

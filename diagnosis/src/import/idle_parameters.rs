@@ -23,7 +23,7 @@ pub(super) struct Found {
 }
 
 /// Tries each of these, as long as there is time.
-pub(super) fn of(trial: &Trial<'_>, parameters: &[usize]) -> Found {
+pub(super) fn find_idle(trial: &Trial<'_>, parameters: &[usize]) -> Found {
     let began = Instant::now();
     let mut found = Found::default();
     let Ok(Some(nominal)) = trial.run(&[], None) else {

@@ -14,7 +14,7 @@ use crate::search::class::Alternative;
 use orchestrator::nearest;
 
 /// Fits the parameters that were asked for, and judges what is left.
-pub(super) fn given(
+pub(super) fn fit_given(
     mut built: Built,
     sizes: &Sizes,
     options: &Options,
@@ -25,7 +25,7 @@ pub(super) fn given(
     let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
     let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
-    let residual = residual::judged(&built.engine, &here, sizes, &policy);
+    let residual = residual::judge_residual(&built.engine, &here, sizes, &policy);
     let tells = |place: &&usize| {
         let (least, most) = parameters[**place].range;
         here.deviation(**place) < most - least
@@ -39,7 +39,7 @@ pub(super) fn given(
         );
         built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     }
-    let alone = |parameter: &usize| vec![Alternative::of(*parameter, &here)];
+    let alone = |parameter: &usize| vec![Alternative::as_fitted(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
     let told = if residual.unlisted.is_some() {
         "they don't explain the data: process noise stays above its floor"
@@ -52,7 +52,7 @@ pub(super) fn given(
 }
 
 /// Whether the names that were given with options are parameters.
-pub(super) fn checked(machine: &Machine, options: &Options) -> Result<(), Error> {
+pub(super) fn check_names(machine: &Machine, options: &Options) -> Result<(), Error> {
     let known = || machine.parameters.iter().map(|parameter| parameter.name.as_str());
     let given = options.without.iter().map(|name| ("--without", name));
     for (option, given) in given.chain(options.fit.iter().map(|name| ("--fit", name))) {

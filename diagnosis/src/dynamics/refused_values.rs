@@ -26,7 +26,7 @@ impl Engine {
     }
 
     /// Which parameters explained nothing since the unit couldn't be run with them.
-    pub fn told_refused(&self) -> Vec<Notice> {
+    pub fn refusal_notices(&self) -> Vec<Notice> {
         let Ok(refused) = self.refused.lock() else { return Vec::new() };
         let told = refused.iter().map(|(place, (value, said))| Notice {
             file: "dataset.toml".into(),

@@ -5,11 +5,15 @@ use super::policy::IMPORT;
 /// Measured against simulated: measured = slope · simulated + offset.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
+    /// In the log's unit per unit of the model.
     pub slope: f64,
+    /// In the log's unit.
     pub offset: f64,
+    /// Between -1 and 1.
     pub correlation: f64,
+    /// Standard deviation of the measured values, in the log's unit.
     pub spread: f64,
-    /// Means of simulated and measured.
+    /// Means of simulated (in the model's unit) and measured values (in the log's).
     pub mean: (f64, f64),
     /// Whether the model began where the log does, or each state where the log says.
     pub begun: bool,

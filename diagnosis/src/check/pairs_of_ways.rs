@@ -5,7 +5,7 @@
 
 use super::Doubt;
 use super::policy::DOUBTS;
-use super::readings::{Residual, is_it, nearest, residual, told};
+use super::readings::{Residual, describe_doubt, is_it, nearest, residual};
 use super::ways::{self, Way};
 use crate::observe::Problem;
 use crate::statistics::levels::PART;
@@ -30,7 +30,7 @@ pub(super) fn doubt(problem: &Problem, own: &Residual) -> Option<Doubt> {
     glanced.sort_by(|(a, _), (b, _)| a.excess.total_cmp(&b.excess));
     let judged = glanced.into_iter().take(DOUBTS.pairs).filter_map(|(_, pair)| both(problem, pair));
     let (best, others) = nearest(judged.collect())?;
-    Some(told(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, *own))))
+    Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, *own))))
 }
 
 /// Each pair once: of two channels, or sign and unit of one.

@@ -12,9 +12,13 @@ use nalgebra::{DMatrix, DVector};
 /// A run whose intervals are asked for, with the parameters of units that are off their nominal values.
 #[derive(Clone, Copy)]
 pub(super) struct Along<'a> {
+    /// The machine with all runs.
     pub engine: &'a Engine,
+    /// Rows and values of the run.
     pub grid: &'a Grid,
+    /// What is fed and read within its intervals.
     pub schedule: &'a Schedule,
+    /// Parameters of units with their values.
     pub set: &'a [(Reference, f64)],
 }
 
@@ -30,7 +34,7 @@ pub(super) struct About {
 
 impl About {
     /// An entry at a state near by, to first order.
-    pub fn near(&self, entry: usize, state: &DVector<f64>) -> f64 {
+    pub fn entry_near(&self, entry: usize, state: &DVector<f64>) -> f64 {
         self.base[entry] + (self.columns.row(entry) * (state - &self.at))[0]
     }
 }

@@ -1,6 +1,6 @@
 //! Outliers of the channels: found without the model, taken back where the model explains them.
 
-use super::grid::Grid;
+use super::grid::{Grid, jumps};
 use super::linearise::Engine;
 use super::machine::Machine;
 use super::policy::DYNAMICS;
@@ -24,7 +24,7 @@ pub(super) fn excluded(machine: &Machine, grids: &[Grid]) -> Vec<Vec<bool>> {
         let logs: Vec<&[f64]> = logs.iter().map(Vec::as_slice).collect();
         let scale = outliers::scale(&logs, scatter(&logs).quantum);
         for (run, (grid, log)) in grids.iter().zip(&logs).enumerate() {
-            let jumps: Vec<Vec<f64>> = grid.inputs.iter().map(super::grid::Course::jumps).collect();
+            let jumps: Vec<Vec<f64>> = grid.inputs.iter().map(jumps).collect();
             let places = of_channel(grid, channel);
             let time: Vec<f64> = places.iter().map(|place| grid.samples[*place].time).collect();
             let driven = |from: f64, to: f64| jumps.iter().flatten().any(|time| (from..=to).contains(time));
@@ -82,7 +82,7 @@ impl Engine {
     }
 
     /// What a reader should know of the outliers.
-    pub fn told_outliers(&self) -> Vec<Notice> {
+    pub fn outlier_notices(&self) -> Vec<Notice> {
         let mut notices = Vec::new();
         for (channel, output) in self.machine.channels.iter().enumerate() {
             let all: Vec<(usize, usize)> = (0..self.grids.len())

@@ -4,15 +4,13 @@
 //! x̂(k+1) it gives O there. Where it is, x(k+1), is where O(x) = Y: to first order x(k+1) = x̂(k+1) + J⁺ (Y - O), J = ∂O/∂x.
 //! By this ∂F/∂x = J⁺ ∂Y/∂x and ∂F/∂θ = J⁺ (∂Y/∂θ - ∂O/∂θ), with O from x(k+1). No noise is in Y and O, so the horizon may be short.
 
-use super::about::{About, Along};
-use super::grid::Grid;
-use super::linearise::{Chord, Engine, RowParts, difference};
+use super::interval::{About, Along};
+use super::linearise::{Chord, Engine, RowParts, RunAt, difference};
 use super::machine::Role;
 use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
-use crate::infer::fit::Path;
 use crate::statistics::levels::{FEW, FINE, MORE, ROUNDING, SEVERAL, TASK};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -34,7 +32,7 @@ fn reader(jacobian: &DMatrix<f64>, sensors: &[f64], scales: &[f64]) -> DMatrix<f
 }
 
 /// The horizon from a first one on, in logs of twice so many rows, by the share that each misreads.
-fn chosen(
+fn horizon_by_misreading(
     first: usize,
     half: usize,
     misread: &mut dyn FnMut(usize) -> Result<f64, Error>,
@@ -59,7 +57,7 @@ impl Engine {
     ///
     /// # Errors
     /// A unit failed.
-    pub(super) fn look_ahead(&mut self) -> Result<usize, Error> {
+    pub(super) fn choose_horizon(&mut self) -> Result<usize, Error> {
         let (n, outputs) = (self.machine.order(), self.machine.channels.len());
         let first = n.div_ceil(outputs.max(1)).saturating_sub(1).max(1);
         let half = self.grids[0].time.len() / 2;
@@ -67,7 +65,7 @@ impl Engine {
             self.machine.horizon = horizon;
             self.misread()
         };
-        self.machine.horizon = chosen(first, half, misread)?;
+        self.machine.horizon = horizon_by_misreading(first, half, misread)?;
         Ok(self.machine.horizon)
     }
 
@@ -90,7 +88,7 @@ impl Engine {
                 let about = along.about(worker, row, &here)?;
                 let (mut out, reads) = (Vec::new(), schedule.reads[row].len());
                 along.from(worker, row, (&here + &moves).as_slice(), &mut out)?;
-                let shown = |out: &[f64]| DVector::from_vec(self.shown(out, reads));
+                let shown = |out: &[f64]| DVector::from_vec(self.outputs_shown(out, reads));
                 let told = along.reader(row, &about) * (shown(&out) - shown(&about.base));
                 let wrong = told.iter().zip(&moves).map(|(told, moved)| (told / moved - 1.0).abs());
                 // what is no number is misread
@@ -108,7 +106,7 @@ impl Engine {
     }
 
     /// Outputs at a row and the H rows after it.
-    fn shown(&self, out: &[f64], reads: usize) -> Vec<f64> {
+    fn outputs_shown(&self, out: &[f64], reads: usize) -> Vec<f64> {
         let (at, count) = self.shown_at(reads);
         (0..count).map(|entry| out[at(entry)]).collect()
     }
@@ -145,7 +143,7 @@ impl Along<'_> {
         let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
         let wanted = DVector::from_column_slice(engine.following(out, reads));
         let by = |inverse: &DMatrix<f64>, base: &[f64]| {
-            inverse * (&wanted - DVector::from_vec(engine.shown(base, next_reads)))
+            inverse * (&wanted - DVector::from_vec(engine.outputs_shown(base, next_reads)))
         };
         let mut base = Vec::new();
         self.from(worker, row + 1, state.as_slice(), &mut base)?;
@@ -177,20 +175,9 @@ struct Reading {
     shown: Option<Vec<Vec<f64>>>,
 }
 
-/// A run with its parameters, about its path.
-#[derive(Clone, Copy)]
-pub(super) struct Followed<'a> {
-    pub engine: &'a Engine,
-    pub grid: &'a Grid,
-    pub schedule: &'a Schedule,
-    pub theta: &'a [f64],
-    pub path: &'a Path,
-    pub chords: &'a [Chord],
-}
-
-impl Followed<'_> {
+impl RunAt<'_> {
     /// Puts next states and their derivatives where a unit that shows them would have.
-    pub fn next_states(&self, parts: &mut [RowParts]) {
+    pub(super) fn next_states(&self, parts: &mut [RowParts]) {
         let intervals = parts.len().saturating_sub(1);
         let tasks: Vec<usize> = (0..intervals).step_by(TASK).collect();
         let readings: Vec<Vec<Reading>> = tasks
@@ -212,10 +199,10 @@ impl Followed<'_> {
         let (engine, n) = (self.engine, self.engine.machine.order());
         let (reads, next_reads) = (self.schedule.reads[row].len(), self.schedule.reads[row + 1].len());
         let columns: Vec<Vec<f64>> =
-            there.states.iter().map(|column| engine.shown(column, next_reads)).collect();
+            there.states.iter().map(|column| engine.outputs_shown(column, next_reads)).collect();
         let jacobian = DMatrix::from_fn(columns[0].len(), n, |i, j| columns[j][i]);
         let inverse = reader(&jacobian, &engine.sensors, &engine.scales);
-        let base = engine.shown(&there.base, next_reads);
+        let base = engine.outputs_shown(&there.base, next_reads);
         let following = engine.following(&here.base, reads);
         let by = &inverse * DVector::from_fn(base.len(), |i, _| following[i] - base[i]);
         let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < ROUNDING * scale);
@@ -238,7 +225,7 @@ impl Followed<'_> {
             let (set, mut out) = (engine.set(theta), Vec::new());
             let job = Job { parameters: &set, ..engine.job(self.grid, self.schedule, row, state) };
             worker.interval(&engine.machine, &job, &mut out)?;
-            Ok::<_, Error>(engine.shown(&out, reads))
+            Ok::<_, Error>(engine.outputs_shown(&out, reads))
         };
         let base = from(self.theta)?;
         let of = |chord: &Chord| {
@@ -267,7 +254,7 @@ impl Followed<'_> {
         for (place, column) in here.units.iter_mut().enumerate().filter(|(_, column)| !column.is_empty()) {
             let shown = match &reading.shown {
                 Some(shown) => shown[place].clone(),
-                None => engine.shown(&there.units[place], next_reads),
+                None => engine.outputs_shown(&there.units[place], next_reads),
             };
             let by = read(engine.following(column, reads), Some(&shown));
             (0..n).for_each(|i| column[i] = by[i]);
@@ -277,12 +264,12 @@ impl Followed<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::chosen;
+    use super::horizon_by_misreading;
 
     #[test]
     fn value_a_horizon_is_as_short_as_reads_a_state_back_and_not_a_second_long() {
         let with = |half: usize, misread: &dyn Fn(usize) -> f64| {
-            chosen(1, half, &mut |horizon| Ok(misread(horizon))).expect("no unit, no fault")
+            horizon_by_misreading(1, half, &mut |horizon| Ok(misread(horizon))).expect("no unit, no fault")
         };
         // to a thousandth, the share that ends an iteration: the first that does
         assert_eq!(with(100, &|horizon| if horizon >= 4 { 0.9e-3 } else { 1.0 }), 4);

@@ -8,7 +8,7 @@
 //! forgets what it did, and so does what is found. If something has no name then, but whole runs leave nothing, they are right.
 
 use super::long;
-use super::study::{Searched, Studied, continued, nominal, trained};
+use super::study::{Searched, Studied, fit_nominal, search_all_rows, search_without_left_out};
 use crate::dynamics::build::build;
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -20,7 +20,7 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// A unit failed.
-pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
+pub(super) fn choose_way(problem: &Problem) -> Result<Problem, Error> {
     let runs = &problem.whole_runs();
     let anew = build(problem, runs)?;
     let mut told = anew.engine.remembered();
@@ -28,7 +28,7 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
         return Ok(problem.clone());
     }
     let through = Problem { whole: true, ..problem.clone() };
-    let deviance = |mut built| Ok::<_, Error>(nominal(&mut built, &Trails::default())?.deviance);
+    let deviance = |mut built| Ok::<_, Error>(fit_nominal(&mut built, &Trails::default())?.deviance);
     let rows = deviance(anew)?;
     let (runs, refused) = match build(&through, runs).and_then(deviance) {
         Ok(deviance) => (deviance, None),
@@ -64,18 +64,18 @@ pub(super) fn chosen(problem: &Problem) -> Result<Problem, Error> {
 ///
 /// # Errors
 /// The logs can't be followed.
-pub(super) fn searched(
+pub(super) fn search(
     problem: &Problem,
     options: &Options,
     watch: &mut Watch<'_>,
 ) -> Result<(Option<Problem>, Searched), Error> {
-    let first = trained(problem, options, watch)?;
+    let first = search_without_left_out(problem, options, watch)?;
     let is_left = first.residual.unlisted.is_some();
     if let Some((through, again)) = explained(problem, options, &first, watch)? {
-        let searched = continued(&through, options, again, watch)?;
+        let searched = search_all_rows(&through, options, again, watch)?;
         return Ok((Some(through), searched));
     }
-    let found = continued(problem, options, first, watch)?;
+    let found = search_all_rows(problem, options, first, watch)?;
     if is_left {
         return Ok((None, found));
     }
@@ -85,7 +85,7 @@ pub(super) fn searched(
     };
     // an answer is there: what takes longer than searches may is given up for it
     through.deadline = watch.until();
-    match continued(&through, options, again, watch) {
+    match search_all_rows(&through, options, again, watch) {
         Ok(mut again) if again.all.residual.unlisted.is_none() => {
             again.all.built.engine.machine.deadline = problem.deadline;
             Ok((Some(Problem { deadline: problem.deadline, ..through }), again))
@@ -111,8 +111,9 @@ fn explained(
         return Ok(None);
     }
     let mut through = Problem { whole: true, deadline: watch.until(), ..problem.clone() };
-    let Some(again) =
-        trained(&through, options, watch).ok().filter(|again| again.residual.unlisted.is_none())
+    let Some(again) = search_without_left_out(&through, options, watch)
+        .ok()
+        .filter(|again| again.residual.unlisted.is_none())
     else {
         return Ok(None);
     };
@@ -125,7 +126,7 @@ fn explained(
 
 #[cfg(test)]
 mod tests {
-    use super::chosen;
+    use super::choose_way;
     use crate::dynamics::tests::{logged_again, swung};
 
     #[test]
@@ -133,7 +134,7 @@ mod tests {
         // without its rates each row of the pendulum begins at rest, which is told
         let mut problem = logged_again(swung("narrow", 40), 20);
         problem.states.truncate(2);
-        let chosen = chosen(&problem).expect("rows can be followed");
+        let chosen = choose_way(&problem).expect("rows can be followed");
         assert!(!chosen.whole);
         let told =
             chosen.notices.iter().any(|notice| notice.message.contains("whole runs from their starts can't"));

@@ -1,0 +1,197 @@
+//! A linearised run of the differences of its rows. Effects at inputs follow by the chain rule from the mean of what is fed; effects at
+//! outputs are exact.
+
+use super::lag;
+use super::linearise::{Chord, RowParts, RunAt, difference};
+use super::machine::Role;
+use super::schedule::{Placed, Schedule, output_effects};
+use crate::infer::{Linearised, Measured};
+use crate::observe::OutputEffect;
+use crate::ports::output;
+
+/// A run with the differences of its rows, and what effects at ports change.
+pub(super) struct Assembly<'a> {
+    /// The run, its parameters, its path.
+    pub about: RunAt<'a>,
+    /// Differences, one a row.
+    pub parts: &'a [RowParts],
+    /// Effects at the outputs.
+    pub effects: Vec<output::Effects>,
+    /// Inputs that have differences.
+    moved: Vec<usize>,
+    /// What each chord changes at an input, if it is at one.
+    fed: Vec<Option<Fed>>,
+    /// What each chord of a delay or lag at an output changes of its channel, row by row, where the path has none yet.
+    sensed: Vec<Option<Vec<f64>>>,
+}
+
+/// What an effect changes at an input: the mean over each interval, and the value at each row.
+struct Fed {
+    mean: Vec<f64>,
+    at_row: Vec<f64>,
+}
+
+impl<'a> Assembly<'a> {
+    pub fn new(about: RunAt<'a>, parts: &'a [RowParts], moved: Vec<usize>) -> Self {
+        Self {
+            fed: about.chords.iter().map(|chord| about.fed_difference(chord)).collect(),
+            sensed: about.chords.iter().map(|chord| about.sensed(parts, chord)).collect(),
+            effects: output_effects(&about.engine.machine, about.theta),
+            about,
+            parts,
+            moved,
+        }
+    }
+
+    /// The run, with a state more for each sensor that lags.
+    pub fn linearised(&self) -> Linearised {
+        let RunAt { engine, run, grid, path, chords, .. } = self.about;
+        let mut out = Linearised {
+            states: engine.machine.order(),
+            parameters: chords.len(),
+            time: grid.time.clone(),
+            first: vec![0],
+            torn: grid.torn(),
+            start: engine.start(run, path),
+            ..Linearised::default()
+        };
+        self.add_intervals(&mut out);
+        self.add_values(&mut out);
+        let lags = lag::active(&engine.machine, self.about.theta);
+        if lags.is_empty() { out } else { self.augmented(out, &lags) }
+    }
+
+    /// ∂(entry of a row)/∂θ of one chord, an entry of what [`super::worker::Worker::interval`] gives.
+    pub fn column(&self, row: usize, place: usize, entry: usize) -> f64 {
+        let machine = &self.about.engine.machine;
+        match machine.parameters[self.about.chords[place].parameter].role {
+            Role::Unit(_) => self.parts[row].units[place][entry],
+            Role::Output(..) => 0.0,
+            Role::Input(input, _) => {
+                let (Some(fed), Some(slot)) =
+                    (&self.fed[place], self.moved.iter().position(|known| *known == input))
+                else {
+                    return 0.0;
+                };
+                let outputs = machine.order()..machine.order() + machine.channels.len();
+                let at_row = outputs.contains(&entry) || row + 1 == self.parts.len();
+                let by = if at_row { &fed.at_row } else { &fed.mean };
+                self.parts[row].inputs[slot][entry] * by[row * self.about.schedule.width + input]
+            }
+        }
+    }
+
+    /// Transition, defect and drive of each interval.
+    fn add_intervals(&self, out: &mut Linearised) {
+        let (n, path) = (out.states, self.about.path);
+        for (row, part) in self.parts[..self.parts.len().saturating_sub(1)].iter().enumerate() {
+            for i in 0..n {
+                out.transition.extend(part.states.iter().map(|column| column[i]));
+                out.defect.push(part.base[i] - path[(row + 1) * n + i]);
+            }
+            for place in 0..out.parameters {
+                out.drive.extend((0..n).map(|i| self.column(row, place, i)));
+            }
+        }
+    }
+
+    /// The values of each row.
+    fn add_values(&self, out: &mut Linearised) {
+        let RunAt { engine, grid, schedule, .. } = self.about;
+        let mut placed = schedule.placed.iter().peekable();
+        for (row, blind) in grid.rows_with_unknown_input(engine.machine.reading).into_iter().enumerate() {
+            while let Some(at) = placed.next_if(|at| at.row == row) {
+                self.add_value(at, at.early || blind, out);
+            }
+            out.first.push(out.measured.len());
+        }
+    }
+
+    /// A measured value against the path; `left_out`: the model says nothing of it.
+    fn add_value(&self, at: &Placed, left_out: bool, out: &mut Linearised) {
+        let RunAt { engine, run, grid, chords, .. } = self.about;
+        let (row, sample) = (at.row, grid.samples[at.sample]);
+        let (n, channels) = (engine.machine.order(), engine.machine.channels.len());
+        let effect = self.effects[sample.channel];
+        let entry = n + at.read.map_or(sample.channel, |read| channels + read);
+        let value = self.parts[row].base[entry];
+        let slope = self.slope(row, n + sample.channel);
+        let since = sample.time - grid.origin;
+        let outlier = engine.outliers[run].get(at.sample).copied().unwrap_or(false);
+        if left_out && !outlier {
+            // as one that is met to within its noise
+            out.left_out += 1.0 + 2.0 * libm::log(engine.sensors[sample.channel]);
+        }
+        out.measured.push(Measured {
+            channel: sample.channel,
+            time: sample.time,
+            residual: sample.value - effect.shown(value, since),
+            slope: effect.gain * slope,
+            weight: if left_out || outlier { 0.0 } else { 1.0 },
+        });
+        out.observe.extend(self.parts[row].states.iter().map(|column| effect.gain * column[entry]));
+        for (place, chord) in chords.iter().enumerate() {
+            let through = effect.gain * self.column(row, place, entry);
+            let late = |_| self.sensed[place].as_ref().map_or(-slope, |by| by[row]);
+            out.direct.push(through + self.at_port(chord, sample.channel, value, since, late));
+        }
+    }
+
+    /// What a chord of an effect at a channel changes of one value of it: `since` the log's begin, s; `late` is what a later reading
+    /// changes, per s.
+    pub fn at_port(
+        &self,
+        chord: &Chord,
+        channel: usize,
+        value: f64,
+        since: f64,
+        late: impl FnOnce(OutputEffect) -> f64,
+    ) -> f64 {
+        match self.about.engine.machine.parameters[chord.parameter].role {
+            Role::Output(own, kind) if own == channel => {
+                self.effects[channel].sensitivity(kind, value, since, late(kind))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Rate of change of an output along the path, per s.
+    fn slope(&self, row: usize, entry: usize) -> f64 {
+        let (parts, time) = (self.parts, &self.about.grid.time);
+        let (from, to) = (row.saturating_sub(1), (row + 1).min(parts.len() - 1));
+        let span = time[to] - time[from];
+        if span > 0.0 { (parts[to].base[entry] - parts[from].base[entry]) / span } else { 0.0 }
+    }
+}
+
+impl RunAt<'_> {
+    /// What a chord of an effect at an input changes of what is fed.
+    fn fed_difference(&self, chord: &Chord) -> Option<Fed> {
+        let machine = &self.engine.machine;
+        let Role::Input(..) = machine.parameters[chord.parameter].role else { return None };
+        let mut theta = self.theta.to_vec();
+        theta[chord.parameter] = chord.to;
+        let there = Schedule::new(machine, self.grid, &theta);
+        Some(Fed {
+            mean: difference(&there.mean, &self.schedule.mean, chord.per),
+            at_row: difference(&there.at_row, &self.schedule.at_row, chord.per),
+        })
+    }
+
+    /// What a chord of a delay or lag at an output changes of its channel, row by row: along the path where it has none yet.
+    fn sensed(&self, parts: &[RowParts], chord: &Chord) -> Option<Vec<f64>> {
+        let machine = &self.engine.machine;
+        let Role::Output(channel, kind) = machine.parameters[chord.parameter].role else { return None };
+        if self.theta[chord.parameter] != 0.0 || chord.per != 1.0 {
+            return None;
+        }
+        let entry = machine.order() + channel;
+        let values: Vec<f64> = parts.iter().map(|part| part.base[entry]).collect();
+        let there = match kind {
+            OutputEffect::Lag => lag::lagged(&self.grid.time, &values, chord.to),
+            OutputEffect::Delay => lag::delayed(&self.grid.time, &values, chord.to),
+            _ => return None,
+        };
+        Some(difference(&there, &values, chord.per))
+    }
+}

@@ -256,6 +256,13 @@ fn every_mistake_is_named_with_its_line() {
         ),
         (format!("[random]\ncount = 4\n\"a.x0\" = {{ from = 0, to = 1 }}\n{tail}"), 3, "no seed"),
         (format!("[sobol]\n\"a.x0\" = {{ from = 0, to = 1 }}\n{tail}"), 3, "no count"),
+        (format!("[sobol]\ncount = 0\n\"a.x0\" = {{ from = 0, to = 1 }}\n{tail}"), 3, "[sobol] count = 0"),
+        (format!("[grid]\n\"a.x0\" = {{ from = 0, to = 1 }}\n{tail}"), 4, "neither step nor count"),
+        (
+            format!("[grid]\n\"a.x0\" = {{ from = 0, to = 1, step = 0.5, count = 3 }}\n{tail}"),
+            4,
+            "both step and count",
+        ),
         (format!("[sobol]\ncount = 4\n\"a.x0\" = [0, 1]\n{tail}"), 5, "a range"),
         (
             format!("[sobol]\ncount = 4\n\"a.x0\" = {{ from = 1, to = 0 }}\n{tail}"),

@@ -133,8 +133,12 @@ fn axis(at: &Text<'_>, entry: &Entry<'_>, range: &DeTable<'_>) -> Result<Vec<Val
         }
         _ => {
             return Err(off(
-                "step, count, or both".into(),
-                format!("one of both (with scale = \"log\": count): {AXIS}"),
+                match (step, count) {
+                    (Some(_), Some(_)) => "both step and count".into(),
+                    (Some(_), None) => "step with scale = \"log\"".into(),
+                    _ => "neither step nor count".into(),
+                },
+                format!("one of them (with scale = \"log\": count): {AXIS}"),
             ));
         }
     };
@@ -302,9 +306,11 @@ fn sampled(
         }
     }
     let name = &whole.0;
-    let count = count.filter(|count| *count > 0);
+    let what =
+        if count == Some(0) { format!("[{name}] count = 0") } else { format!("[{name}] has no count") };
     let count = count
-        .ok_or_else(|| at.wrong(&whole.2, format!("[{name}] has no count"), "count = 1000, the cases"))?;
+        .filter(|count| *count > 0)
+        .ok_or_else(|| at.wrong(&whole.2, what, "count = 1000, the cases"))?;
     if method != Method::Sobol && seed.is_none() {
         let expected = "seed = 1, or any other whole number: the same seed gives the same cases";
         return Err(at.wrong(&whole.2, format!("[{name}] has no seed"), expected));

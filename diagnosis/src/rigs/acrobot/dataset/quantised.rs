@@ -107,6 +107,6 @@ mod tests {
         tell(&run(&|torque| torque), &mut notices);
         assert!(notices.is_empty());
         tell(&run(&|torque| 0.01 * (torque / 0.01).round()), &mut notices);
-        assert!(notices[0].message.contains("1.00e-2 N·m"), "{}", notices[0].message);
+        assert!(notices[0].message.contains("0.010 N·m"), "{}", notices[0].message);
     }
 }

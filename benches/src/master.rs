@@ -43,8 +43,28 @@ fn run(simulation: &mut Simulation, recorder: &mut dyn Recorder) {
     simulation.run(recorder, &mut Quiet).expect("runs");
 }
 
-/// The ring: steps, rows and a short run.
-pub fn rows() -> Vec<Row> {
+/// What was measured. Of a step in µs, of a short run in ms.
+#[derive(Default)]
+struct Times {
+    c: Samples,
+    ours: Samples,
+    rows: Samples,
+    /// What the rows cost beyond the steps.
+    extra: Samples,
+    c_short: Samples,
+    once: Samples,
+    fmpy: Samples,
+    fmpy_csv: Samples,
+    fmpy_short: Samples,
+    cosim: Samples,
+    cosim_csv: Samples,
+    serial: Samples,
+    ecos: Samples,
+    ecos_csv: Samples,
+}
+
+/// Takes all of them in turns.
+fn measured() -> Times {
     let ring = Ring::new();
     // SAFETY: loading runs the initialisers of a library that has none.
     let limit = Limit { library: unsafe { libloading::Library::new(ring.library()) }.expect("loads") };
@@ -56,56 +76,61 @@ pub fn rows() -> Vec<Row> {
     let mut short = ring.simulation(1000, "");
     let out = ring.path().join("ring.csv");
 
-    let [mut c, mut ours, mut rows, mut extra, mut c_short, mut once]: [Samples; 6] = Default::default();
-    let [mut fmpy, mut fmpy_csv, mut fmpy_short, mut cosim, mut cosim_csv, mut serial]: [Samples; 6] =
-        Default::default();
-    let [mut ecos, mut ecos_csv]: [Samples; 2] = Default::default();
+    let mut times = Times::default();
     let micros = 1e6 / STEPS as f64;
     for _ in 0..ROUNDS {
         for _ in 0..TURNS {
-            c.0.push(micros * seconds(|| limit.run(STEPS)));
+            times.c.0.push(micros * seconds(|| limit.run(STEPS)));
             let plain = micros * seconds(|| run(&mut bare, &mut NoRecorder));
             let with = micros * seconds(|| run(&mut csv, &mut CsvRecorder::create(&out).expect("writable")));
-            ours.0.push(plain);
-            rows.0.push(with);
-            extra.0.push(with - plain);
-            c_short.0.push(1e3 * seconds(|| limit.run(1000)));
-            once.0.push(1e3 * seconds(|| run(&mut short, &mut NoRecorder)));
+            times.ours.0.push(plain);
+            times.rows.0.push(with);
+            times.extra.0.push(with - plain);
+            times.c_short.0.push(1e3 * seconds(|| limit.run(1000)));
+            times.once.0.push(1e3 * seconds(|| run(&mut short, &mut NoRecorder)));
         }
         for (name, times) in [
-            ("fmpy", &mut fmpy),
-            ("fmpy_csv", &mut fmpy_csv),
-            ("libcosim", &mut cosim),
-            ("libcosim_csv", &mut cosim_csv),
-            ("serial", &mut serial),
-            ("ecos", &mut ecos),
-            ("ecos_csv", &mut ecos_csv),
+            ("fmpy", &mut times.fmpy),
+            ("fmpy_csv", &mut times.fmpy_csv),
+            ("libcosim", &mut times.cosim),
+            ("libcosim_csv", &mut times.cosim_csv),
+            ("serial", &mut times.serial),
+            ("ecos", &mut times.ecos),
+            ("ecos_csv", &mut times.ecos_csv),
         ] {
             peer.measure(&format!("{name} {PEER_STEPS}"), times);
         }
-        peer.measure("fmpy_short 1000", &mut fmpy_short);
+        peer.measure("fmpy_short 1000", &mut times.fmpy_short);
     }
-    fmpy_short.0.iter_mut().for_each(|time| *time *= 1e-3);
-    let step = || Row::faster("master", "step of the ring, nothing recorded".into(), "µs", &ours);
-    let row = || Row::faster("master", "step of the ring, ten values to CSV".into(), "µs", &rows);
-    let brief = || Row::faster("master", "run of 1000 steps, instances reused".into(), "ms", &once);
+    times.fmpy_short.0.iter_mut().for_each(|time| *time *= 1e-3);
+    times
+}
+
+/// The ring: steps, rows and a short run.
+pub fn rows() -> Vec<Row> {
+    let times = measured();
+    let step = || Row::faster("master", "step of the ring, nothing recorded".into(), "µs", &times.ours);
+    let row = || Row::faster("master", "step of the ring, ten values to CSV".into(), "µs", &times.rows);
+    let brief = || Row::faster("master", "run of 1000 steps, instances reused".into(), "ms", &times.once);
     let mut table = vec![
-        step().than("C loop", &c).at_most_times(1.5),
-        step().than("libcosim (libcosimpy)", &cosim).note("Jacobi, simulate_until".into()),
+        step().than("C loop", &times.c).at_most_times(1.5),
+        step().than("libcosim (libcosimpy)", &times.cosim).note("Jacobi, simulate_until".into()),
         step()
-            .than("libcosim without its threads", &serial)
+            .than("libcosim without its threads", &times.serial)
             .at_least(3.0)
             .note("Jacobi, its C++ class, cosim_execution_step".into()),
-        step().than("Ecos (ecospy)", &ecos).at_least(3.0).note("Jacobi, its own loop".into()),
-        step().than("FMPy", &fmpy),
-        Row::faster("master", "a row of ten values to CSV, beyond the step".into(), "µs", &extra)
+        step().than("Ecos (ecospy)", &times.ecos).at_least(3.0).note("Jacobi, its own loop".into()),
+        step().than("FMPy", &times.fmpy),
+        Row::faster("master", "a row of ten values to CSV, beyond the step".into(), "µs", &times.extra)
             .at_most(1.6)
             .note("shortest text that reads back as the same double".into()),
-        row().than("libcosim, file observer", &cosim_csv).note("all twelve of its values, six digits".into()),
-        row().than("Ecos, CSV writer", &ecos_csv).note("six decimals".into()),
-        row().than("FMPy, csv.writer", &fmpy_csv),
-        brief().than("C loop", &c_short).at_most(0.06).note("the issue's C loop takes 0.055".into()),
-        brief().than("FMPy", &fmpy_short),
+        row()
+            .than("libcosim, file observer", &times.cosim_csv)
+            .note("all twelve of its values, six digits".into()),
+        row().than("Ecos, CSV writer", &times.ecos_csv).note("six decimals".into()),
+        row().than("FMPy, csv.writer", &times.fmpy_csv),
+        brief().than("C loop", &times.c_short).at_most(0.06).note("the issue's C loop takes 0.055".into()),
+        brief().than("FMPy", &times.fmpy_short),
     ];
     table.extend(crate::real::rows());
     table.extend(opening());

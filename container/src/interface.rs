@@ -1,7 +1,7 @@
 //! What the outside sees: the scenario's free inputs, what it records, and its parameters, each called `unit.variable`.
 
 use orchestrator::fmu::{self, Causality, Description, Initial, Variability};
-use orchestrator::{Kind, Simulation, Value};
+use orchestrator::{Column, Kind, Simulation, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One variable. Its place in the list is its value reference.
@@ -50,15 +50,10 @@ impl Interface {
             interface.saves &= flags.can_get_and_set_state && flags.can_serialize_state;
             for variable in &description.variables {
                 let name = format!("{unit}.{}", variable.name);
-                let is_offered = match variable.causality {
-                    Causality::Input => !simulation.is_driven(&name),
-                    Causality::Parameter => {
-                        variable.initial == Some(Initial::Exact)
-                            && variable.variability != Variability::Constant
-                    }
-                    _ => false,
-                };
-                if !is_offered || description.is_ambiguous(&variable.name) || !names.insert(name.clone()) {
+                if !is_offered(simulation, variable, &name)
+                    || description.is_ambiguous(&variable.name)
+                    || !names.insert(name.clone())
+                {
                     continue;
                 }
                 let used = given.iter().find(|(known, _)| *known == variable.name);
@@ -68,38 +63,42 @@ impl Interface {
             }
         }
         for column in simulation.columns() {
-            if !names.insert(column.name.clone()) {
-                continue;
+            if names.insert(column.name.clone()) {
+                let variable = interface.recorded(&described, column);
+                interface.variables.push(variable);
             }
-            let found = (described.iter()).find_map(|(unit, description)| {
-                let variable = column.name.strip_prefix(unit)?.strip_prefix('.')?;
-                Some((*description, description.variable(variable)?))
-            });
-            let variable = match found {
-                Some((description, variable)) => {
-                    let unit = interface.unit(description, variable);
-                    let causality = match variable.causality {
-                        Causality::Output => Causality::Output,
-                        _ => Causality::Local,
-                    };
-                    Variable { causality, ..of(variable, column.name.clone(), unit) }
-                }
-                // No unit's own: the age of a connected value.
-                None => Variable {
-                    name: column.name.clone(),
-                    kind: column.kind,
-                    causality: Causality::Output,
-                    variability: Variability::Continuous,
-                    start: None,
-                    unit: None,
-                    min: None,
-                    max: None,
-                    description: "How old the connected value is, in s.".to_owned(),
-                },
-            };
-            interface.variables.push(variable);
         }
         interface
+    }
+
+    /// A recorded value as an output, or as a local variable where the unit inside has it as such.
+    fn recorded(&mut self, described: &[(&str, &Description)], column: &Column) -> Variable {
+        let found = described.iter().find_map(|(unit, description)| {
+            let variable = column.name.strip_prefix(unit)?.strip_prefix('.')?;
+            Some((*description, description.variable(variable)?))
+        });
+        match found {
+            Some((description, variable)) => {
+                let unit = self.unit(description, variable);
+                let causality = match variable.causality {
+                    Causality::Output => Causality::Output,
+                    _ => Causality::Local,
+                };
+                Variable { causality, ..of(variable, column.name.clone(), unit) }
+            }
+            // No unit's own: the age of a connected value.
+            None => Variable {
+                name: column.name.clone(),
+                kind: column.kind,
+                causality: Causality::Output,
+                variability: Variability::Continuous,
+                start: None,
+                unit: None,
+                min: None,
+                max: None,
+                description: "How old the connected value is, in s.".to_owned(),
+            },
+        }
     }
 
     /// The name of a variable's physical unit; none where two units mean different things by it.
@@ -108,6 +107,17 @@ impl Interface {
         let base = description.unit(name)?.base;
         let known = self.units.entry(name.to_owned()).or_insert(base);
         (*known == base).then(|| name.to_owned())
+    }
+}
+
+/// Whether the outside may set a variable: an input that nothing drives, or a parameter with a start value of its own.
+fn is_offered(simulation: &Simulation, variable: &fmu::Variable, name: &str) -> bool {
+    match variable.causality {
+        Causality::Input => !simulation.is_driven(name),
+        Causality::Parameter => {
+            variable.initial == Some(Initial::Exact) && variable.variability != Variability::Constant
+        }
+        _ => false,
     }
 }
 

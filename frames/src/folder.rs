@@ -73,6 +73,28 @@ pub fn write(
     texts: &[String],
     notices: &mut Vec<String>,
 ) -> Result<Vec<PathBuf>, Error> {
+    let mut written = logs(runs, texts, notices)?;
+    let path = out.join(MANIFEST);
+    if runs.listed {
+        if !recording.set.is_empty() {
+            notices.push(format!(
+                "{} is left as it was: what --set changed must stand in its [set]",
+                path.display()
+            ));
+        }
+        return Ok(written);
+    }
+    whole(&path, &manifest(recording, texts.len()))?;
+    notices.push(format!(
+        "logs of torques (controller.csv) and encoders (plant.csv) belong beside camera.csv in {}; docs/data-set.md says what they hold",
+        out.display()
+    ));
+    written.push(path);
+    Ok(written)
+}
+
+/// Writes the log of each run; one that was there before the first import is kept.
+fn logs(runs: &Runs, texts: &[String], notices: &mut Vec<String>) -> Result<Vec<PathBuf>, Error> {
     let mut written = Vec::new();
     for (folder, text) in runs.folders.iter().zip(texts) {
         std::fs::create_dir_all(folder).map_err(file(folder))?;
@@ -84,16 +106,11 @@ pub fn write(
         whole(&path, text)?;
         written.push(path);
     }
-    let path = out.join(MANIFEST);
-    if runs.listed {
-        if !recording.set.is_empty() {
-            notices.push(format!(
-                "{} is left as it was: what --set changed must stand in its [set]",
-                path.display()
-            ));
-        }
-        return Ok(written);
-    }
+    Ok(written)
+}
+
+/// The text of a new manifest for so many runs.
+fn manifest(recording: &Recording, runs: usize) -> String {
     let mut text = format!("format = 1\nscenario = {}\n", quoted(&scenario(recording)));
     if !recording.set.is_empty() {
         text.push_str("\n[set]\n");
@@ -102,7 +119,7 @@ pub fn write(
             let _ = writeln!(text, "{} = {}", quoted(variable), literal(value));
         }
     }
-    for run in 0..texts.len() {
+    for run in 0..runs {
         // with its odd characters escaped: a name may hold the end of a line
         let folder = &recording.folders[run];
         let _ = write!(
@@ -111,13 +128,7 @@ pub fn write(
             quoted(&name(run))
         );
     }
-    whole(&path, &text)?;
-    notices.push(format!(
-        "logs of torques (controller.csv) and encoders (plant.csv) belong beside camera.csv in {}; docs/data-set.md says what they hold",
-        out.display()
-    ));
-    written.push(path);
-    Ok(written)
+    text
 }
 
 /// Writes a file that is either not there or whole, even if this ends in the middle.

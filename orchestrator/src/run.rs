@@ -161,7 +161,10 @@ pub(crate) fn run_on(
         let first = from.is_none().then(|| recorder.row(simulation.now.time, simulation.row()));
         match first {
             Some(Err(error)) => Err(error),
-            _ => go(simulation, recorder, progress, &mut pace, &mut saving, keeping.as_mut()),
+            _ => {
+                let (pace, saving, keeping) = (&mut pace, &mut saving, keeping.as_mut());
+                Going { simulation, recorder, progress, pace, saving, keeping }.go()
+            }
         }
     };
     simulation.lateness = keeping.map(|keeping| keeping.lateness);
@@ -174,60 +177,84 @@ pub(crate) fn run_on(
     ended.map(|()| result)
 }
 
-fn go(
-    simulation: &mut Simulation,
-    recorder: &mut dyn Recorder,
-    progress: &mut dyn Progress,
-    pace: &mut Pace,
-    saving: &mut Saving<'_>,
-    mut keeping: Option<&mut Keeping>,
-) -> Result<Ended, Error> {
-    // Where nobody looks at the values, the points up to the next look at the clock are made in one go.
-    let unseen =
-        simulation.stops.is_empty() && !recorder.records() && saving.to.is_none() && keeping.is_none();
-    loop {
-        if unseen {
-            match simulation.advance_by(pace.left) {
-                Err(Error::Terminated { unit, time }) => return Ok(Ended::ByUnit { unit, time }),
-                Err(error) => return Err(error),
-                Ok(made) if made < pace.left => return Ok(Ended::AtStop),
-                Ok(_) => pace.left = 0,
-            }
-        } else {
-            if let Some(ended) = simulation.stopped() {
+/// A run that goes on from point to point.
+struct Going<'a, 'c> {
+    simulation: &'a mut Simulation,
+    recorder: &'a mut dyn Recorder,
+    progress: &'a mut dyn Progress,
+    pace: &'a mut Pace,
+    saving: &'a mut Saving<'c>,
+    /// Keeps to the real clock, if that was asked for.
+    keeping: Option<&'a mut Keeping>,
+}
+
+impl Going<'_, '_> {
+    fn go(mut self) -> Result<Ended, Error> {
+        // Where nobody looks at the values, the points up to the next look at the clock are made in one go.
+        let unseen = self.simulation.stops.is_empty()
+            && !self.recorder.records()
+            && self.saving.to.is_none()
+            && self.keeping.is_none();
+        loop {
+            let ended = if unseen { self.unseen_points()? } else { self.point()? };
+            if let Some(ended) = ended {
                 return Ok(ended);
             }
-            let before = simulation.now.time;
-            match simulation.advance_by(1) {
-                Err(Error::Terminated { unit, time }) => {
-                    if time > before {
-                        recorder.row(time, simulation.row())?;
-                    }
-                    return Ok(Ended::ByUnit { unit, time });
-                }
-                Err(error) => return Err(error),
-                Ok(0) => return Ok(Ended::AtStop),
-                Ok(_) => {}
-            }
-            if let Some(keeping) = &mut keeping {
-                let time = simulation.now.time;
-                if keeping.wait(time, || progress.at(time, pace.factor(time))).is_break() {
-                    recorder.row(time, simulation.row())?;
+            if self.pace.left == 0 {
+                let time = self.simulation.now.time;
+                if self.progress.at(time, self.pace.look(time)).is_break() {
                     return Ok(Ended::Interrupted { time });
                 }
             }
-            recorder.row(simulation.now.time, simulation.row())?;
-            if simulation.now.time >= saving.next {
-                saving.save(simulation, recorder)?;
-            }
-            pace.left -= 1;
         }
-        if pace.left == 0 {
+    }
+
+    /// All points up to the next look at the clock; how the run ended, if it did.
+    #[inline]
+    fn unseen_points(&mut self) -> Result<Option<Ended>, Error> {
+        match self.simulation.advance_by(self.pace.left) {
+            Err(Error::Terminated { unit, time }) => Ok(Some(Ended::ByUnit { unit, time })),
+            Err(error) => Err(error),
+            Ok(made) if made < self.pace.left => Ok(Some(Ended::AtStop)),
+            Ok(_) => {
+                self.pace.left = 0;
+                Ok(None)
+            }
+        }
+    }
+
+    /// The next point and its row; how the run ended, if it did.
+    #[inline]
+    fn point(&mut self) -> Result<Option<Ended>, Error> {
+        let Self { simulation, recorder, progress, pace, saving, keeping } = self;
+        if let Some(ended) = simulation.stopped() {
+            return Ok(Some(ended));
+        }
+        let before = simulation.now.time;
+        match simulation.advance_by(1) {
+            Err(Error::Terminated { unit, time }) => {
+                if time > before {
+                    recorder.row(time, simulation.row())?;
+                }
+                return Ok(Some(Ended::ByUnit { unit, time }));
+            }
+            Err(error) => return Err(error),
+            Ok(0) => return Ok(Some(Ended::AtStop)),
+            Ok(_) => {}
+        }
+        if let Some(keeping) = keeping {
             let time = simulation.now.time;
-            if progress.at(time, pace.look(time)).is_break() {
-                return Ok(Ended::Interrupted { time });
+            if keeping.wait(time, || progress.at(time, pace.factor(time))).is_break() {
+                recorder.row(time, simulation.row())?;
+                return Ok(Some(Ended::Interrupted { time }));
             }
         }
+        recorder.row(simulation.now.time, simulation.row())?;
+        if simulation.now.time >= saving.next {
+            saving.save(simulation, *recorder)?;
+        }
+        pace.left -= 1;
+        Ok(None)
     }
 }
 

@@ -17,6 +17,10 @@ class OutFolder:
             out = self._kept.name
         self.path = Path(out)
 
+    def __reduce__(self) -> tuple[type[OutFolder], tuple[str]]:
+        # A pickled temporary folder still vanishes with the first object.
+        return OutFolder, (str(self.path.absolute()),)
+
 
 def page(path: Path) -> str:
     """A page within a notebook's, with its own style."""

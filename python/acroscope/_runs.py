@@ -70,6 +70,8 @@ class Results:
     """What a run left: a table with a row at each communication point, a verdict, a report and frames.
 
     An Arrow table by the PyCapsule interface: `polars.DataFrame(r)`, `pyarrow.table(r)` take it as it is, without a copy.
+    It can be pickled, for processes and clusters: the table, summary and verdict go along, files stay in the folder, of
+    which a temporary one vanishes with the results that were pickled.
     """
 
     def __init__(self, table: _acroscope.Table, folder: OutFolder) -> None:

@@ -6,6 +6,12 @@ use orchestrator::{Cell, Column, Error, Kind, Recorder, Row};
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// A field of the table. Its unit is in the metadata, under `unit`.
+pub fn field(name: &str, kind: DataType, unit: Option<String>) -> Field {
+    let metadata = unit.map(|unit| ("unit".to_owned(), unit));
+    Field::new(name, kind, false).with_metadata(HashMap::from_iter(metadata))
+}
+
 /// The values of one variable.
 enum Values {
     Real(Vec<f64>),
@@ -53,12 +59,8 @@ impl Recorder for Columns {
 }
 
 impl Columns {
-    /// The table, `time` first. Units are in the metadata of the fields, under `unit`.
+    /// The table, `time` first.
     pub fn into_batch(self) -> Result<RecordBatch, ArrowError> {
-        let field = |name: &str, kind: DataType, unit: Option<String>| {
-            let metadata = unit.map(|unit| ("unit".to_owned(), unit));
-            Field::new(name, kind, false).with_metadata(HashMap::from_iter(metadata))
-        };
         let mut fields = vec![field("time", DataType::Float64, Some("s".to_owned()))];
         let mut arrays: Vec<ArrayRef> = vec![Arc::new(Float64Array::from(self.times))];
         for (column, values) in self.columns.into_iter().zip(self.values) {

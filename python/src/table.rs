@@ -1,19 +1,24 @@
 //! What a run recorded, as a table for Arrow's consumers; and frames.
 
 use crate::errors::other;
-use crate::recorder::Columns;
+use crate::recorder::{Columns, field};
 use arrow_array::cast::AsArray as _;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::{Float64Type, Int32Type};
-use arrow_array::{Array as _, RecordBatch, RecordBatchIterator};
-use arrow_schema::DataType;
+use arrow_array::{Array as _, ArrayRef, RecordBatch, RecordBatchIterator};
+use arrow_array::{BooleanArray, Float64Array, Int32Array, StringArray};
+use arrow_schema::{DataType, Schema};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PyList};
+use pyo3::types::{PyBytes, PyCapsule, PyList, PyType};
 use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A column for pickle: name, unit, type and values.
+type Pickled<'py> = (String, Option<String>, &'static str, Bound<'py, PyAny>);
 
 /// A row at each communication point.
 #[pyclass(frozen, module = "acroscope._acroscope")]
@@ -89,6 +94,33 @@ impl Table {
         })
     }
 
+    /// From the columns that `__reduce__` gives: name, unit, and what `values` has.
+    #[new]
+    fn again(columns: Vec<(String, Option<String>, String, Bound<'_, PyAny>)>) -> PyResult<Self> {
+        let (mut fields, mut arrays) = (Vec::new(), Vec::new());
+        for (name, unit, kind, values) in columns {
+            let array: ArrayRef = match kind.as_str() {
+                "float64" => Arc::new(Float64Array::from(numbers(&values, f64::from_ne_bytes)?)),
+                "int32" => Arc::new(Int32Array::from(numbers(&values, i32::from_ne_bytes)?)),
+                "bool" => Arc::new(BooleanArray::from(numbers(&values, |[byte]| byte != 0)?)),
+                _ => Arc::new(StringArray::from(values.extract::<Vec<String>>()?)),
+            };
+            fields.push(field(&name, array.data_type().clone(), unit));
+            arrays.push(array);
+        }
+        Ok(Self { batch: RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(other)? })
+    }
+
+    /// For pickle: the columns, which `__new__` makes the same table of.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, (Vec<Pickled<'py>>,))> {
+        let column = |name: String| {
+            let (unit, (kind, values)) = (self.unit(&name)?, self.values(py, &name)?);
+            Ok((name, unit, kind, values))
+        };
+        let columns = self.columns().into_iter().map(column).collect::<PyResult<_>>()?;
+        Ok((py.get_type::<Self>(), (columns,)))
+    }
+
     /// Arrow's PyCapsule interface: a stream of one batch that shares our memory.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
@@ -101,6 +133,13 @@ impl Table {
         let batches = RecordBatchIterator::new([Ok(self.batch.clone())], self.batch.schema());
         PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(batches)), c"arrow_array_stream")
     }
+}
+
+/// The numbers that bytes hold.
+fn numbers<T, const N: usize>(bytes: &Bound<'_, PyAny>, number: impl Fn([u8; N]) -> T) -> PyResult<Vec<T>> {
+    let bytes = bytes.cast::<PyBytes>()?;
+    let (whole, _) = bytes.as_bytes().as_chunks();
+    Ok(whole.iter().copied().map(number).collect())
 }
 
 /// A frame: height, width and grey levels, row by row.

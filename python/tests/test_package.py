@@ -2,6 +2,7 @@
 
 import csv
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -81,6 +82,23 @@ def test_a_temporary_folder_vanishes_and_a_named_one_stays(tmp_path):
     assert folder.is_dir()
     del kept, gone
     assert (tmp_path / "kept" / "results.csv").is_file() and not folder.exists()
+
+
+def test_results_can_be_pickled(results):
+    again = pickle.loads(pickle.dumps(results))
+    assert again.columns == results.columns and repr(again) == repr(results)
+    for name in results.columns:
+        assert again.unit(name) == results.unit(name)
+        assert again[name].dtype == results[name].dtype
+        assert again[name].tobytes() == results[name].tobytes()
+    assert again.resolved == results.resolved and again.frames.keys() == results.frames.keys()
+    # Of a temporary folder, which goes with the first results, the table and the verdict are left.
+    gone = ac.run("full-state", stop=0.1)
+    pickled = pickle.dumps(gone)
+    verdict, last, folder = gone.verdict, gone.last("plant.q1"), gone.folder
+    del gone
+    again = pickle.loads(pickled)
+    assert not folder.exists() and (again.verdict, again.last("plant.q1")) == (verdict, last)
 
 
 def test_simulation_step_by_step_is_the_run():

@@ -96,6 +96,16 @@ pub fn run(arguments: &Run, quiet: bool, formats: Formats<'_>) -> Result<(), Err
     }
 }
 
+/// What is known before the first step.
+struct Prepared {
+    /// The folder as it was named, and from the root on.
+    shown: PathBuf,
+    out: PathBuf,
+    simulation: Simulation,
+    layout: Layout,
+    provenance: Provenance,
+}
+
 /// The run, for a second recorder beside the file of results.
 ///
 /// # Errors
@@ -107,86 +117,94 @@ pub fn carry_out(
     also: &mut dyn Recorder,
     progress: &mut dyn Progress,
 ) -> Result<CarriedOut, Error> {
-    let request = Request::of(arguments)?;
-    let shown = arguments.out.clone().unwrap_or_else(|| request.folder());
-    // Units may change the working folder.
-    let out = std::path::absolute(&shown).map_err(Error::file(&shown))?;
-    let (mut scenario, bytes) = scenarios::read(&arguments.scenario)?;
-    let mut layout = Layout::of(&scenario)?;
-    if let Some(picture) = &layout.picture {
-        scenario.set(&picture.directory_parameter(), &out.join("frames").to_string_lossy())?;
-    }
-    request.apply(&mut scenario)?;
-    isolate(&mut scenario, arguments)?;
-    let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
-    layout.complete(&simulation)?;
-    simulation.pace(arguments.real_time);
-    let provenance = provenance::of_run(&request, &bytes, &simulation)?;
-
-    let folder = Folder::make(&out)?;
+    let mut prepared = Prepared::new(arguments)?;
+    let folder = Folder::make(&prepared.out)?;
     let from = checkpoint(arguments, &folder, quiet)?;
-    let frames = layout.picture.as_ref().map(|_| Folder::make(&out.join("frames"))).transpose()?;
+    let frames =
+        prepared.layout.picture.as_ref().map(|_| Folder::make(&prepared.out.join("frames"))).transpose()?;
     let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
-    let resolved = simulation.resolved();
+    let resolved = prepared.simulation.resolved();
     let mut results = match &from {
         Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?,
         None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved)?,
     };
     let mut recorder = Twice(&mut results, also);
-    let ended = go(&mut simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
+    let simulation = &mut prepared.simulation;
+    let ended = go(simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
     if !results.begun() {
         // A unit refused to begin, or the checkpoint is another run's: what lies in the folder is of an earlier run, and stays.
         let ended = ended.map_err(|error| results.failed().unwrap_or(error));
-        let replaced_starts = simulation.replaced_starts().to_vec();
-        let (timing, lateness) = (Vec::new(), None);
-        let _simulation = simulation;
-        return Ok(CarriedOut {
-            folder: shown,
-            summary: None,
-            ended,
-            replaced_starts,
-            timing,
-            lateness,
-            _simulation,
-        });
+        return Ok(prepared.carried_out(None, ended, Vec::new(), None));
     }
-    let exported = formats(&Ran {
-        arguments,
-        folder: &folder,
-        simulation: &simulation,
-        layout: &layout,
-        provenance: &provenance,
-    });
+    let Prepared { simulation, layout, provenance, .. } = &prepared;
+    let exported = formats(&Ran { arguments, folder: &folder, simulation, layout, provenance });
     let lateness = simulation.lateness().cloned();
     if let Some(lateness) = &lateness {
         folder.write(PACING, &lateness.to_json())?;
     }
-    let finished = Finished {
-        simulation: &simulation,
-        layout: &layout,
-        folder: &out,
-        how: how(&ended),
-        by: match &ended {
-            Ok(Ended::ByUnit { unit, .. }) => Some(unit.clone()),
-            _ => None,
-        },
-        error: ended.as_ref().err().map(ToString::to_string),
-        provenance,
-    };
-    let summary = match told(finished, &folder) {
-        Ok(Some(summary)) => Some(summary),
-        // It ended before its first row: nothing of it is worth keeping.
-        Ok(None) => folder.clear(&FILES).map(|()| None)?,
-        // The run's own error counts more than that of its report.
-        Err(error) if ended.is_ok() => return Err(error),
-        Err(_) => None,
-    };
+    let summary = prepared.summary(&ended, &folder)?;
     exported?;
     drop(frames);
-    let replaced_starts = simulation.replaced_starts().to_vec();
-    let timing = run_report::timing::lines(&simulation);
-    let _simulation = simulation;
-    Ok(CarriedOut { folder: shown, summary, ended, replaced_starts, timing, lateness, _simulation })
+    let timing = run_report::timing::lines(simulation);
+    Ok(prepared.carried_out(summary, ended, timing, lateness))
+}
+
+impl Prepared {
+    /// Reads the scenario, gives it what was asked for, and builds it.
+    fn new(arguments: &Run) -> Result<Self, Error> {
+        let request = Request::of(arguments)?;
+        let shown = arguments.out.clone().unwrap_or_else(|| request.folder());
+        // Units may change the working folder.
+        let out = std::path::absolute(&shown).map_err(Error::file(&shown))?;
+        let (mut scenario, bytes) = scenarios::read(&arguments.scenario)?;
+        let mut layout = Layout::of(&scenario)?;
+        if let Some(picture) = &layout.picture {
+            scenario.set(&picture.directory_parameter(), &out.join("frames").to_string_lossy())?;
+        }
+        request.apply(&mut scenario)?;
+        isolate(&mut scenario, arguments)?;
+        let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
+        layout.complete(&simulation)?;
+        simulation.pace(arguments.real_time);
+        let provenance = provenance::of_run(&request, &bytes, &simulation)?;
+        Ok(Self { shown, out, simulation, layout, provenance })
+    }
+
+    /// Writes page and summary. None are left of a run that ended before its first row.
+    fn summary(&self, ended: &Result<Ended, Error>, folder: &Folder) -> Result<Option<Summary>, Error> {
+        let finished = Finished {
+            simulation: &self.simulation,
+            layout: &self.layout,
+            folder: &self.out,
+            how: how(ended),
+            by: match ended {
+                Ok(Ended::ByUnit { unit, .. }) => Some(unit.clone()),
+                _ => None,
+            },
+            error: ended.as_ref().err().map(ToString::to_string),
+            provenance: self.provenance.clone(),
+        };
+        match told(finished, folder) {
+            Ok(Some(summary)) => Ok(Some(summary)),
+            // It ended before its first row: nothing of it is worth keeping.
+            Ok(None) => folder.clear(&FILES).map(|()| None),
+            // The run's own error counts more than that of its report.
+            Err(error) if ended.is_ok() => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn carried_out(
+        self,
+        summary: Option<Summary>,
+        ended: Result<Ended, Error>,
+        timing: Vec<String>,
+        lateness: Option<Lateness>,
+    ) -> CarriedOut {
+        let replaced_starts = self.simulation.replaced_starts().to_vec();
+        let (folder, _simulation) = (self.shown, self.simulation);
+        CarriedOut { folder, summary, ended, replaced_starts, timing, lateness, _simulation }
+    }
 }
 
 /// Where the run goes on, if it is to.

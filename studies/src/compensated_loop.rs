@@ -111,43 +111,50 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
          N_min and N_max let every circle through."
             .to_owned(),
     );
-    for ((name, _), [without, with]) in LENSES.iter().zip(&measured) {
-        let graph = Graph::new(
-            format!("Tracking error, {name}"),
-            Axis::fitted("time in s"),
-            Axis::over("z desired − z", -0.3, 0.3),
-        )
-        .with(Line::dashed("as it is", without.error.clone()))
-        .with(Line::solid("corrected", with.error.clone()));
-        outcome.graph(graph, format!("Tracking error on the way to z = 0.5 behind the lens {name}."))?;
+    for ((name, _), runs) in LENSES.iter().zip(&measured) {
+        let words = format!("Tracking error on the way to z = 0.5 behind the lens {name}.");
+        outcome.graph(graph(name, runs), words)?;
     }
-    let texts: Vec<String> = (LENSES.iter().zip(&measured))
+    outcome.claims.push(claim(&measured));
+    outcome.tables.push(("With and without the correction".to_owned(), table(&measured)));
+    Ok(outcome)
+}
+
+/// The tracking error behind a lens, without the correction and with it.
+fn graph(name: &str, [without, with]: &[Run; 2]) -> Graph {
+    Graph::new(
+        format!("Tracking error, {name}"),
+        Axis::fitted("time in s"),
+        Axis::over("z desired − z", -0.3, 0.3),
+    )
+    .with(Line::dashed("as it is", without.error.clone()))
+    .with(Line::solid("corrected", with.error.clone()))
+}
+
+fn claim(measured: &[[Run; 2]]) -> Claim {
+    let texts: Vec<String> = (LENSES.iter().zip(measured))
         .map(|((name, _), [without, with])| format!("{name}: {} → {}", without.fate(), with.fate()))
         .collect();
-    outcome.claims.push(
-        Claim::new(
-            [
-                "S5.compensation.loop",
-                "a known distortion corrected through the estimation-error curves",
-                "possible",
-            ],
-            format!("z_d − z at z_d = 0.5: {}", texts.join("; ")),
-            "the corrected loop is stable, its error below 0.01: three times the offset of the undistorted loop",
-            measured.iter().all(|[_, with]| with.steady().abs() < 0.01),
-            "",
-        )
-        .part(),
-    );
+    Claim::new(
+        [
+            "S5.compensation.loop",
+            "a known distortion corrected through the estimation-error curves",
+            "possible",
+        ],
+        format!("z_d − z at z_d = 0.5: {}", texts.join("; ")),
+        "the corrected loop is stable, its error below 0.01: three times the offset of the undistorted loop",
+        measured.iter().all(|[_, with]| with.steady().abs() < 0.01),
+        "",
+    )
+    .part()
+}
+
+fn table(measured: &[[Run; 2]]) -> Table {
     let head = ["lens", "steady error as it is", "steady error corrected"].map(str::to_owned).to_vec();
-    let rows = (LENSES.iter().zip(&measured))
-        .map(|((name, _), runs)| {
-            std::iter::once(Cell::from(*name))
-                .chain(runs.iter().map(|run| Cell::Number(run.fate())))
-                .collect()
-        })
-        .collect();
-    outcome.tables.push(("With and without the correction".to_owned(), Table { head, rows }));
-    Ok(outcome)
+    let row = |((name, _), runs): (&Lens, &[Run; 2])| {
+        std::iter::once(Cell::from(*name)).chain(runs.iter().map(|run| Cell::Number(run.fate()))).collect()
+    };
+    Table { head, rows: LENSES.iter().zip(measured).map(row).collect() }
 }
 
 /// The visual loop to z = 0.5, with the estimates handed over by hand.

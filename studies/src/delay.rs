@@ -78,17 +78,23 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-fn fates(bench: &Bench, poles: Poles) -> Result<Fates, Error> {
-    let place = Place::new(&Theta::TABLE_2).map_err(|error| Error::Mechanics(error.to_string()))?;
-    let mut cases = vec![
+/// The runs that the statements speak of, in the order of the fields of [`Fates`].
+fn named(poles: Poles) -> Vec<Case> {
+    vec![
         delayed(poles, 30.0, 0.0),
         delayed(poles, 30.0, 0.5),
         crawling(delayed(poles, 30.0, 1.0)),
         delayed(poles, 60.0, 1.0),
         delayed(poles, 60.0, 2.0),
         Case::visual(poles).with("camera.omega_cam", 10),
-    ];
-    let named = cases.len();
+    ]
+}
+
+/// The runs that look for boundaries: of the delay with two exposures, of the rate with and without the camera, and of
+/// the places.
+fn searching(poles: Poles) -> Result<Vec<Case>, Error> {
+    let place = Place::new(&Theta::TABLE_2).map_err(|error| Error::Mechanics(error.to_string()))?;
+    let mut cases = Vec::new();
     // Without noise: the boundary is the loop's own.
     for (exposure, own) in [(1.0, 0.5), (0.01, 0.0)] {
         cases.extend(TWENTIETHS.map(|twentieths| {
@@ -108,6 +114,13 @@ fn fates(bench: &Bench, poles: Poles) -> Result<Fates, Error> {
         let q1 = Theta::TABLE_2.manifold_q1(q2).map_err(|error| Error::Mechanics(error.to_string()))?;
         cases.push(delayed(poles, 30.0, 1.0).resting([q1, q2], z, 20));
     }
+    Ok(cases)
+}
+
+fn fates(bench: &Bench, poles: Poles) -> Result<Fates, Error> {
+    let mut cases = named(poles);
+    let named = cases.len();
+    cases.extend(searching(poles)?);
     let mut traces = run_all(bench, &cases)?;
     let mut rest = traces.split_off(named).into_iter().map(|trace| trace.is_stable());
     let mut largest = || {

@@ -26,34 +26,14 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let equations = lenses.map(|lens| constants(walk::largest(&walk::by_equations(lens))));
 
     let mut outcome = Outcome::default();
-    let agree = |ours: [f64; 2], paper: [f64; 2]| [0, 1].map(|link| rounds_to(ours[link], paper[link]));
     let mut agreeing = 0;
     let mut rows = Vec::new();
     let mut claims = Vec::new();
     for (index, name) in DISTORTIONS.into_iter().enumerate() {
         let (paper, ours, ideal) = (PAPER[index], rendered[index], equations[index]);
-        let each = agree(ours, paper);
-        agreeing += each.iter().filter(|agrees| **agrees).count();
-        claims.push(
-            Claim::new(
-                [
-                    &format!("T3.{name}"),
-                    &format!("K_q1, K_q2 of {name}: largest error on the manifold over the parameter"),
-                    &walk::pair(paper, 1),
-                ],
-                format!("{} from frames, {} by the equations", walk::pair(ours, 3), walk::pair(ideal, 3)),
-                "± 0.05: the paper gives one decimal",
-                each == [true; 2] && agree(ideal, paper) == [true; 2],
-                "",
-            )
-            .part(),
-        );
-        let numbers = [paper[0], ideal[0], ours[0], paper[1], ideal[1], ours[1]];
-        let cells = numbers.iter().enumerate().map(|(column, value)| {
-            let decimals = if column % 3 == 0 { 1 } else { 3 };
-            Cell::Number(format!("{value:.decimals$}"))
-        });
-        rows.push(std::iter::once(Cell::from(name)).chain(cells).collect());
+        agreeing += agree(ours, paper).iter().filter(|agrees| **agrees).count();
+        claims.push(claim(name, paper, ours, ideal));
+        rows.push(row(name, paper, ours, ideal));
     }
     outcome.claims.push(Claim::new(
         ["C25", "Table 3: the ten constants from rendered frames", "ten values with one decimal"],
@@ -83,6 +63,36 @@ fn run(bench: &Bench) -> Result<Outcome, Error> {
     let table = Table { head: head.map(str::to_owned).to_vec(), rows };
     outcome.tables.push(("Table 3, at a strength of 0.1".to_owned(), table));
     Ok(outcome)
+}
+
+/// Whether the constants of each link are the paper's.
+fn agree(ours: [f64; 2], paper: [f64; 2]) -> [bool; 2] {
+    [0, 1].map(|link| rounds_to(ours[link], paper[link]))
+}
+
+/// The claim of one distortion: constants of the paper, from frames and by the equations.
+fn claim(name: &str, paper: [f64; 2], ours: [f64; 2], ideal: [f64; 2]) -> Claim {
+    Claim::new(
+        [
+            &format!("T3.{name}"),
+            &format!("K_q1, K_q2 of {name}: largest error on the manifold over the parameter"),
+            &walk::pair(paper, 1),
+        ],
+        format!("{} from frames, {} by the equations", walk::pair(ours, 3), walk::pair(ideal, 3)),
+        "± 0.05: the paper gives one decimal",
+        agree(ours, paper) == [true; 2] && agree(ideal, paper) == [true; 2],
+        "",
+    )
+    .part()
+}
+
+fn row(name: &str, paper: [f64; 2], ours: [f64; 2], ideal: [f64; 2]) -> Vec<Cell> {
+    let numbers = [paper[0], ideal[0], ours[0], paper[1], ideal[1], ours[1]];
+    let cells = numbers.iter().enumerate().map(|(column, value)| {
+        let decimals = if column % 3 == 0 { 1 } else { 3 };
+        Cell::Number(format!("{value:.decimals$}"))
+    });
+    std::iter::once(Cell::from(name)).chain(cells).collect()
 }
 
 /// Whether a number is the paper's when written with one decimal.

@@ -15,6 +15,71 @@ struct State<T> {
     done: BTreeMap<usize, Result<T, Error>>,
 }
 
+/// What the threads share.
+struct Pool<T> {
+    state: Mutex<State<T>>,
+    changed: Condvar,
+    pieces: usize,
+    /// How far a piece may be from what was handed over.
+    window: usize,
+}
+
+impl<T> Pool<T> {
+    fn lock(&self) -> MutexGuard<'_, State<T>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait<'a>(&self, held: MutexGuard<'a, State<T>>) -> MutexGuard<'a, State<T>> {
+        self.changed.wait(held).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next piece to be done, as soon as it is within the window.
+    fn claim(&self) -> Option<usize> {
+        let mut held = self.lock();
+        while !held.stopped && held.next < self.pieces && held.next >= held.taken + self.window {
+            held = self.wait(held);
+        }
+        let piece = held.next;
+        (!held.stopped && piece < self.pieces).then(|| {
+            held.next += 1;
+            piece
+        })
+    }
+
+    fn done(&self, piece: usize, result: Result<T, Error>) {
+        self.lock().done.insert(piece, result);
+        self.changed.notify_all();
+    }
+
+    /// What came of a piece, as soon as it is there. `None`: a thread panicked; the scope tells.
+    fn result(&self, piece: usize) -> Option<Result<T, Error>> {
+        let mut held = self.lock();
+        loop {
+            match held.done.remove(&piece) {
+                Some(result) => return Some(result),
+                None if held.stopped => return None,
+                None => held = self.wait(held),
+            }
+        }
+    }
+
+    /// Takes all results in order.
+    fn hand_over(&self, mut take: impl FnMut(usize, T) -> Result<(), Error>) -> Result<(), Error> {
+        for piece in 0..self.pieces {
+            let Some(result) = self.result(piece) else { return Ok(()) };
+            take(piece, result?)?;
+            self.lock().taken = piece + 1;
+            self.changed.notify_all();
+        }
+        Ok(())
+    }
+
+    fn stop(&self) {
+        self.lock().stopped = true;
+        self.changed.notify_all();
+    }
+}
+
 /// Does the pieces 0, 1, ... with so many threads, each with a worker of its own, and takes their results in order. The first
 /// error ends it.
 pub(crate) fn in_order<W, T: Send>(
@@ -22,60 +87,25 @@ pub(crate) fn in_order<W, T: Send>(
     pieces: usize,
     worker: impl Fn() -> W + Sync,
     work: impl Fn(&mut W, usize) -> Result<T, Error> + Sync,
-    mut take: impl FnMut(usize, T) -> Result<(), Error>,
+    take: impl FnMut(usize, T) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let state = Mutex::new(State { next: 0, taken: 0, stopped: false, done: BTreeMap::new() });
-    let (changed, threads) = (Condvar::new(), threads.clamp(1, pieces.max(1)));
-    let lock = || state.lock().unwrap_or_else(PoisonError::into_inner);
-    let wait = |held| changed.wait(held).unwrap_or_else(PoisonError::into_inner);
-    let claim = || {
-        let mut held: MutexGuard<'_, State<T>> = lock();
-        while !held.stopped && held.next < pieces && held.next >= held.taken + AHEAD * threads {
-            held = wait(held);
-        }
-        let piece = held.next;
-        (!held.stopped && piece < pieces).then(|| {
-            held.next += 1;
-            piece
-        })
-    };
+    let threads = threads.clamp(1, pieces.max(1));
+    let pool = Pool { state, changed: Condvar::new(), pieces, window: AHEAD * threads };
     let go = || {
         let mut worker = worker();
-        while let Some(piece) = claim() {
-            let result = work(&mut worker, piece);
-            lock().done.insert(piece, result);
-            changed.notify_all();
+        while let Some(piece) = pool.claim() {
+            pool.done(piece, work(&mut worker, piece));
         }
-    };
-    let mut hand_over = || {
-        for piece in 0..pieces {
-            let mut held = lock();
-            let result = loop {
-                match held.done.remove(&piece) {
-                    Some(result) => break result,
-                    // A thread panicked; the scope tells.
-                    None if held.stopped => return Ok(()),
-                    None => held = wait(held),
-                }
-            };
-            drop(held);
-            take(piece, result?)?;
-            lock().taken = piece + 1;
-            changed.notify_all();
-        }
-        Ok(())
     };
     // A thread that panics must not leave the others waiting.
-    let stop = || {
-        lock().stopped = true;
-        changed.notify_all();
-    };
+    let stop = || pool.stop();
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| Guarded(&stop).around(&go));
         }
-        let handed = hand_over();
-        stop();
+        let handed = pool.hand_over(take);
+        pool.stop();
         handed
     })
 }

@@ -4,7 +4,7 @@ mod common;
 use camera::Variables;
 use camera::geometry::{Outline, UnitCircle};
 use camera::photometry::{Area, Coverage, Mask, Plane};
-use camera::vision::likelihood::Likelihood;
+use camera::vision::likelihood::{Expected, Likelihood, Seen};
 use camera::vision::{Component, Finder, View};
 use common::*;
 
@@ -45,7 +45,8 @@ fn refined(variables: &Variables, picture: &Plane<u8>, window: Area, start: (f64
     let (mask, windows) = (Mask::empty(SIZE, SIZE), [window]);
     let view = View { picture, mask: &mask, windows: &windows, row_step: 1 };
     let Variables { scene, sensor, effects, .. } = variables;
-    Likelihood::default().refine(start, &region, &view, &window, scene, sensor, effects)
+    let seen = Seen { component: &region, view: &view, window: &window };
+    Likelihood::default().refine(start, &seen, &Expected { scene, sensor, effects })
 }
 
 const ALL: Area = Area { x0: 0, y0: 0, x1: SIZE, y1: SIZE };

@@ -1,5 +1,6 @@
 //! Writes the drafted scenario, with a comment for each guess.
 
+use super::experiment::Guess;
 use super::matching::{Choice, choose};
 use super::{Unit, experiment};
 use orchestrator::fmu::{Causality, Variable};
@@ -14,23 +15,9 @@ fn quoted(text: &str) -> String {
 /// The scenario; `wait`: what goes back to an earlier unit comes one of its intervals later.
 pub(super) fn scenario(units: &[Unit], wait: bool) -> String {
     let mut text = String::new();
-    let names: Vec<&str> = units.iter().map(|unit| unit.name.as_str()).collect();
     let (start, stop) = experiment::span(units);
-    let _ = write!(
-        text,
-        "# Drafted by `acroscope new` from the units' descriptions. What is a guess says so.\n\
-         format = 1\ndescription = {}\n\n[experiment]\nstart = {} # {}\nstop = {} # {}\n",
-        quoted(&names.join(", ")),
-        start.text,
-        start.comment,
-        stop.text,
-        stop.comment
-    );
+    head(&mut text, units, &start, &stop);
     let lasts = stop.value - start.value;
-    let _ = writeln!(
-        text,
-        "algorithm = \"gauss-seidel\" # units are stepped in the order in which they stand here"
-    );
     for unit in units {
         let interval = experiment::interval(unit, lasts);
         let (name, file) = (quoted(&unit.name), quoted(&unit.file));
@@ -51,28 +38,57 @@ pub(super) fn scenario(units: &[Unit], wait: bool) -> String {
                     let _ = write!(text, "\n[[connections]] # {}\n", one_line(&comment));
                     let _ = writeln!(text, "from = {}\nto = {}", quoted(&output), quoted(&place));
                     if wait && from > to {
-                        let delay = experiment::interval(&units[from], lasts).text;
-                        let _ = writeln!(
-                            text,
-                            "delay = {delay} # guess: without it units wait for each other at the start; an interval of {}",
-                            units[from].name
-                        );
+                        delay(&mut text, &units[from], lasts);
                     }
                 }
                 Choice::Free { comment, others } => {
                     let comment = format!("{comment}{}", listed(units, "", &others));
-                    let _ = write!(sources, "\n[[sources]] # {}\n", one_line(&comment));
-                    let (value, comment) = constant(input);
-                    let _ = writeln!(
-                        sources,
-                        "to = {}\nkind = \"constant\"\nvalue = {value} # {comment}",
-                        quoted(&place)
-                    );
+                    source(&mut sources, input, &place, &comment);
                 }
             }
         }
     }
     text.push_str(&sources);
+    record(&mut text, units);
+    text
+}
+
+fn head(text: &mut String, units: &[Unit], start: &Guess, stop: &Guess) {
+    let names: Vec<&str> = units.iter().map(|unit| unit.name.as_str()).collect();
+    let _ = write!(
+        text,
+        "# Drafted by `acroscope new` from the units' descriptions. What is a guess says so.\n\
+         format = 1\ndescription = {}\n\n[experiment]\nstart = {} # {}\nstop = {} # {}\n",
+        quoted(&names.join(", ")),
+        start.text,
+        start.comment,
+        stop.text,
+        stop.comment
+    );
+    let _ = writeln!(
+        text,
+        "algorithm = \"gauss-seidel\" # units are stepped in the order in which they stand here"
+    );
+}
+
+/// What comes from a later unit waits for one of its intervals.
+fn delay(text: &mut String, from: &Unit, lasts: f64) {
+    let _ = writeln!(
+        text,
+        "delay = {} # guess: without it units wait for each other at the start; an interval of {}",
+        experiment::interval(from, lasts).text,
+        from.name
+    );
+}
+
+/// A constant for an input that nothing was found for.
+fn source(text: &mut String, input: &Variable, place: &str, comment: &str) {
+    let _ = write!(text, "\n[[sources]] # {}\n", one_line(comment));
+    let (value, comment) = constant(input);
+    let _ = writeln!(text, "to = {}\nkind = \"constant\"\nvalue = {value} # {comment}", quoted(place));
+}
+
+fn record(text: &mut String, units: &[Unit]) {
     text.push_str("\n[record] # the outputs of all units\nvariables = [\n");
     for unit in units {
         for output in unit.variables(Causality::Output) {
@@ -80,7 +96,6 @@ pub(super) fn scenario(units: &[Unit], wait: bool) -> String {
         }
     }
     text.push_str("]\n");
-    text
 }
 
 /// Names of outputs, for a comment.

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{ChildStdout, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 
@@ -131,23 +131,9 @@ fn limit_memory() {
 
 /// Looks at a rule in a process of its own.
 pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<Ended, Error> {
-    let (program, arguments) =
-        HOST.get().cloned().ok_or_else(|| Error::Host("this program does not call host_rules".into()))?;
     // What the unit prints of itself is shown once, with the first rule.
     let first = rule == super::RULES[0].id;
-    let unheard = || if first { Stdio::inherit() } else { Stdio::null() };
-    let mut command = Command::new(&program);
-    command.args(arguments).env(RULE, rule).env(UNIT, unit).env(MEMORY, limits.memory.to_string());
-    command.env(TUNABLES.0, TUNABLES.1);
-    #[cfg(unix)]
-    {
-        use std::os::unix::process::CommandExt as _;
-        // A group of its own: keys and signals that are meant for the master don't reach it.
-        command.process_group(0);
-    }
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(unheard());
-    let started = command.spawn();
-    let mut child = started.map_err(|error| Error::Host(format!("{}: {error}", program.display())))?;
+    let mut child = process(rule, unit, limits, first)?;
     let Some(out) = child.stdout.take() else { return Err(Error::Host("it has no output".into())) };
     let lines = listen(out, first);
     let mut calls: VecDeque<String> = VecDeque::new();
@@ -175,23 +161,45 @@ pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<En
         let _ = child.kill();
     }
     let status = child.wait().map_err(|error| Error::Host(error.to_string()))?;
-    let calls: Vec<String> = calls.into();
-    let last = calls.last().map_or("loading the library", String::as_str);
     let (end, how) = if hung {
         let seconds = limits.call.as_secs_f64();
         ("endless-loop", format!("did not come back within {seconds} s"))
     } else {
         how(status)
     };
+    let mut found = Found::new(end);
+    found.error(format!("the unit {how} in {}", last_calls(calls.make_contiguous(), rule)));
+    ended.findings.append(&mut found.findings);
+    Ok(ended)
+}
+
+/// Starts this program again to look at a rule.
+fn process(rule: &str, unit: &Path, limits: &Limits, is_heard: bool) -> Result<Child, Error> {
+    let (program, arguments) =
+        HOST.get().cloned().ok_or_else(|| Error::Host("this program does not call host_rules".into()))?;
+    let mut command = Command::new(&program);
+    command.args(arguments).env(RULE, rule).env(UNIT, unit).env(MEMORY, limits.memory.to_string());
+    command.env(TUNABLES.0, TUNABLES.1);
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt as _;
+        // A group of its own: keys and signals that are meant for the master don't reach it.
+        command.process_group(0);
+    }
+    let errors = if is_heard { Stdio::inherit() } else { Stdio::null() };
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(errors);
+    command.spawn().map_err(|error| Error::Host(format!("{}: {error}", program.display())))
+}
+
+/// The call that did not come back, the rule, and the calls before, in words.
+fn last_calls(calls: &[String], rule: &str) -> String {
+    let last = calls.last().map_or("loading the library", String::as_str);
     let before = if calls.len() > 1 {
         format!("; calls before: {}", calls[..calls.len() - 1].join(", "))
     } else {
         String::new()
     };
-    let mut found = Found::new(end);
-    found.error(format!("the unit {how} in {last}, while the rule {rule} was looked at{before}"));
-    ended.findings.append(&mut found.findings);
-    Ok(ended)
+    format!("{last}, while the rule {rule} was looked at{before}")
 }
 
 /// The kind of an end and words for it.

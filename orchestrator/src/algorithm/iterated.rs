@@ -10,6 +10,7 @@ use super::{Algorithm, Needs, Options, Sees};
 use crate::error::Error;
 use crate::rollback::By;
 use crate::system::{Point, System};
+use crate::value::Value;
 
 pub(super) const OPTIONS: &[Known] = &[
     // Some thousand roundings, so that the order of the iteration leaves no trace in what a person reads.
@@ -26,6 +27,28 @@ impl Iterated {
     pub(super) fn new(options: &Options<'_>) -> Self {
         Self { tolerance: options.get("tolerance"), iterations: options.get("iterations") as u32 }
     }
+}
+
+/// The largest change of an input against the value that its unit used, with the unit and the place among its inputs. The
+/// inputs are then what the units used.
+fn largest_change(
+    system: &mut System,
+    due: &[usize],
+    used: &[Vec<Value>],
+    point: Point,
+) -> (f64, usize, usize) {
+    let mut worst = (0.0, 0, 0);
+    for (&unit, used) in due.iter().zip(used) {
+        system.gather(unit, point);
+        for (place, now) in system.units[unit].inputs.all(&system.values).iter().enumerate() {
+            let change = now.change(&used[place]);
+            if change > worst.0 {
+                worst = (change, unit, place);
+            }
+        }
+        system.units[unit].inputs.put_all(used, &mut system.values);
+    }
+    worst
 }
 
 impl Algorithm for Iterated {
@@ -57,18 +80,7 @@ impl Algorithm for Iterated {
                 system.exchange(unit, point.time)?;
             }
             system.send_anew(&lines, &due, point);
-            let mut worst = (0.0, 0, 0);
-            for (&unit, used) in due.iter().zip(&used) {
-                system.gather(unit, point);
-                for (place, now) in system.units[unit].inputs.all(&system.values).iter().enumerate() {
-                    let change = now.change(&used[place]);
-                    if change > worst.0 {
-                        worst = (change, unit, place);
-                    }
-                }
-                // What the unit used is what its input was.
-                system.units[unit].inputs.put_all(used, &mut system.values);
-            }
+            let worst = largest_change(system, &due, &used, point);
             if worst.0 <= self.tolerance {
                 due.iter().for_each(|&unit| system.stepped(unit, point));
                 system.find_next();

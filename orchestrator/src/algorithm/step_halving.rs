@@ -78,12 +78,18 @@ impl StepHalving {
     fn both_ways(&mut self, system: &mut System, span: Span, at: u64, step: u64) -> Result<(), Box<Error>> {
         Self::go(system, span, at, step)?;
         std::mem::swap(&mut self.whole, &mut system.values);
+        self.go_back(system)?;
+        Self::go(system, span, at, step / 2)?;
+        Self::go(system, span, at + step / 2, step / 2)
+    }
+
+    /// Back to where the step began.
+    fn go_back(&self, system: &mut System) -> Result<(), Box<Error>> {
         system.values.clone_from(&self.before);
         for unit in &mut system.units {
             unit.take_back(By::Algorithm)?;
         }
-        Self::go(system, span, at, step / 2)?;
-        Self::go(system, span, at + step / 2, step / 2)
+        Ok(())
     }
 
     /// The largest difference at a connected output, with its unit and place there; what is recorded of it is kept.
@@ -104,6 +110,18 @@ impl StepHalving {
             }
         }
         worst
+    }
+
+    /// The error where even the finest step leaves `worst`: a difference, its unit and its place among the outputs.
+    fn too_coarse(&self, system: &System, time: f64, worst: (f64, usize, usize)) -> Error {
+        Error::Coupling {
+            variable: system.units[worst.1].output_name(worst.2),
+            time,
+            change: worst.0,
+            tolerance: self.tolerance,
+            tried: format!("{} halvings of the step", self.halvings),
+            advice: "a smaller interval or a larger tolerance may help",
+        }
     }
 }
 
@@ -148,14 +166,7 @@ impl Algorithm for StepHalving {
                         continue;
                     }
                     if step == 2 {
-                        return Err(Box::new(Error::Coupling {
-                            variable: system.units[worst.1].output_name(worst.2),
-                            time: span.time(at),
-                            change: worst.0,
-                            tolerance: self.tolerance,
-                            tried: format!("{} halvings of the step", self.halvings),
-                            advice: "a smaller interval or a larger tolerance may help",
-                        }));
+                        return Err(Box::new(self.too_coarse(system, span.time(at), worst)));
                     }
                 }
                 // What a unit refuses or blows up at, a smaller step may mend.
@@ -164,21 +175,23 @@ impl Algorithm for StepHalving {
                 Err(error) => return Err(error),
             }
             step /= 2;
-            system.values.clone_from(&self.before);
-            for unit in &mut system.units {
-                unit.take_back(By::Algorithm)?;
-            }
+            self.go_back(system)?;
         }
-        for unit in 0..system.units.len() {
-            system.units[unit].size = size;
-            system.stepped(unit, point);
-            system.send(unit, point);
-        }
-        for (number, error) in errors.into_iter().enumerate() {
-            let (_, place) = system.errors[number];
-            system.values.reals[place] = error;
-        }
-        system.find_next();
+        arrive(system, point, size, errors);
         Ok(())
     }
+}
+
+/// All units are at the point: hands their values on, and what is recorded of the errors.
+fn arrive(system: &mut System, point: Point, size: f64, errors: Vec<f64>) {
+    for unit in 0..system.units.len() {
+        system.units[unit].size = size;
+        system.stepped(unit, point);
+        system.send(unit, point);
+    }
+    for (number, error) in errors.into_iter().enumerate() {
+        let (_, place) = system.errors[number];
+        system.values.reals[place] = error;
+    }
+    system.find_next();
 }

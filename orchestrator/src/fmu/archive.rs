@@ -73,31 +73,17 @@ impl Archive {
                 description = Some(described(path, entry.by_ref(), limits.description)?);
                 continue;
             }
-            let mut parts = name.components().filter_map(|part| part.as_os_str().to_str());
-            let wanted = match (parts.next(), parts.next()) {
-                (Some("resources"), _) => true,
-                (Some("binaries"), Some(platform)) => {
-                    if !platforms.iter().any(|known| known == platform) {
-                        platforms.push(platform.to_owned());
-                    }
-                    PLATFORMS.contains(&platform)
-                }
-                _ => false,
-            };
-            if wanted {
-                let folders = name.components().count() - 1;
-                if folders > DEEPEST {
-                    let told: String = name.to_string_lossy().chars().take(60).collect();
-                    return Err(broken(format!(
-                        "{told}… lies in {folders} folders; expected at most {DEEPEST}, one in the other"
-                    )));
-                }
+            if is_wanted(&name, &mut platforms) {
+                not_too_deep(&name).map_err(broken)?;
+                // One byte more than allowed tells what is too much.
+                let mut file = entry.by_ref().take(left.saturating_add(1));
                 let written =
-                    write(&folder.path().join(&name), &mut entry.by_ref().take(left.saturating_add(1)))
-                        .map_err(|error| match error::is_no_room(&error) {
-                            true => error::unpack(path, &error),
-                            false => broken(format!("{}: {error}", name.display())),
-                        })?;
+                    write(&folder.path().join(&name), &mut file).map_err(|error| match error::is_no_room(
+                        &error,
+                    ) {
+                        true => error::unpack(path, &error),
+                        false => broken(format!("{}: {error}", name.display())),
+                    })?;
                 left = left.checked_sub(written).ok_or_else(|| {
                     let what = format!("what it unpacks to, as far as {},", name.display());
                     broken(limits::exceeded(&what, limits.unpacked, limits::UNPACKED))
@@ -153,6 +139,30 @@ impl Archive {
         }
         uri
     }
+}
+
+/// Whether a run needs the file of this name; adds the platform that it is for, if that is a new one.
+fn is_wanted(name: &Path, platforms: &mut Vec<String>) -> bool {
+    let mut parts = name.components().filter_map(|part| part.as_os_str().to_str());
+    match (parts.next(), parts.next()) {
+        (Some("resources"), _) => true,
+        (Some("binaries"), Some(platform)) => {
+            if !platforms.iter().any(|known| known == platform) {
+                platforms.push(platform.to_owned());
+            }
+            PLATFORMS.contains(&platform)
+        }
+        _ => false,
+    }
+}
+
+fn not_too_deep(name: &Path) -> Result<(), String> {
+    let folders = name.components().count() - 1;
+    if folders <= DEEPEST {
+        return Ok(());
+    }
+    let told: String = name.to_string_lossy().chars().take(60).collect();
+    Err(format!("{told}… lies in {folders} folders; expected at most {DEEPEST}, one in the other"))
 }
 
 /// Reads a description, of which so many bytes are taken.

@@ -34,8 +34,8 @@ pub(crate) struct Callbacks {
 }
 
 type Plain = unsafe extern "C" fn(Component) -> c_int;
-type Get<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *mut T) -> c_int;
-type Set<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *const T) -> c_int;
+pub(crate) type Get<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *mut T) -> c_int;
+pub(crate) type Set<T> = unsafe extern "C" fn(Component, *const c_uint, usize, *const T) -> c_int;
 
 macro_rules! functions {
     (needed { $( $need:ident = $need_symbol:literal : $need_type:ty ; )* }

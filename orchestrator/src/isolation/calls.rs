@@ -88,33 +88,8 @@ impl Remote {
             return FATAL;
         }
         self.remember(function, references.len(), 0.0, 0.0);
-        let place = self.next;
-        let known = self.following
-            && self
-                .asks
-                .get(place)
-                .is_some_and(|ask| ask.function == function && ask.references == references);
-        if self.following && !known {
-            self.asks.truncate(place);
-            self.asks.push(Ask { function, references: references.to_vec() });
-        }
-        self.next += usize::from(self.following);
-        if known && place < self.answered {
-            let mut answer = Reader::at(answer_of(&mut self.shared), self.answer_at);
-            let status = answer.number();
-            let read = status.and_then(|status| match status {
-                0 | 1 => answer.slice(values),
-                _ => Some(()),
-            });
-            self.answer_at = answer.at;
-            if status.is_none_or(|status| status > 1) {
-                // The process made none of those after it.
-                self.answered = 0;
-            }
-            return match (status, read) {
-                (Some(status), Some(())) => status as c_int,
-                _ => self.nonsense(),
-            };
+        if self.came_with_the_step(function, references) {
+            return self.read_next(values);
         }
         self.answered = 0;
         self.begin(function, |message| {
@@ -134,6 +109,43 @@ impl Remote {
                 status
             }
             Err(status) => status,
+        }
+    }
+
+    /// Whether the last step brought the answer of this read. A read that follows a step is expected after the next one.
+    #[inline]
+    fn came_with_the_step(&mut self, function: Function, references: &[u32]) -> bool {
+        let place = self.next;
+        let known = self.following
+            && self
+                .asks
+                .get(place)
+                .is_some_and(|ask| ask.function == function && ask.references == references);
+        if self.following && !known {
+            self.asks.truncate(place);
+            self.asks.push(Ask { function, references: references.to_vec() });
+        }
+        self.next += usize::from(self.following);
+        known && place < self.answered
+    }
+
+    /// The next of the answers that came with the last step.
+    #[inline]
+    fn read_next<T: Plain>(&mut self, values: &mut [T]) -> c_int {
+        let mut answer = Reader::at(answer_of(&mut self.shared), self.answer_at);
+        let status = answer.number();
+        let read = status.and_then(|status| match status {
+            0 | 1 => answer.slice(values),
+            _ => Some(()),
+        });
+        self.answer_at = answer.at;
+        if status.is_none_or(|status| status > 1) {
+            // The process made none of those after it.
+            self.answered = 0;
+        }
+        match (status, read) {
+            (Some(status), Some(())) => status as c_int,
+            _ => self.nonsense(),
         }
     }
 

@@ -5,13 +5,14 @@ use super::death::{Death, Recorded};
 use super::memory::{Part, Shared, Side};
 use super::message::Reader;
 use super::place::{self, Mask, Running, Wanted};
-use super::{Isolation, server, table};
+use super::{Host, Isolation, server, table};
 use crate::error::Error;
 use crate::fmu::library::{Component, Functions};
 use crate::fmu::logger::{LogLine, Sink};
 use crate::fmu::{Fmu, Function, Status};
 use std::collections::VecDeque;
 use std::ffi::{CString, c_int};
+use std::os::unix::process::CommandExt as _;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -75,51 +76,11 @@ impl Remote {
         sink: Arc<Sink>,
     ) -> Result<(Component, Functions), Error> {
         let failed = |reason: String| Error::Library { path: fmu.path().into(), reason };
-        let super::Host { program, arguments } = super::host(isolation).map_err(failed)?;
+        let host = super::host(isolation).map_err(failed)?;
         let library = fmu.library_file()?;
         let shared = Shared::new().map_err(|error| failed(format!("no shared memory: {error}")))?;
-        let mut command = Command::new(&program);
-        command.args(arguments).stdin(Stdio::piped()).env(server::MEMORY, shared.descriptor().to_string());
-        if let Some(limit) = isolation.memory_limit {
-            command.env(server::LIMIT, limit.to_string());
-        }
-        use std::os::unix::process::CommandExt as _;
-        let descriptor = shared.descriptor();
-        // A group of its own: keys and signals that are meant for the master don't reach it.
-        command.process_group(0);
-        // SAFETY: between fork and exec only a call that is allowed there.
-        unsafe {
-            command.pre_exec(move || match libc::fcntl(descriptor, libc::F_SETFD, 0) {
-                0 => Ok(()),
-                _ => Err(std::io::Error::last_os_error()),
-            })
-        };
-        let child = command.spawn();
-        let child =
-            child.map_err(|error| failed(format!("{} can't be started: {error}", program.display())))?;
-        let mut remote = Box::new(Self {
-            shared,
-            child,
-            isolation: isolation.clone(),
-            fmu: fmu.clone(),
-            sink,
-            at: 0,
-            sent: Vec::new(),
-            stepping: false,
-            asks: Vec::new(),
-            next: 0,
-            answered: 0,
-            answer_at: 0,
-            following: false,
-            texts: Vec::new(),
-            calls: VecDeque::with_capacity(REMEMBERED),
-            death: None,
-            failed: None,
-            warned: 0,
-            placed: Wanted { processor: None, looks: true },
-            usual: place::mask(0),
-            _running: Running::new(),
-        });
+        let child = process(&host, isolation, shared.descriptor()).map_err(failed)?;
+        let mut remote = Box::new(Self::new(shared, child, isolation.clone(), fmu.clone(), sink));
         let guid = fmu.guid().to_owned();
         let resources = fmu.resource_uri();
         remote.begin(Function::Instantiate, |message| {
@@ -148,6 +109,33 @@ impl Remote {
                 let why = String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?);
                 Err(failed(format!("{why}{}", super::death::want_of_memory(isolation))))
             }
+        }
+    }
+
+    /// A process to which nothing was sent.
+    fn new(shared: Shared, child: Child, isolation: Isolation, fmu: Fmu, sink: Arc<Sink>) -> Self {
+        Self {
+            shared,
+            child,
+            isolation,
+            fmu,
+            sink,
+            at: 0,
+            sent: Vec::new(),
+            stepping: false,
+            asks: Vec::new(),
+            next: 0,
+            answered: 0,
+            answer_at: 0,
+            following: false,
+            texts: Vec::new(),
+            calls: VecDeque::with_capacity(REMEMBERED),
+            death: None,
+            failed: None,
+            warned: 0,
+            placed: Wanted { processor: None, looks: true },
+            usual: place::mask(0),
+            _running: Running::new(),
         }
     }
 
@@ -307,6 +295,26 @@ impl Remote {
         self.shared.set_length(Part::Log, 0);
         all.into_iter().for_each(|line| self.sink.push(line));
     }
+}
+
+/// Starts the process of a unit, which gets the shared memory by its descriptor.
+fn process(host: &Host, isolation: &Isolation, descriptor: c_int) -> Result<Child, String> {
+    let Host { program, arguments } = host;
+    let mut command = Command::new(program);
+    command.args(arguments).stdin(Stdio::piped()).env(server::MEMORY, descriptor.to_string());
+    if let Some(limit) = isolation.memory_limit {
+        command.env(server::LIMIT, limit.to_string());
+    }
+    // A group of its own: keys and signals that are meant for the master don't reach it.
+    command.process_group(0);
+    // SAFETY: between fork and exec only a call that is allowed there.
+    unsafe {
+        command.pre_exec(move || match libc::fcntl(descriptor, libc::F_SETFD, 0) {
+            0 => Ok(()),
+            _ => Err(std::io::Error::last_os_error()),
+        })
+    };
+    command.spawn().map_err(|error| format!("{} can't be started: {error}", program.display()))
 }
 
 /// Those of a process; none where the system does not say.

@@ -5,6 +5,8 @@
 //! started for that, and says that it can be.
 
 #[cfg(isolation)]
+mod answer;
+#[cfg(isolation)]
 mod calls;
 #[cfg(isolation)]
 mod client;

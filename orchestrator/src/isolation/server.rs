@@ -1,12 +1,13 @@
-//! The process of a unit: loads its library, makes the calls that come through shared memory, and answers.
+//! The process of a unit: loads its library, has the calls made that come through shared memory (`answer.rs`), and ends.
 
+use super::answer::Call;
 use super::memory::{Part, Shared, Side, UnderWay};
 use super::message::{Reader, Writer};
-use crate::fmu::library::{Callbacks, Component, Functions, Library, State};
+use crate::fmu::library::{Callbacks, Component, Functions, Library};
 use crate::fmu::logger::{self, LogLine, Sink, calloc, free, orchestrator_logger};
 use crate::fmu::{Function, Status, control_word};
 use crate::guard;
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::{CString, c_int, c_void};
 use std::io::Read as _;
 use std::os::fd::{FromRawFd, OwnedFd};
 use std::path::Path;
@@ -119,8 +120,10 @@ fn answered(
         return instantiate(unit, request, answer);
     }
     let unit = unit.as_mut()?;
-    // SAFETY: the arguments are read as the client wrote them, with the lengths that are given.
-    let status = control_word::kept(|| unsafe { call(unit, function, request, answer) });
+    let Unit { component, functions, .. } = unit;
+    let mut call = Call { component, functions, request, answer };
+    // SAFETY: the instance is alive, and the request is one of the client's.
+    let status = control_word::kept(|| unsafe { call.make(function) });
     if status.is_none() {
         // Asked for what the library lacks, or in words that make no sense.
         answer.number(u64::from(3u32));
@@ -159,215 +162,6 @@ fn instantiate(unit: &mut Option<Unit>, request: &mut Reader<'_>, answer: &mut W
     answer.number(super::table::optional(&functions));
     *unit = Some(Unit { component, functions, _library: library, _callbacks: callbacks, _sink: sink });
     Some(0)
-}
-
-macro_rules! get {
-    ($request:ident, $answer:ident, $component:expr, $function:expr, $type:ty) => {{
-        let count = $request.count()?;
-        let references: Vec<u32> = $request.values(count)?;
-        let mut values = vec![<$type>::default(); count];
-        let status = $function($component, references.as_ptr(), count, values.as_mut_ptr());
-        $answer.number(u64::from(status.cast_unsigned()));
-        $answer.slice(&values);
-        Some(status)
-    }};
-}
-
-macro_rules! set {
-    ($request:ident, $answer:ident, $component:expr, $function:expr, $type:ty) => {{
-        let count = $request.count()?;
-        let references: Vec<u32> = $request.values(count)?;
-        let values: Vec<$type> = $request.values(count)?;
-        let status = $function($component, references.as_ptr(), count, values.as_ptr());
-        $answer.number(u64::from(status.cast_unsigned()));
-        Some(status)
-    }};
-}
-
-/// # Safety
-/// The instance is alive, and the request is one of the client's.
-unsafe fn call(
-    unit: &mut Unit,
-    function: Function,
-    request: &mut Reader<'_>,
-    answer: &mut Writer<'_>,
-) -> Option<c_int> {
-    let Unit { component, functions: f, .. } = unit;
-    let c = *component;
-    let mut plain = |status: c_int| {
-        answer.number(u64::from(status.cast_unsigned()));
-        Some(status)
-    };
-    // SAFETY: as promised by the caller.
-    unsafe {
-        match function {
-            Function::Instantiate => None,
-            Function::FreeInstance => {
-                (f.free_instance)(c);
-                *component = ptr::null_mut();
-                plain(0)
-            }
-            Function::SetDebugLogging => {
-                let (on, names) = (request.number()? != 0, strings(request)?);
-                let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
-                plain(f.set_debug_logging?(c, c_int::from(on), pointers.len(), pointers.as_ptr()))
-            }
-            Function::SetupExperiment => {
-                let (with_tolerance, tolerance) = (request.number()? as c_int, request.real()?);
-                let (start, with_stop, stop) = (request.real()?, request.number()? as c_int, request.real()?);
-                plain((f.setup_experiment)(c, with_tolerance, tolerance, start, with_stop, stop))
-            }
-            Function::EnterInitializationMode => plain((f.enter_initialization)(c)),
-            Function::ExitInitializationMode => plain((f.exit_initialization)(c)),
-            Function::DoStep => {
-                plain((f.do_step)(c, request.real()?, request.real()?, request.number()? as c_int))
-            }
-            Function::Terminate => plain((f.terminate)(c)),
-            Function::Reset => plain(f.reset?(c)),
-            Function::GetReal => get!(request, answer, c, (f.get_real), f64),
-            Function::GetInteger => get!(request, answer, c, f.get_integer?, c_int),
-            Function::GetBoolean => get!(request, answer, c, f.get_boolean?, c_int),
-            Function::SetReal => set!(request, answer, c, (f.set_real), f64),
-            Function::SetInteger => set!(request, answer, c, f.set_integer?, c_int),
-            Function::SetBoolean => set!(request, answer, c, f.set_boolean?, c_int),
-            Function::GetString => {
-                let count = request.count()?;
-                let references: Vec<u32> = request.values(count)?;
-                let mut texts: Vec<*const c_char> = vec![ptr::null(); count];
-                let status = f.get_string?(c, references.as_ptr(), count, texts.as_mut_ptr());
-                answer.number(u64::from(status.cast_unsigned()));
-                texts.into_iter().for_each(|text| answer.bytes(logger::owned(text).as_bytes()));
-                Some(status)
-            }
-            Function::SetString => {
-                let count = request.count()?;
-                let references: Vec<u32> = request.values(count)?;
-                let texts = strings(request)?;
-                let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-                plain(f.set_string?(c, references.as_ptr(), count, pointers.as_ptr()))
-            }
-            Function::GetRealStatus => {
-                let mut value = f64::NAN;
-                let status = f.get_real_status?(c, request.number()? as c_int, &mut value);
-                answer.number(u64::from(status.cast_unsigned()));
-                answer.real(value);
-                Some(status)
-            }
-            Function::GetBooleanStatus => {
-                let mut value = 0;
-                let status = f.get_boolean_status?(c, request.number()? as c_int, &mut value);
-                answer.number(u64::from(status.cast_unsigned()));
-                answer.number(u64::from(value != 0));
-                Some(status)
-            }
-            _ => states_and_derivatives(f, c, function, request, answer),
-        }
-    }
-}
-
-/// # Safety
-/// As of [`call`].
-unsafe fn states_and_derivatives(
-    f: &Functions,
-    c: Component,
-    function: Function,
-    request: &mut Reader<'_>,
-    answer: &mut Writer<'_>,
-) -> Option<c_int> {
-    let mut with_number = |status: c_int, number: u64| {
-        answer.number(u64::from(status.cast_unsigned()));
-        answer.number(number);
-        Some(status)
-    };
-    // SAFETY: as promised by the caller. A state is the unit's own pointer, which the client only hands back.
-    unsafe {
-        match function {
-            Function::GetFMUstate => {
-                let mut state = request.number()? as State;
-                let status = f.get_state?(c, &mut state);
-                with_number(status, state as u64)
-            }
-            Function::SetFMUstate => {
-                let status = f.set_state?(c, request.number()? as State);
-                with_number(status, 0)
-            }
-            Function::FreeFMUstate => {
-                let mut state = request.number()? as State;
-                let status = f.free_state?(c, &mut state);
-                with_number(status, state as u64)
-            }
-            Function::SerializedFMUstateSize => {
-                let mut size = 0;
-                let status = f.state_size?(c, request.number()? as State, &mut size);
-                with_number(status, size as u64)
-            }
-            Function::SerializeFMUstate => {
-                let (state, size) = (request.number()? as State, request.count()?);
-                let mut bytes = vec![0u8; size];
-                let status = f.serialize_state?(c, state, bytes.as_mut_ptr().cast(), size);
-                answer.number(u64::from(status.cast_unsigned()));
-                answer.slice(&bytes);
-                Some(status)
-            }
-            Function::DeSerializeFMUstate => {
-                let bytes = request.bytes()?;
-                let mut state: State = ptr::null_mut();
-                let status = f.deserialize_state?(c, bytes.as_ptr().cast(), bytes.len(), &mut state);
-                with_number(status, state as u64)
-            }
-            Function::GetDirectionalDerivative => {
-                let (unknown, known) = (request.count()?, request.count()?);
-                let (unknowns, knowns): (Vec<u32>, Vec<u32>) =
-                    (request.values(unknown)?, request.values(known)?);
-                let seed: Vec<f64> = request.values(known)?;
-                let mut result = vec![0.0; unknown];
-                let status = f.directional_derivative?(
-                    c,
-                    unknowns.as_ptr(),
-                    unknown,
-                    knowns.as_ptr(),
-                    known,
-                    seed.as_ptr(),
-                    result.as_mut_ptr(),
-                );
-                answer.number(u64::from(status.cast_unsigned()));
-                answer.slice(&result);
-                Some(status)
-            }
-            Function::SetRealInputDerivatives => {
-                let count = request.count()?;
-                let (references, orders): (Vec<u32>, Vec<i32>) =
-                    (request.values(count)?, request.values(count)?);
-                let values: Vec<f64> = request.values(count)?;
-                let set = f.set_input_derivatives?;
-                let status = set(c, references.as_ptr(), count, orders.as_ptr(), values.as_ptr());
-                answer.number(u64::from(status.cast_unsigned()));
-                Some(status)
-            }
-            Function::GetRealOutputDerivatives => {
-                let count = request.count()?;
-                let (references, orders): (Vec<u32>, Vec<i32>) =
-                    (request.values(count)?, request.values(count)?);
-                let mut values = vec![0.0; count];
-                let get = f.get_output_derivatives?;
-                let status = get(c, references.as_ptr(), count, orders.as_ptr(), values.as_mut_ptr());
-                answer.number(u64::from(status.cast_unsigned()));
-                answer.slice(&values);
-                Some(status)
-            }
-            _ => None,
-        }
-    }
-}
-
-fn strings(request: &mut Reader<'_>) -> Option<Vec<CString>> {
-    let count = request.count()?;
-    let mut all = Vec::new();
-    for _ in 0..count {
-        let bytes: Vec<u8> = request.bytes()?.iter().copied().filter(|byte| *byte != 0).collect();
-        all.push(CString::new(bytes).ok()?);
-    }
-    Some(all)
 }
 
 /// For [`Status`] to be sent.

@@ -48,6 +48,7 @@
 
 mod connection;
 mod raw;
+mod source;
 pub(crate) mod write;
 
 pub use crate::wiring::table;

@@ -1,7 +1,8 @@
 //! From TOML text to a [`Scenario`]: the keys, their types and their lines.
 
 use super::connection::{self, Connection};
-use super::{Given, Placed, Scenario, Shape, SignalEntry, SourceEntry, UnitEntry};
+use super::source::{self, Source};
+use super::{Given, Placed, Scenario, UnitEntry};
 use crate::error::{Error, Place};
 use crate::isolation::Isolation;
 use crate::time::Rational;
@@ -61,18 +62,6 @@ struct Unit {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Source {
-    to: String,
-    kind: Spanned<String>,
-    value: Option<Spanned<toml::Value>>,
-    points: Option<Spanned<Vec<Point>>>,
-    file: Option<Spanned<String>>,
-    column: Option<Spanned<String>>,
-    interpolation: Option<Spanned<String>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Record {
     variables: Vec<Spanned<String>>,
 }
@@ -80,27 +69,10 @@ struct Record {
 /// 1, 1.0 or true.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(untagged, expecting = "expected a number, true or false")]
-enum Number {
+pub(super) enum Number {
     Real(f64),
     Integer(i64),
     Boolean(bool),
-}
-
-/// A time and a value. Not a tuple: of those a third number would be dropped without a word.
-#[derive(Deserialize, Clone, Copy)]
-#[serde(try_from = "Vec<Number>")]
-struct Point([Number; 2]);
-
-impl TryFrom<Vec<Number>> for Point {
-    type Error = String;
-
-    fn try_from(numbers: Vec<Number>) -> Result<Self, String> {
-        let count = numbers.len();
-        numbers
-            .try_into()
-            .map(Self)
-            .map_err(|_| format!("a point of {count} numbers: expected [time, value]"))
-    }
 }
 
 impl From<Number> for f64 {
@@ -223,7 +195,7 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
             .into_iter()
             .map(|entry| connection::read(&at, entry))
             .collect::<Result<_, _>>()?,
-        sources: raw.sources.into_iter().map(|entry| source(&at, entry)).collect::<Result<_, _>>()?,
+        sources: raw.sources.into_iter().map(|entry| source::read(&at, entry)).collect::<Result<_, _>>()?,
         record: raw.record.map(|record| record.variables.into_iter().map(placed).collect()),
         report: raw.report,
         place: at.place(0..0),
@@ -310,69 +282,4 @@ fn isolation(at: &Text, unit: &Unit) -> Result<Option<Isolation>, Error> {
         isolation.memory_limit = Some(bytes.ok_or_else(wrong)?);
     }
     Ok(unit.isolate.then_some(isolation))
-}
-
-fn source(at: &Text, entry: Spanned<Source>) -> Result<SourceEntry, Error> {
-    let span = entry.span();
-    let source = entry.into_inner();
-    let kind = source.kind.get_ref().as_str();
-    let missing =
-        |key: &str| at.wrong(span.clone(), format!("a source of kind {kind:?}"), format!("it needs {key}"));
-    let keys = [
-        ("value", source.value.is_some(), &["constant"][..]),
-        ("points", source.points.is_some(), &["hold", "linear", "smooth"]),
-        ("file", source.file.is_some(), &["csv"]),
-        ("column", source.column.is_some(), &["csv"]),
-        ("interpolation", source.interpolation.is_some(), &["csv"]),
-    ];
-    if !keys.iter().any(|(.., kinds)| kinds.contains(&kind)) {
-        let expected = "constant, hold, linear, smooth or csv";
-        return Err(at.wrong(source.kind.span(), format!("kind = {kind:?}"), expected));
-    }
-    if let Some((key, ..)) = keys.iter().find(|(_, given, kinds)| *given && !kinds.contains(&kind)) {
-        return Err(at.wrong(span, format!("a source of kind {kind:?}"), format!("it has no key {key}")));
-    }
-    let signal = match kind {
-        "constant" => SignalEntry::Constant(source.value.ok_or_else(|| missing("value"))?.into_inner()),
-        "csv" => SignalEntry::Csv {
-            file: source.file.ok_or_else(|| missing("file"))?.into_inner(),
-            column: source.column.ok_or_else(|| missing("column"))?.into_inner(),
-            shape: match &source.interpolation {
-                None => Shape::Linear,
-                Some(name) => match name.get_ref().as_str() {
-                    "linear" => Shape::Linear,
-                    "hold" => Shape::Hold,
-                    other => {
-                        return Err(at.wrong(
-                            name.span(),
-                            format!("interpolation = {other:?}"),
-                            "linear or hold",
-                        ));
-                    }
-                },
-            },
-        },
-        _ => {
-            let points = source.points.ok_or_else(|| missing("points"))?;
-            let table: Vec<(f64, f64)> = points
-                .get_ref()
-                .iter()
-                .map(|Point([time, value])| ((*time).into(), (*value).into()))
-                .collect();
-            if table.is_empty() || !table.iter().all(|(time, value)| time.is_finite() && value.is_finite()) {
-                return Err(at.wrong(points.span(), "points", "one or more [time, value], all finite"));
-            }
-            if let Some(pair) = table.windows(2).find(|pair| pair[1].0 < pair[0].0) {
-                let what = format!("time {} comes after {}", pair[1].0, pair[0].0);
-                return Err(at.wrong(points.span(), what, "times in rising order"));
-            }
-            let shape = match kind {
-                "hold" => Shape::Hold,
-                "linear" => Shape::Linear,
-                _ => Shape::Smooth,
-            };
-            SignalEntry::Table { shape, points: table }
-        }
-    };
-    Ok(SourceEntry { to: source.to, signal, place: at.place(span) })
 }

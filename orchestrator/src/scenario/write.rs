@@ -1,6 +1,6 @@
 //! A scenario with every value that was used, as TOML that loads again and gives the same run.
 
-use super::{Channel, ConnectionEntry, Hold, Scenario, Shape, SignalEntry, Transform};
+use super::{Channel, ConnectionEntry, Hold, Scenario, Shape, SignalEntry, Transform, UnitEntry};
 use crate::value::Value;
 use std::fmt::Write;
 use toml::Value as Toml;
@@ -27,41 +27,9 @@ pub(crate) fn files_as_named(scenario: &Scenario, units: &[ResolvedUnit]) -> Str
 fn text(scenario: &Scenario, units: &[ResolvedUnit], path: impl Fn(&str) -> String) -> String {
     let mut out = String::from("# Written by the run: every value that was used.\nformat = 1\n");
     line(&mut out, "description", &scenario.description);
-    out.push_str("\n[experiment]\n");
-    line(&mut out, "start", &scenario.start.to_string());
-    line(&mut out, "stop", &scenario.stop.to_string());
-    line(&mut out, "algorithm", &scenario.algorithm.value);
-    if scenario.seed > 0 {
-        put(&mut out, "seed", &Toml::Integer(scenario.seed.cast_signed()));
-    }
-    if !scenario.options.is_empty() {
-        out.push_str("[experiment.options]\n");
-        for (name, value) in &scenario.options {
-            put(&mut out, name, &Toml::Float(value.value));
-        }
-    }
-    for (entry, unit) in scenario.units.iter().zip(units) {
-        out.push_str("\n[[units]]\n");
-        line(&mut out, "name", &entry.name);
-        line(&mut out, "fmu", &unit.fmu);
-        line(&mut out, "interval", &entry.interval.to_string());
-        if let Some(offset) = &entry.offset {
-            line(&mut out, "offset", &offset.value.to_string());
-        }
-        if entry.retry {
-            put(&mut out, "retry", &Toml::Boolean(true));
-        }
-        if let Some(isolation) = &entry.isolation {
-            put(&mut out, "isolate", &Toml::Boolean(true));
-            put(&mut out, "step_limit", &Toml::Float(isolation.step_limit.as_secs_f64()));
-            if let Some(limit) = isolation.memory_limit {
-                put(&mut out, "memory_limit", &Toml::Integer((limit >> 20).cast_signed()));
-            }
-        }
-        out.push_str("[units.set]\n");
-        for (name, value) in &unit.values {
-            put(&mut out, name, &toml_of(value));
-        }
+    experiment(&mut out, scenario);
+    for (entry, resolved) in scenario.units.iter().zip(units) {
+        unit(&mut out, entry, resolved);
     }
     for connection in &scenario.connections {
         out.push_str("\n[[connections]]\n");
@@ -85,6 +53,46 @@ fn text(scenario: &Scenario, units: &[ResolvedUnit], path: impl Fn(&str) -> Stri
         out.push_str(&report.to_string());
     }
     out
+}
+
+fn experiment(out: &mut String, scenario: &Scenario) {
+    out.push_str("\n[experiment]\n");
+    line(out, "start", &scenario.start.to_string());
+    line(out, "stop", &scenario.stop.to_string());
+    line(out, "algorithm", &scenario.algorithm.value);
+    if scenario.seed > 0 {
+        put(out, "seed", &Toml::Integer(scenario.seed.cast_signed()));
+    }
+    if !scenario.options.is_empty() {
+        out.push_str("[experiment.options]\n");
+        for (name, value) in &scenario.options {
+            put(out, name, &Toml::Float(value.value));
+        }
+    }
+}
+
+fn unit(out: &mut String, entry: &UnitEntry, resolved: &ResolvedUnit) {
+    out.push_str("\n[[units]]\n");
+    line(out, "name", &entry.name);
+    line(out, "fmu", &resolved.fmu);
+    line(out, "interval", &entry.interval.to_string());
+    if let Some(offset) = &entry.offset {
+        line(out, "offset", &offset.value.to_string());
+    }
+    if entry.retry {
+        put(out, "retry", &Toml::Boolean(true));
+    }
+    if let Some(isolation) = &entry.isolation {
+        put(out, "isolate", &Toml::Boolean(true));
+        put(out, "step_limit", &Toml::Float(isolation.step_limit.as_secs_f64()));
+        if let Some(limit) = isolation.memory_limit {
+            put(out, "memory_limit", &Toml::Integer((limit >> 20).cast_signed()));
+        }
+    }
+    out.push_str("[units.set]\n");
+    for (name, value) in &resolved.values {
+        put(out, name, &toml_of(value));
+    }
 }
 
 /// What happens to values on their way.

@@ -15,7 +15,7 @@ pub(crate) use ticks::clock;
 
 use crate::algorithm::Needs;
 use crate::error::{Error, Place};
-use crate::fmu::Fmu;
+use crate::fmu::{Fmu, Instance};
 use crate::graph;
 use crate::initialise::Plan;
 use crate::link::{Conversion, Feed};
@@ -23,15 +23,16 @@ use crate::package::Unpacked;
 use crate::recorder::{Column, Slot};
 use crate::scenario::{Channel, Given, Hold, Scenario, SignalEntry};
 use crate::source::Signal;
-use crate::system::{Point, System};
+use crate::system::{Point, System, Unit, Values};
 use crate::time::{Clock, Rational};
 use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
-use layout::Layout;
+use layout::{Layout, UnitBlocks};
 use record::Recorded;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use ticks::Ticks;
 
 /// Everything that a simulation needs.
 pub(crate) struct Wiring {
@@ -76,81 +77,42 @@ pub(crate) struct Source {
     pub(crate) signal: Signal,
 }
 
+/// What a scenario names, found in its units and checked.
+struct Found {
+    names: Names,
+    connections: Vec<Connection>,
+    sources: Vec<Source>,
+    recorded: Vec<Recorded>,
+    driven: HashMap<Variable, Place>,
+    sets: Vec<Vec<(usize, Value)>>,
+    notices: Vec<String>,
+}
+
 pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result<Wiring, Error> {
     let (fmus, files, unpacked) = open(scenario, path)?;
-    let names = Names::new(scenario, &fmus);
-    let mut notices = Vec::new();
-    let mut driven: HashMap<Variable, Place> = HashMap::new();
-    let mut sets = start_values(scenario, &names)?;
-    let connections = connections(scenario, &names, &mut driven, &mut notices)?;
-    let sources = sources(scenario, &names, &mut driven, &mut sets)?;
-    let recorded = record::chosen(scenario, &names, &connections)?;
-    let variables: Vec<Variable> = recorded.iter().filter_map(Recorded::shown).collect();
-
+    let mut found = Found::new(scenario, &fmus)?;
     let (clock, ticks) = clock(scenario)?;
-    let layout = Layout::new(&names, &connections, &sources, &variables);
+    let Layout { blocks, slots, values } = found.layout();
     let instances = fmus.iter().zip(&scenario.units).map(|(fmu, unit)| fmu.instantiate(&unit.name));
     let instances = instances.collect::<Result<Vec<_>, _>>()?;
-    let Layout { blocks, slots, values } = layout;
-    let mut system = System {
-        ends: Vec::new(),
-        next: i64::MAX,
-        units: Vec::new(),
-        lines: Vec::new(),
-        values,
-        errors: Vec::new(),
-        ages: Vec::new(),
-        stop: ticks.stop,
-        order: match needs.order {
-            true => order::derived(&names, &connections),
-            false => (0..scenario.units.len()).collect(),
-        },
-    };
-    notices.extend(scenario.notes.iter().cloned());
-    let mut last_points = Vec::new();
-    for (unit, (instance, blocks)) in instances.into_iter().zip(blocks).enumerate() {
-        let (entry, interval) = (&scenario.units[unit], ticks.intervals[unit]);
-        let last = ticks.last(unit, instance.fmu().description(), &clock);
-        last_points.extend(ticks::last_point(scenario, entry, last));
-        let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
-        let first = ticks::first_step(entry, instance.fmu().description(), &clock)?;
-        system.units.push(blocks.unit(instance, interval, entry.interval.to_f64(), [first, last]));
-        if let Some(unit) = system.units.last_mut() {
-            unit.rollback.retry = entry.retry;
-        }
-    }
-    let lines = lines::lay_connections(&mut system, scenario, &connections, &slots, &clock, &recorded);
-    let mut derived = lines::lay_ages(&mut system, &names, &connections, &recorded, &lines);
-    lines::lay_errors(&mut system, &names, &recorded, &slots, &mut derived);
-    let slot = |recorded: &Recorded| match recorded {
-        Recorded::Variable(variable) => slots[variable],
-        Recorded::Age(connection) => derived[&names.age(&connections[*connection])],
-        Recorded::Error(variable) => derived[&names.error(*variable)],
-    };
-    let recorded_slots = recorded.iter().map(slot).collect();
-    for Source { to, signal } in sources {
+    let mut system = empty_system(values, ticks.stop, found.order(needs));
+    let units = instances.into_iter().zip(blocks);
+    let last_points = add_units(&mut system, scenario, units, &clock, &ticks)?;
+    let derived = found.lay_lines(&mut system, scenario, &slots, &clock);
+    let recorded = found.recorded_slots(&slots, &derived);
+    for Source { to, signal } in std::mem::take(&mut found.sources) {
         system.units[to.0].feeds.push(Feed { signal, to: slots[&to] });
     }
-    for unit in &mut system.units {
-        unit.plain = !unit.rollback.retry
-            && unit.links.is_empty()
-            && unit.lines_in.is_empty()
-            && unit.feeds.is_empty()
-            && unit.lines_out.is_empty();
-    }
-    for (name, fmu) in &names.units {
-        notices.extend(fmu.doubts().into_iter().map(|doubt| format!("unit {name}: {doubt}")));
-    }
-    if !needs.settles {
-        notices.extend(loops_while_stepping(&names, &connections));
-    }
+    system.units.iter_mut().for_each(find_plain);
+    found.add_notices(scenario, needs);
+    let Found { names, connections, recorded: chosen, driven, sets, notices, .. } = found;
     Ok(Wiring {
         plan: Plan::new(&names, &connections, &slots),
         start: Point { ticks: ticks.start, time: scenario.start.to_f64() },
         stop: scenario.stop.to_f64(),
         told_stop: Some(scenario.stop.to_f64()),
-        columns: recorded.iter().map(|recorded| recorded.column(&names, &connections)).collect(),
-        recorded: recorded_slots,
+        columns: chosen.iter().map(|recorded| recorded.column(&names, &connections)).collect(),
+        recorded,
         derived,
         system,
         clock,
@@ -163,6 +125,112 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result
         files,
         _unpacked: unpacked,
     })
+}
+
+impl Found {
+    fn new(scenario: &Scenario, fmus: &[Fmu]) -> Result<Self, Error> {
+        let names = Names::new(scenario, fmus);
+        let (mut notices, mut driven) = (Vec::new(), HashMap::new());
+        let mut sets = start_values(scenario, &names)?;
+        let connections = connections(scenario, &names, &mut driven, &mut notices)?;
+        let sources = sources(scenario, &names, &mut driven, &mut sets)?;
+        let recorded = record::chosen(scenario, &names, &connections)?;
+        Ok(Self { names, connections, sources, recorded, driven, sets, notices })
+    }
+
+    fn layout(&self) -> Layout {
+        let variables: Vec<Variable> = self.recorded.iter().filter_map(Recorded::shown).collect();
+        Layout::new(&self.names, &self.connections, &self.sources, &variables)
+    }
+
+    /// The order in which the units step: that of the scenario, unless the algorithm wants the derived one.
+    fn order(&self, needs: Needs) -> Vec<usize> {
+        match needs.order {
+            true => order::derived(&self.names, &self.connections),
+            false => (0..self.names.units.len()).collect(),
+        }
+    }
+
+    /// Lays the connections, and what is recorded of them; the slots of what no unit has, by name.
+    fn lay_lines(
+        &self,
+        system: &mut System,
+        scenario: &Scenario,
+        slots: &HashMap<Variable, Slot>,
+        clock: &Clock,
+    ) -> HashMap<String, Slot> {
+        let Self { names, connections, recorded, .. } = self;
+        let lines = lines::lay_connections(system, scenario, connections, slots, clock, recorded);
+        let mut derived = lines::lay_ages(system, names, connections, recorded, &lines);
+        lines::lay_errors(system, names, recorded, slots, &mut derived);
+        derived
+    }
+
+    fn recorded_slots(&self, slots: &HashMap<Variable, Slot>, derived: &HashMap<String, Slot>) -> Vec<Slot> {
+        let slot = |recorded: &Recorded| match recorded {
+            Recorded::Variable(variable) => slots[variable],
+            Recorded::Age(connection) => derived[&self.names.age(&self.connections[*connection])],
+            Recorded::Error(variable) => derived[&self.names.error(*variable)],
+        };
+        self.recorded.iter().map(slot).collect()
+    }
+
+    /// What a person should know, after what the connections told.
+    fn add_notices(&mut self, scenario: &Scenario, needs: Needs) {
+        self.notices.extend(scenario.notes.iter().cloned());
+        for (name, fmu) in &self.names.units {
+            self.notices.extend(fmu.doubts().into_iter().map(|doubt| format!("unit {name}: {doubt}")));
+        }
+        if !needs.settles {
+            self.notices.extend(loops_while_stepping(&self.names, &self.connections));
+        }
+    }
+}
+
+/// A system whose units are still to come.
+fn empty_system(values: Values, stop: i64, order: Vec<usize>) -> System {
+    System {
+        ends: Vec::new(),
+        next: i64::MAX,
+        units: Vec::new(),
+        lines: Vec::new(),
+        values,
+        errors: Vec::new(),
+        ages: Vec::new(),
+        stop,
+        order,
+    }
+}
+
+/// Adds the units with their steps; what a person should know of the stop.
+fn add_units(
+    system: &mut System,
+    scenario: &Scenario,
+    units: impl Iterator<Item = (Instance, UnitBlocks)>,
+    clock: &Clock,
+    ticks: &Ticks,
+) -> Result<Vec<String>, Error> {
+    let mut last_points = Vec::new();
+    for (number, (instance, blocks)) in units.enumerate() {
+        let (entry, interval) = (&scenario.units[number], ticks.intervals[number]);
+        let last = ticks.last(number, instance.fmu().description(), clock);
+        last_points.extend(ticks::last_point(scenario, entry, last));
+        let last = last.filter(|last| last.reaches_stop).map(|last| (last.ticks, last.size.to_f64()));
+        let first = ticks::first_step(entry, instance.fmu().description(), clock)?;
+        let mut unit = blocks.unit(instance, interval, entry.interval.to_f64(), [first, last]);
+        unit.rollback.retry = entry.retry;
+        system.units.push(unit);
+    }
+    Ok(last_points)
+}
+
+/// Tells a unit with nothing but copies to gather, no state to keep before a step, and no line that begins at it.
+fn find_plain(unit: &mut Unit) {
+    unit.plain = !unit.rollback.retry
+        && unit.links.is_empty()
+        && unit.lines_in.is_empty()
+        && unit.feeds.is_empty()
+        && unit.lines_out.is_empty();
 }
 
 /// The units, their files, and those of the files that lie in a temporary folder.

@@ -113,19 +113,23 @@ fn matching(scenario: &Scenario, names: &Names, connections: &[Connection]) -> R
             outputs.filter(|&v| names.variable(v).kind == Kind::Real && matches(pattern, &names.error(v)));
         let mut found = signals.chain(ages).chain(errors.map(Recorded::Error)).peekable();
         if found.peek().is_none() {
-            let unit = pattern.split('.').next().unwrap_or_default();
-            let expected = match names.unit(unit) {
-                Err((what, expected)) if !unit.contains('*') => format!("{what}: {expected}"),
-                _ if pattern.ends_with(ERROR) => {
-                    "errors of Real outputs, by algorithm = \"step-halving\", which estimates them".into()
-                }
-                _ => "inputs, outputs or locals by unit.variable, with * for any text".into(),
-            };
-            return Err(wrong((format!("nothing matches {pattern:?}"), expected)));
+            return Err(wrong((format!("nothing matches {pattern:?}"), matchable(pattern, names))));
         }
         found.for_each(&mut choose);
     }
     Ok(chosen)
+}
+
+/// What is expected where a pattern matches nothing.
+fn matchable(pattern: &str, names: &Names) -> String {
+    let unit = pattern.split('.').next().unwrap_or_default();
+    match names.unit(unit) {
+        Err((what, expected)) if !unit.contains('*') => format!("{what}: {expected}"),
+        _ if pattern.ends_with(ERROR) => {
+            "errors of Real outputs, by algorithm = \"step-halving\", which estimates them".into()
+        }
+        _ => "inputs, outputs or locals by unit.variable, with * for any text".into(),
+    }
 }
 
 /// A variable, or the age of an input's value, by its full name.

@@ -93,32 +93,8 @@ fn passed_over(
 
 /// The parameters of a binding with their targets.
 fn bound(tree: &mut Tree, part: &Part, binding: &Element) -> Result<Vec<Bound>, Error> {
-    let document = &part.document;
-    if let Some(other @ ("component" | "Component")) = binding.attribute("sourceBase") {
-        let what = format!("sourceBase=\"{other}\" of <ParameterBinding>");
-        return Err(document.wrong(
-            binding,
-            what,
-            "a parameter set that lies in the package, not in the unit",
-        ));
-    }
-    let parameters = match binding.attribute("source") {
-        Some(source) => {
-            let kind = binding.attribute("type").unwrap_or("application/x-ssp-parameter-set");
-            if kind != "application/x-ssp-parameter-set" {
-                let what = format!("<ParameterBinding> of type {kind:?}");
-                return Err(document.wrong(binding, what, "application/x-ssp-parameter-set"));
-            }
-            let set = open(tree, part, binding, source, "ParameterSet")?;
-            values::parameters(&set, &set.root)?
-        }
-        None => match binding.list("ParameterValues").iter().find(|child| child.name == "ParameterSet") {
-            Some(set) => values::parameters(document, set)?,
-            None => return Ok(Vec::new()),
-        },
-    };
     let prefix = binding.attribute("prefix").unwrap_or_default();
-    let named = parameters.into_iter().map(|parameter| {
+    let named = parameters(tree, part, binding)?.into_iter().map(|parameter| {
         let target = format!("{prefix}{}", parameter.name);
         Bound { parameter, target, mapped: None }
     });
@@ -129,7 +105,7 @@ fn bound(tree: &mut Tree, part: &Part, binding: &Element) -> Result<Vec<Bound>, 
             let mapping = open(tree, part, element, source, "ParameterMapping")?;
             values::mapping(&mapping, &mapping.root)?
         }
-        (None, Some(inline)) => values::mapping(document, inline)?,
+        (None, Some(inline)) => values::mapping(&part.document, inline)?,
         (None, None) => return Ok(named),
     };
     let mut all = Vec::new();
@@ -142,6 +118,27 @@ fn bound(tree: &mut Tree, part: &Part, binding: &Element) -> Result<Vec<Bound>, 
         }));
     }
     Ok(all)
+}
+
+/// Those of the set that a binding names or holds.
+fn parameters(tree: &mut Tree, part: &Part, binding: &Element) -> Result<Vec<Parameter>, Error> {
+    let document = &part.document;
+    if let Some(other @ ("component" | "Component")) = binding.attribute("sourceBase") {
+        let what = format!("sourceBase=\"{other}\" of <ParameterBinding>");
+        let expected = "a parameter set that lies in the package, not in the unit";
+        return Err(document.wrong(binding, what, expected));
+    }
+    let Some(source) = binding.attribute("source") else {
+        let held = binding.list("ParameterValues").iter().find(|child| child.name == "ParameterSet");
+        return held.map_or(Ok(Vec::new()), |set| values::parameters(document, set));
+    };
+    let kind = binding.attribute("type").unwrap_or("application/x-ssp-parameter-set");
+    if kind != "application/x-ssp-parameter-set" {
+        let what = format!("<ParameterBinding> of type {kind:?}");
+        return Err(document.wrong(binding, what, "application/x-ssp-parameter-set"));
+    }
+    let set = open(tree, part, binding, source, "ParameterSet")?;
+    values::parameters(&set, &set.root)
 }
 
 fn open(
@@ -204,11 +201,10 @@ fn set(
     if let Some(change) = bound.mapped.as_ref().and_then(|mapped| mapped.change.as_ref()) {
         value = change.apply(value).map_err(wrong)?;
     }
-    give(tree, wires, starts, end, value, Scale::of(unit), &bound.parameter.place, reached).map_err(|error| {
-        match error {
-            Wrong::Here(here) => wrong(here),
-            Wrong::There(error) => error,
-        }
+    let mut walk = Walk { tree, wires, starts, place: &bound.parameter.place, reached };
+    walk.give(end, value, Scale::of(unit)).map_err(|error| match error {
+        Wrong::Here(here) => wrong(here),
+        Wrong::There(error) => error,
     })
 }
 
@@ -218,42 +214,56 @@ enum Wrong {
     There(Error),
 }
 
-#[allow(clippy::too_many_arguments)] // the state of one walk
-fn give(
-    tree: &Tree,
-    wires: &Wires,
-    starts: &mut Starts,
-    end: &End,
-    value: Written,
-    scale: Scale,
-    place: &Place,
-    reached: &mut BTreeSet<End>,
-) -> Result<(), Wrong> {
-    if let Kind::Component(component) = tree.nodes[end.0].kind {
-        let Some(variable) = tree.components[component].description.variable(&end.1) else {
+/// The way of one value from a connector to all variables that it reaches.
+struct Walk<'a> {
+    tree: &'a Tree,
+    wires: &'a Wires,
+    starts: &'a mut Starts,
+    /// Where the value is written.
+    place: &'a Place,
+    reached: &'a mut BTreeSet<End>,
+}
+
+impl Walk<'_> {
+    fn give(&mut self, end: &End, value: Written, scale: Scale) -> Result<(), Wrong> {
+        if let Kind::Component(component) = self.tree.nodes[end.0].kind {
+            return self.start(component, &end.1, value, &scale).map_err(Wrong::Here);
+        }
+        if !self.reached.insert(end.clone()) {
+            return Ok(());
+        }
+        let Self { tree, wires, .. } = *self;
+        for (to, wire) in wires.out_of(end) {
+            let scale = wire.pass(tree, to, scale.clone()).map_err(Wrong::There)?;
+            self.give(to, value.clone(), scale)?;
+        }
+        Ok(())
+    }
+
+    /// The value is the start value of a unit's variable, in place of one that it was given before.
+    fn start(
+        &mut self,
+        component: usize,
+        name: &str,
+        value: Written,
+        scale: &Scale,
+    ) -> Result<(), (String, String)> {
+        let Some(variable) = self.tree.components[component].description.variable(name) else {
             return Ok(()); // the connection that leads here is refused by the scenario, with its place
         };
         let value = match value {
-            Written::Real(number) => Written::Real(scaled(number, &scale)),
+            Written::Real(number) => Written::Real(scaled(number, scale)),
             Written::Integer(number) if scale.gain != 1.0 || scale.bias != 0.0 => {
-                Written::Real(scaled(number as f64, &scale))
+                Written::Real(scaled(number as f64, scale))
             }
             other => other,
         };
-        let value = toml(value, variable).map_err(Wrong::Here)?;
-        let known = &mut starts.of[component];
-        known.retain(|(name, _)| *name != end.1);
-        known.push((end.1.clone(), Placed { value: Given::Toml(value), place: place.clone() }));
-        return Ok(());
+        let value = toml(value, variable)?;
+        let known = &mut self.starts.of[component];
+        known.retain(|(known, _)| *known != *name);
+        known.push((name.to_owned(), Placed { value: Given::Toml(value), place: self.place.clone() }));
+        Ok(())
     }
-    if !reached.insert(end.clone()) {
-        return Ok(());
-    }
-    for (to, wire) in wires.out_of(end) {
-        let scale = wire.pass(tree, to, scale.clone()).map_err(Wrong::There)?;
-        give(tree, wires, starts, to, value.clone(), scale, place, reached)?;
-    }
-    Ok(())
 }
 
 fn scaled(number: f64, scale: &Scale) -> f64 {

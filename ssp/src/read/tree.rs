@@ -237,20 +237,28 @@ impl Tree {
             ));
         }
         let fmu = format!("{}#{entry}", part.package);
-        let description = match self.descriptions.get(&fmu) {
-            Some(description) => description.clone(),
-            None => {
-                let described = match self.packages.get_mut(&part.package) {
-                    Some(package) => Rc::new(package.describe(&entry)?),
-                    None => return Err(wrong(format!("component {path}"), "an open package")),
-                };
-                self.descriptions.insert(fmu.clone(), described.clone());
-                described
-            }
-        };
+        let closed = || wrong(format!("component {path}"), "an open package");
+        let description = self.description(&part.package, &entry, &fmu, closed)?;
         self.nodes[node].kind = Kind::Component(self.components.len());
         self.components.push(Component { node, fmu, description, part });
         Ok(node)
+    }
+
+    /// The description of a unit, read once; `closed` where its package is none of the open ones.
+    fn description(
+        &mut self,
+        package: &str,
+        entry: &str,
+        fmu: &str,
+        closed: impl Fn() -> Error,
+    ) -> Result<Rc<Description>, Error> {
+        if let Some(known) = self.descriptions.get(fmu) {
+            return Ok(known.clone());
+        }
+        let package = self.packages.get_mut(package).ok_or_else(closed)?;
+        let described = Rc::new(package.describe(entry)?);
+        self.descriptions.insert(fmu.to_owned(), described.clone());
+        Ok(described)
     }
 
     fn open(&mut self, package: &str, entry: &str) -> Result<Rc<Document>, Error> {

@@ -189,8 +189,8 @@ fn wire(
     order: usize,
 ) -> Result<(End, Wire), Error> {
     let document = &part.document;
-    let (start, start_way) = end(tree, system, document, element, "startElement", "startConnector")?;
-    let (stop, stop_way) = end(tree, system, document, element, "endElement", "endConnector")?;
+    let (start, start_way) = end(tree, system, document, element, ["startElement", "startConnector"])?;
+    let (stop, stop_way) = end(tree, system, document, element, ["endElement", "endConnector"])?;
     let (from, to) = match (start_way, stop_way) {
         (Way::Source, Way::Sink | Way::Either) | (Way::Either, Way::Sink) => (start, stop),
         (Way::Sink, Way::Source | Way::Either) | (Way::Either, Way::Source) => (stop, start),
@@ -204,32 +204,11 @@ fn wire(
             return Err(document.wrong(element, what, format!("one of them of kind {lacks}")));
         }
     };
-    let (mut transformation, mut map) = ((1.0, 0.0), Vec::new());
-    for child in &element.children {
-        match child.name.as_str() {
-            "LinearTransformation" => {
-                let number =
-                    |name, default| document.number(child, name).map(|given| given.unwrap_or(default));
-                transformation = (number("factor", 1.0)?, number("offset", 0.0)?);
-            }
-            mapping if mapping.ends_with("MappingTransformation") => {
-                for row in child.children.iter().filter(|row| row.name == "MapEntry") {
-                    let cell = |key| cell(document, row, mapping, key);
-                    map.push((cell("source")?, cell("target")?));
-                }
-                if map.is_empty() {
-                    let what =
-                        format!("<{mapping}> without entries on the connection into {}", shown(tree, &to));
-                    return Err(document.wrong(child, what, "one MapEntry at least"));
-                }
-            }
-            _ => {}
-        }
-    }
+    let Transformation { factor, offset, map } = transformation(tree, document, element, &to)?;
     let wire = Wire {
         from,
-        factor: transformation.0,
-        offset: transformation.1,
+        factor,
+        offset,
         map,
         suppress: document.flag(element, "suppressUnitConversion")?,
         own: ours(element, annotation::CONNECTION).cloned(),
@@ -238,6 +217,44 @@ fn wire(
         order,
     };
     Ok((to, wire))
+}
+
+/// What becomes of a value on a connection.
+struct Transformation {
+    factor: f64,
+    offset: f64,
+    map: Vec<(Toml, Toml)>,
+}
+
+fn transformation(
+    tree: &Tree,
+    document: &Document,
+    element: &Element,
+    to: &End,
+) -> Result<Transformation, Error> {
+    let mut all = Transformation { factor: 1.0, offset: 0.0, map: Vec::new() };
+    for child in &element.children {
+        match child.name.as_str() {
+            "LinearTransformation" => {
+                let number =
+                    |name, default| document.number(child, name).map(|given| given.unwrap_or(default));
+                (all.factor, all.offset) = (number("factor", 1.0)?, number("offset", 0.0)?);
+            }
+            mapping if mapping.ends_with("MappingTransformation") => {
+                for row in child.children.iter().filter(|row| row.name == "MapEntry") {
+                    let cell = |key| cell(document, row, mapping, key);
+                    all.map.push((cell("source")?, cell("target")?));
+                }
+                if all.map.is_empty() {
+                    let what =
+                        format!("<{mapping}> without entries on the connection into {}", shown(tree, to));
+                    return Err(document.wrong(child, what, "one MapEntry at least"));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(all)
 }
 
 /// A value of a mapping, by the mapping's type.
@@ -262,8 +279,7 @@ fn end(
     system: usize,
     document: &Document,
     element: &Element,
-    element_key: &str,
-    connector_key: &str,
+    [element_key, connector_key]: [&str; 2],
 ) -> Result<(End, Way), Error> {
     let connector = document.required(element, connector_key)?.to_owned();
     let name = element.attribute(element_key).filter(|name| !name.is_empty());

@@ -70,26 +70,29 @@ pub(super) fn claims(stairs: &[Stairs]) -> Result<Vec<Claim>, Error> {
         ),
     )];
     for parameter in ["k1", "p1", "p2", "s1", "s2"] {
-        let own: Vec<&Stairs> = stairs.iter().filter(|s| s.lens.parameter == parameter).collect();
-        let text = |stairs: &&Stairs| {
-            Ok(format!("{} ({})", sizes(stairs, end(stairs)), by_theory(stairs, end(stairs))?))
-        };
-        let note = match parameter {
-            "p1" => "not at z = ±0.5: its error over z has the shape of a W, see the curve",
-            _ => "",
-        };
-        claims.push(
-            Claim::new(
-                [&format!("C48.{parameter}"), &format!("steady error grows with abs(z), {parameter}"), PAPER],
-                own.iter().map(text).collect::<Result<Vec<_>, Error>>()?.join("; "),
-                TOLERANCE,
-                own.iter().all(|stairs| grows(stairs, end(stairs))),
-                note,
-            )
-            .part(),
-        );
+        claims.push(of_parameter(stairs, parameter)?);
     }
     Ok(claims)
+}
+
+/// C48 for the lenses that one parameter makes.
+fn of_parameter(stairs: &[Stairs], parameter: &str) -> Result<Claim, Error> {
+    let own: Vec<&Stairs> = stairs.iter().filter(|s| s.lens.parameter == parameter).collect();
+    let text = |stairs: &&Stairs| {
+        Ok(format!("{} ({})", sizes(stairs, end(stairs)), by_theory(stairs, end(stairs))?))
+    };
+    let note = match parameter {
+        "p1" => "not at z = ±0.5: its error over z has the shape of a W, see the curve",
+        _ => "",
+    };
+    let claim = Claim::new(
+        [&format!("C48.{parameter}"), &format!("steady error grows with abs(z), {parameter}"), PAPER],
+        own.iter().map(text).collect::<Result<Vec<_>, Error>>()?.join("; "),
+        TOLERANCE,
+        own.iter().all(|stairs| grows(stairs, end(stairs))),
+        note,
+    );
+    Ok(claim.part())
 }
 
 /// C51: s₁'s errors against the errors of the estimates, place by place on the arm of Figure 26.

@@ -48,6 +48,23 @@ fn label(plan: &Plan, scalar: usize) -> String {
     labelled(&plan.scalars[scalar].name, &plan.scalar_units[scalar])
 }
 
+/// How many cases of a grid lie between neighbours along an axis.
+fn stride(lengths: &[usize], parameter: usize) -> usize {
+    lengths[parameter + 1..].iter().product()
+}
+
+/// The axis of a parameter. Values that are no numbers are told by their places.
+fn along(plan: &Plan, lengths: &[usize], columns: &Columns, parameter: usize) -> Varied {
+    let column = &plan.parameters[parameter];
+    let value = |place: usize| columns.parameters[parameter][place * stride(lengths, parameter)];
+    let numbers: Vec<f64> = (0..lengths[parameter]).map(value).collect();
+    let values = match numbers.iter().all(|number| number.is_finite()) {
+        true => numbers,
+        false => (0..lengths[parameter]).map(|place| place as f64).collect(),
+    };
+    Varied { parameter, label: labelled(&column.name, &column.unit), values }
+}
+
 fn over_grid(
     page: &mut Page,
     plan: &Plan,
@@ -55,20 +72,10 @@ fn over_grid(
     columns: &Columns,
     scalar: usize,
 ) -> Result<Vec<Markup>, Error> {
-    // How many cases lie between neighbours along each axis.
-    let stride = |parameter: usize| lengths[parameter + 1..].iter().product::<usize>();
+    let stride = |parameter: usize| stride(&lengths, parameter);
     let varied: Vec<Varied> = (0..lengths.len())
         .filter(|parameter| lengths[*parameter] > 1)
-        .map(|parameter| {
-            let column = &plan.parameters[parameter];
-            let value = |place: usize| columns.parameters[parameter][place * stride(parameter)];
-            let numbers: Vec<f64> = (0..lengths[parameter]).map(value).collect();
-            let values = match numbers.iter().all(|number| number.is_finite()) {
-                true => numbers,
-                false => (0..lengths[parameter]).map(|place| place as f64).collect(),
-            };
-            Varied { parameter, label: labelled(&column.name, &column.unit), values }
-        })
+        .map(|parameter| along(plan, &lengths, columns, parameter))
         .collect();
     let values = &columns.scalars[scalar];
     match varied.as_slice() {
@@ -90,7 +97,7 @@ fn over_grid(
                     ));
                 }
                 let value = |row: usize, column: usize| values[first + row * along_y + column * along_x];
-                map(page, plan, x, y, &value, &beside, scalar)
+                map(page, plan, [x, y], &value, &beside, scalar)
             };
             let shown = combinations.min(PICTURES);
             // Evenly among all, the first and the last among them.
@@ -118,8 +125,7 @@ fn curve(
 fn map(
     page: &mut Page,
     plan: &Plan,
-    x: &Varied,
-    y: &Varied,
+    [x, y]: [&Varied; 2],
     value: &dyn Fn(usize, usize) -> f64,
     beside: &[String],
     scalar: usize,

@@ -1,7 +1,7 @@
 //! What a study varies, checked: columns of the parameters, and their values by the types of the variables.
 
 use super::{placed, variable};
-use crate::design::Design;
+use crate::design::{Design, Range};
 use crate::error::Error;
 use crate::study::{Parameter, Study};
 use orchestrator::{Column, Kind, Simulation, Value};
@@ -33,29 +33,11 @@ pub(super) fn typed(
     if let Design::Sampled(sampled) = &mut design {
         for ((column, parameter), range) in parameters.iter().zip(&study.parameters).zip(&mut sampled.ranges)
         {
-            let wrong = |what: String, expected: &str| Error::Study {
+            range.whole |= is_whole(range, column.kind).map_err(|(what, expected)| Error::Study {
                 place: parameter.place.clone(),
                 what: format!("{}: {what}", column.name),
                 expected: expected.to_owned(),
-            };
-            let limits = f64::from(i32::MIN)..=f64::from(i32::MAX);
-            let fits = |end: f64| end.fract() == 0.0 && limits.contains(&end);
-            match column.kind {
-                Kind::Real => {}
-                Kind::Integer if range.log => {
-                    return Err(wrong("it is an Integer".into(), "no scale = \"log\""));
-                }
-                Kind::Integer if fits(range.from) && fits(range.to) => range.whole = true,
-                Kind::Integer => {
-                    return Err(wrong(format!("from {} to {}", range.from, range.to), "whole numbers"));
-                }
-                kind => {
-                    return Err(wrong(
-                        format!("it is a {kind}"),
-                        "a [grid] or [list], which have any values",
-                    ));
-                }
-            }
+            })?;
         }
     }
     for (at, parameter) in study.parameters.iter().enumerate() {
@@ -76,6 +58,19 @@ pub(super) fn typed(
         }
         sampled => sampled,
     })
+}
+
+/// Whether samples of a range are whole numbers, by the variable's type; an error is what is wrong, and what was expected.
+fn is_whole(range: &Range, kind: Kind) -> Result<bool, (String, &'static str)> {
+    let limits = f64::from(i32::MIN)..=f64::from(i32::MAX);
+    let fits = |end: f64| end.fract() == 0.0 && limits.contains(&end);
+    match kind {
+        Kind::Real => Ok(false),
+        Kind::Integer if range.log => Err(("it is an Integer".to_owned(), "no scale = \"log\"")),
+        Kind::Integer if fits(range.from) && fits(range.to) => Ok(true),
+        Kind::Integer => Err((format!("from {} to {}", range.from, range.to), "whole numbers")),
+        kind => Err((format!("it is a {kind}"), "a [grid] or [list], which have any values")),
+    }
 }
 
 /// A value as one of the variable's type, an enumeration's name as its number.

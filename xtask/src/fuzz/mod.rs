@@ -99,37 +99,12 @@ fn fuzz_one(options: &Options, fmu: &Path) -> Result<()> {
     at(&folder, std::env::set_current_dir(&folder))?;
     let api = Api::load(&library)?;
     let current = folder.join("sequence");
-    let mut current_file = at(&current, fs::File::create(&current))?;
     eprintln!(
         "{}: should this end suddenly, {} holds the number of the sequence",
         fmu.display(),
         current.display()
     );
-
-    let started = Instant::now();
-    let (mut calls, mut refused, mut slowest) = (0, 0, (Duration::ZERO, 0));
-    for number in options.first..options.first + options.sequences {
-        at(
-            &current,
-            current_file.seek(SeekFrom::Start(0)).and_then(|_| writeln!(current_file, "{number:>20}")),
-        )?;
-        BEGUN.fetch_add(1, Ordering::Relaxed);
-        let begun = Instant::now();
-        let random = Random::new(options.seed, number);
-        let outcome = Sequence::new(&api, &unit, random, options.trace).run(options.calls);
-        let (made, not_ok) = outcome.map_err(|why| format!("{}, sequence {number}: {why}", fmu.display()))?;
-        calls += made;
-        refused += not_ok;
-        slowest = slowest.max((begun.elapsed(), number));
-        if (number + 1) % 1000 == 0 {
-            eprintln!(
-                "{}: {} sequences, {:.0} s",
-                unit.identifier,
-                number + 1,
-                started.elapsed().as_secs_f64()
-            );
-        }
-    }
+    let Tried { calls, refused, slowest } = sequences(options, fmu, &api, &unit, &current)?;
     at(&folder, fs::remove_dir_all(&folder))?;
     println!(
         "{}: {} sequences, {calls} calls, {refused} refused, no failure; the slowest took {:.2} s (number {})",
@@ -139,4 +114,36 @@ fn fuzz_one(options: &Options, fmu: &Path) -> Result<()> {
         slowest.1
     );
     Ok(())
+}
+
+/// What was tried on a unit.
+#[derive(Default)]
+struct Tried {
+    calls: u64,
+    refused: u64,
+    /// How long the slowest sequence took, and its number.
+    slowest: (Duration, u64),
+}
+
+/// Makes all sequences of calls; the file `current` holds the number of the one under way.
+fn sequences(options: &Options, fmu: &Path, api: &Api, unit: &calls::Unit, current: &Path) -> Result<Tried> {
+    let mut file = at(current, fs::File::create(current))?;
+    let started = Instant::now();
+    let mut tried = Tried::default();
+    for number in options.first..options.first + options.sequences {
+        at(current, file.seek(SeekFrom::Start(0)).and_then(|_| writeln!(file, "{number:>20}")))?;
+        BEGUN.fetch_add(1, Ordering::Relaxed);
+        let begun = Instant::now();
+        let random = Random::new(options.seed, number);
+        let outcome = Sequence::new(api, unit, random, options.trace).run(options.calls);
+        let (made, not_ok) = outcome.map_err(|why| format!("{}, sequence {number}: {why}", fmu.display()))?;
+        tried.calls += made;
+        tried.refused += not_ok;
+        tried.slowest = tried.slowest.max((begun.elapsed(), number));
+        if (number + 1) % 1000 == 0 {
+            let (done, seconds) = (number + 1, started.elapsed().as_secs_f64());
+            eprintln!("{}: {done} sequences, {seconds:.0} s", unit.identifier);
+        }
+    }
+    Ok(tried)
 }

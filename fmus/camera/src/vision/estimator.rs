@@ -1,6 +1,7 @@
 //! How the centre of a region is found: the paper's binary centroid, or from the grey levels around it.
 
-use super::{Component, Feature, grey, likelihood::Likelihood};
+use super::likelihood::{Expected, Likelihood, Seen};
+use super::{Component, Feature, grey};
 use crate::effects::Effects;
 use crate::photometry::{Area, Mask, Plane};
 use crate::variables::{Scene, Sensor};
@@ -48,7 +49,10 @@ impl Estimators {
         let Some(window) = view.windows.iter().find(holds) else { return binary };
         let Some(centre) = grey::centroid(component, view, window, scene) else { return binary };
         let centre = match sensor.estimator {
-            2 => self.likelihood.refine(centre, component, view, window, scene, sensor, effects),
+            2 => {
+                let seen = Seen { component, view, window };
+                self.likelihood.refine(centre, &seen, &Expected { scene, sensor, effects })
+            }
             _ => centre,
         };
         Feature { centre_px: super::centroid::pixel_from_raster(centre, sensor), ..binary }

@@ -18,6 +18,38 @@ const HALF_DIFFERENCE: f64 = 0.05;
 /// Smallest deviation assumed: rounding to whole grey levels, and what the model leaves out.
 const LEAST_DEVIATION: f64 = 1.0;
 
+/// What the camera sees of a circle.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<'a> {
+    /// The region above the threshold.
+    pub component: &'a Component,
+    /// The frame.
+    pub view: &'a View<'a>,
+    /// The window that the region lies in.
+    pub window: &'a Area,
+}
+
+/// What is known of the circle and the camera.
+#[derive(Debug, Clone, Copy)]
+pub struct Expected<'a> {
+    /// Size of the circle, and its grey levels.
+    pub scene: &'a Scene,
+    /// Size of the frame.
+    pub sensor: &'a Sensor,
+    /// Defocus and noise.
+    pub effects: &'a Effects,
+}
+
+/// The model's disc, wherever it lies.
+#[derive(Clone, Copy)]
+struct Disc<'a> {
+    radii: (f64, f64),
+    /// The pixels that are compared.
+    area: &'a Area,
+    scene: &'a Scene,
+    effects: &'a Effects,
+}
+
 /// The model with its working space.
 #[derive(Debug, Clone, Default)]
 pub struct Likelihood {
@@ -31,17 +63,9 @@ pub struct Likelihood {
 
 impl Likelihood {
     /// Improves a centre in raster coordinates.
-    #[allow(clippy::too_many_arguments)] // what is seen, and the tables that say what was expected
-    pub fn refine(
-        &mut self,
-        start: (f64, f64),
-        component: &Component,
-        view: &View<'_>,
-        window: &Area,
-        scene: &Scene,
-        sensor: &Sensor,
-        effects: &Effects,
-    ) -> (f64, f64) {
+    pub fn refine(&mut self, start: (f64, f64), seen: &Seen<'_>, expected: &Expected<'_>) -> (f64, f64) {
+        let Seen { component, view, window } = *seen;
+        let Expected { scene, sensor, effects } = *expected;
         let share = scene.circle_radius / scene.field_of_view;
         let radii = (share * f64::from(sensor.width), share * f64::from(sensor.height));
         let largest = radii.0.max(radii.1);
@@ -51,13 +75,14 @@ impl Likelihood {
         let reach = effects.defocus.passes as usize + 2 * view.row_step;
         let area = component.bounds.grown(reach, window.x1, window.y1);
         let area = Area { x0: area.x0.max(window.x0), y0: area.y0.max(window.y0), ..area };
+        let disc = Disc { radii, area: &area, scene, effects };
         let sigma = effects.noise.deviation.max(LEAST_DEVIATION);
         let (mut x, mut y) = start;
         for _ in 0..STEPS {
             let h = HALF_DIFFERENCE;
             let places = [(x, y), (x + h, y), (x - h, y), (x, y + h), (x, y - h)];
             for (which, place) in places.into_iter().enumerate() {
-                self.model(which, place, radii, &area, scene, effects);
+                self.model(which, place, disc);
             }
             let (dx, dy) = self.newton(&area, component, view, sigma);
             // The start is good to a fraction of a pixel; a longer step means that this is no disc.
@@ -70,15 +95,8 @@ impl Likelihood {
     }
 
     /// Grey levels of a disc at a place, into the middle (0) or a side.
-    fn model(
-        &mut self,
-        which: usize,
-        place: (f64, f64),
-        radii: (f64, f64),
-        area: &Area,
-        scene: &Scene,
-        effects: &Effects,
-    ) {
+    fn model(&mut self, which: usize, place: (f64, f64), disc: Disc<'_>) {
+        let Disc { radii, area, scene, effects } = disc;
         let Some((_, circle)) = &self.circle else { return };
         let passes = effects.defocus.passes as usize;
         // A margin of background, so that the border of the patch is that of no circle.

@@ -73,6 +73,8 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let scatter = channel_scatters(&machine, &grids, &outliers);
     let sensors = first_sensors(&machine, &scatter);
     let scales = state_scales(&machine, &scatter);
+    let input_scales = input_scales(&machine, &grids);
+    let first_step = |parameter| first_step(parameter, &input_scales, interval);
     let engine = Engine {
         steps: machine.parameters.iter().map(first_step).collect(),
         starts: grids.iter().map(|grid| prior(&machine, grid, &scales)).collect(),
@@ -82,7 +84,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
         refused: Mutex::default(),
         sensors: sensors.clone(),
         scales,
-        input_scales: input_scales(&machine, &grids),
+        input_scales,
         grids,
         machine,
     };

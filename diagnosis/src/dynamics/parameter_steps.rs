@@ -10,13 +10,20 @@ use crate::error::Error;
 use crate::infer::Noise;
 use crate::infer::fit::Path;
 use crate::observe::{InputEffect, OutputEffect, Scale};
+use crate::ports::{Kind, Measure};
 use rayon::prelude::*;
 
-/// A parameter's step before anything is known of what it does, in its own unit.
-pub(super) fn first_step(parameter: &Parameter) -> f64 {
+/// A parameter's step before anything is known of what it does, in its own unit. `inputs` are the sizes of the inputs, each in its unit, and
+/// `interval` is the usual distance of rows, s: a flow of 1e-4 m³/s has steps of its own size.
+pub(super) fn first_step(parameter: &Parameter, inputs: &[f64], interval: f64) -> f64 {
     let (least, most) = parameter.range;
+    let measure = |effect| Kind::of_input(effect).measure;
     let size = match parameter.role {
         Role::Input(_, InputEffect::Gain) | Role::Output(_, OutputEffect::Gain) => 1.0,
+        Role::Input(place, effect) if measure(effect) == Measure::Variable => inputs[place],
+        Role::Input(place, effect) if measure(effect) == Measure::VariablePerSecond => {
+            inputs[place] / interval
+        }
         _ if parameter.neutral != 0.0 => parameter.neutral.abs(),
         _ if (most - least).is_finite() => most - least,
         _ => 1.0,

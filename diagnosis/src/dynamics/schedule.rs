@@ -5,7 +5,7 @@ use super::lag;
 use super::machine::{Machine, Role};
 use super::policy::DYNAMICS;
 use super::worker::Job;
-use crate::observe::{Hold, InputEffect, OutputEffect, Reading};
+use crate::observe::{InputEffect, OutputEffect, Reading};
 use crate::ports::{input, output};
 use crate::statistics::levels::ROUNDING;
 
@@ -117,7 +117,6 @@ impl Schedule {
         schedule.reads =
             moments.iter().map(|row| row.iter().map(|(_, channel)| *channel).collect()).collect();
         let mut near = vec![0; width];
-        let linear = grid.inputs.iter().any(|course| course.hold == Hold::Linear);
         for (row, moments) in moments.iter().enumerate() {
             let from = time[row];
             let at_row = lines.iter().zip(&mut near).map(|(lines, near)| match machine.reading {
@@ -135,9 +134,6 @@ impl Schedule {
                         lines.breaks(from, to, near, &mut ends);
                     }
                     ends.extend(moments.iter().map(|(time, _)| *time));
-                    if linear {
-                        ends.push(0.5 * (from + to));
-                    }
                 }
                 schedule.cut(machine, from, to, ends, moments, &lines, &mut near);
             }
@@ -168,7 +164,13 @@ impl Schedule {
         let mut begin = from;
         let mut reads = moments.iter().peekable();
         for end in ends {
-            let parts = parts(end - begin, machine.longest);
+            let moves = lines.iter().zip(near.iter_mut()).any(|(lines, near)| lines.moves(begin, near));
+            // a unit that is faster than a row sees the course of its input, and not only its mean
+            let longest = match machine.any_step && moves {
+                true => machine.longest.min(whole / DYNAMICS.moving_parts),
+                false => machine.longest,
+            };
+            let parts = parts(end - begin, longest);
             let span = (end - begin) / parts;
             for part in 0..parts as usize {
                 let at = begin + part as f64 * span;
@@ -282,7 +284,28 @@ fn bend(
 
 #[cfg(test)]
 mod tests {
-    use super::parts;
+    use super::{Machine, Schedule, parts};
+    use crate::dynamics::tests::{built, pendulum, place};
+
+    #[test]
+    fn value_where_an_input_moves_a_row_has_ten_steps_or_more() {
+        let problem = pendulum("moving", 101);
+        let built = built(&problem);
+        let engine = &built.engine;
+        let machine = Machine { longest: f64::INFINITY, ..engine.machine.clone() };
+        let mut theta = machine.neutral();
+        let most = |theta: &[f64]| {
+            let schedule = Schedule::new(&machine, &engine.grids[0], theta);
+            schedule.first.windows(2).take(100).map(|rows| rows[1] - rows[0]).max()
+        };
+        assert_eq!(most(&theta), Some(1), "held inputs");
+        theta[place(&built, "tau:lag")] = 0.1;
+        let lagging = most(&theta);
+        assert!(
+            lagging.is_some_and(|most| (10..=14).contains(&most)),
+            "{lagging:?}: its own cuts may lie among them"
+        );
+    }
 
     #[test]
     fn value_an_interval_is_cut_into_steps_of_the_unit() {

@@ -258,6 +258,13 @@ impl Lines {
         }
     }
 
+    /// Whether the value changes within the line that holds just after a time.
+    pub fn moves(&self, from: f64, near: &mut usize) -> bool {
+        *near = self.place(from, *near);
+        let line = self.lines[*near];
+        line.fading != 0.0 || line.first != line.last && self.end(*near).is_finite()
+    }
+
     /// The mean from one time to another.
     pub fn mean(&self, from: f64, to: f64, near: &mut usize) -> f64 {
         *near = self.place(from, *near);
@@ -349,6 +356,21 @@ mod tests {
         let after = 2.0 - (2.0 - ramp(1.0)) * libm::exp(-0.2 / 0.1);
         assert!((slow.after(1.2, &mut 0) - after).abs() < 1e-14);
         assert!((slow.before(1.0, &mut 0) - ramp(1.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn law_an_input_moves_on_ramps_and_where_something_fades() {
+        let moves = |effects: Effects, hold: Hold, at: f64| {
+            arriving(&Course { hold, ..step() }, &effects).moves(at, &mut 0)
+        };
+        let lag = Effects { lag: 0.02, ..Effects::OFF };
+        assert!(
+            !moves(Effects::OFF, Hold::Zero, 0.405) && !moves(lag, Hold::Zero, 0.2),
+            "held, and before the jump"
+        );
+        assert!(moves(lag, Hold::Zero, 0.405) && moves(Effects::OFF, Hold::Linear, 0.395));
+        assert!(moves(Effects { rate_limit: 10.0, ..Effects::OFF }, Hold::Zero, 0.45));
+        assert!(!moves(Effects { rate_limit: 10.0, ..Effects::OFF }, Hold::Zero, 0.95), "there at last");
     }
 
     #[test]

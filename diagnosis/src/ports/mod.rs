@@ -14,5 +14,5 @@ pub mod output;
 mod policy;
 
 pub use course::Course;
-pub use kinds::{Kind, measures};
+pub use kinds::{Kind, Measure, measures};
 pub(crate) use policy::PORTS;

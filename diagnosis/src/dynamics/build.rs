@@ -91,6 +91,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let sizes: Vec<f64> = scatter.iter().map(|scatter| scatter.size).collect();
     let (engine, found) = engine.probed(problem, &runs, &sizes)?;
     notices.extend(found);
+    notices.extend(still(problem, &engine.machine, &scatter));
     let sizes = noise_sizes(&engine, &scatter, interval);
     let noise = Noise {
         channels: sensors,
@@ -124,7 +125,8 @@ fn usable<'a>(problem: &Problem, machine: &Machine, runs: &[(&'a Run, Span)]) ->
     Ok(Usable { runs, grids, notices: short.into_iter().map(left_out).collect() })
 }
 
-/// The scatter of each compared channel over all runs, outliers apart.
+/// The scatter of each compared channel over all runs, outliers apart. One that has a single value has no size of its own: it is that value, or 1,
+/// as for inputs.
 fn channel_scatters(machine: &Machine, grids: &[Grid], outliers: &[Vec<bool>]) -> Vec<Scatter> {
     let values = |channel: usize| -> Vec<Vec<f64>> {
         let of = |(grid, out): (&Grid, &Vec<bool>)| {
@@ -133,9 +135,38 @@ fn channel_scatters(machine: &Machine, grids: &[Grid], outliers: &[Vec<bool>]) -
         };
         grids.iter().zip(outliers).map(of).collect()
     };
-    (0..machine.channels.len())
-        .map(|channel| scatter(&values(channel).iter().map(Vec::as_slice).collect::<Vec<_>>()))
-        .collect()
+    let sized = |channel: usize| {
+        let values = values(channel);
+        let found = scatter(&values.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let largest = values.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
+        match (found.size > 0.0, largest > 0.0) {
+            (true, _) => found,
+            (false, some) => Scatter { size: if some { largest } else { 1.0 }, ..found },
+        }
+    };
+    (0..machine.channels.len()).map(sized).collect()
+}
+
+/// Channels that have one value in all rows, where others have noise.
+fn still(problem: &Problem, machine: &Machine, scatter: &[Scatter]) -> Vec<Notice> {
+    let is_still = |output: &Output| {
+        let mut values = problem.runs.iter().flat_map(|run| &run.series[output.channel].values);
+        values.next().is_some_and(|first| values.all(|value| value == first))
+    };
+    let noisy = scatter.iter().any(|scatter| scatter.noise > 0.0);
+    let notice = |output: &Output| {
+        let channel = &problem.channels[output.channel];
+        Notice {
+            file: "dataset.toml".into(),
+            line: channel.line,
+            message: format!(
+                "column {:?} ({}) has one value in all rows: if its sensor stood still, leave the channel out, since what it seems to show \
+                 would be named",
+                channel.column, channel.name
+            ),
+        }
+    };
+    machine.channels.iter().filter(|output| noisy && is_still(output)).map(notice).collect()
 }
 
 /// Standard deviation of each channel to begin with, in its own unit: the stated one, or the scatter of neighbouring values.

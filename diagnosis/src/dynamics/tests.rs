@@ -161,3 +161,25 @@ fn every_whole_run_of_more_states_than_can_be_followed_is_refused() {
     let text = refused(18).expect("24 states");
     assert!(text.contains("20 compared outputs") && text.contains("at most 23"), "{text}");
 }
+
+#[test]
+fn bad_data_a_channel_of_one_value_has_a_size_and_is_told() {
+    let mut problem = pendulum("still", 101);
+    let told = |problem: &Problem| {
+        let built = built(problem);
+        let still = built.notices.iter().filter(|notice| notice.message.contains("one value in all rows"));
+        (
+            still.map(|notice| notice.message.clone()).collect::<Vec<_>>(),
+            built.scatter[1].size,
+            built.noise.channels[1],
+        )
+    };
+    assert!(told(&problem).0.is_empty());
+    problem.runs[0].series[problem.channels.len() - 1].values.fill(2.5);
+    let (messages, size, noise) = told(&problem);
+    assert!(messages.len() == 1 && messages[0].contains("acrobot_plant.q2"), "{messages:?}");
+    // a noise of 1e-300 of its unit would make any residual infinitely unlikely
+    assert!(size == 2.5 && noise > 1e-9, "{size} {noise}");
+    problem.runs[0].series[problem.channels.len() - 1].values.fill(0.0);
+    assert_eq!(told(&problem).1, 1.0);
+}

@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(unix)]
-pub(crate) use ending::{end_copy, unpacked_in};
+pub(crate) use ending::{end_copy_of, unpacked_in};
 pub use lookout::{beat, beats, look_out};
 #[cfg(unix)]
 pub use prints::own_output;

@@ -188,9 +188,12 @@ fn say(parts: &[&str]) {
     }
 }
 
-/// Ends a copy of the process, and does nothing else: files and folders are those of the process that it was split from.
-pub(crate) fn end_copy() -> ! {
-    leave(0)
+/// Ends a copy of a guarded process, and does nothing else: files and folders are those of the process that it was split from. A program
+/// without a [`Guard`](super::Guard) may split itself on purpose, and goes on.
+pub(crate) fn end_copy_of(process: u32) {
+    if GUARDED.load(Ordering::Relaxed) == process.cast_signed() {
+        leave(0);
+    }
 }
 
 fn leave(status: c_int) -> ! {

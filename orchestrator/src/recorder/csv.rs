@@ -117,8 +117,8 @@ impl<W: Write> CsvRecorder<W> {
     fn hand_over(&mut self) -> Result<(), Error> {
         #[cfg(unix)]
         if self.file.is_some() && self.process != std::process::id() {
-            // A copy of this process that a unit split off and let return: the rows are the other one's to write.
-            crate::guard::end_copy();
+            // A copy of this process, which a unit may have split off and let return: the rows are the other one's to write.
+            crate::guard::end_copy_of(self.process);
         }
         let result =
             self.found().and_then(|()| self.sink.write_all(&self.waiting)).and_then(|()| self.sink.flush());

@@ -3,7 +3,7 @@
 
 use std::fs::File;
 use std::io::Write as _;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// The standard output, once what units print goes elsewhere.
 static OWN: OnceLock<File> = OnceLock::new();
@@ -26,7 +26,7 @@ pub fn apart() {}
 const CLOSED: i32 = if cfg!(windows) { 6 } else { 9 };
 
 /// Why a line could not be written, of the first one that could not.
-static UNWRITTEN: OnceLock<String> = OnceLock::new();
+static UNWRITTEN: Mutex<Option<String>> = Mutex::new(None);
 
 /// Writes a line.
 pub fn line(text: std::fmt::Arguments<'_>) {
@@ -41,13 +41,14 @@ pub fn line(text: std::fmt::Arguments<'_>) {
         && why.kind() != std::io::ErrorKind::BrokenPipe
         && why.raw_os_error() != Some(CLOSED)
     {
-        let _ = UNWRITTEN.set(why.to_string());
+        UNWRITTEN.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| why.to_string());
     }
 }
 
-/// The exit status of a program that has done its work: 1, and a word about it, where lines for the standard output are lost.
+/// The exit status of a command that has done its work: 1, and a word about it, where lines for the standard output are lost. The next
+/// command of the same process begins anew.
 pub fn status() -> u8 {
-    let Some(why) = UNWRITTEN.get() else { return 0 };
+    let Some(why) = UNWRITTEN.lock().unwrap_or_else(PoisonError::into_inner).take() else { return 0 };
     error_line(format_args!("error: the standard output can't be written: {why}"));
     1
 }

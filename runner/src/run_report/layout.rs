@@ -99,7 +99,8 @@ impl TryFrom<Vec<String>> for Mark {
 /// The error, with the line of the file, if there is one to be read and the mistake is found in it.
 fn wrong(scenario: &Scenario, line: impl Fn(&str) -> Option<usize>, why: String) -> Error {
     let file = scenario.origin.display();
-    let text = std::fs::read_to_string(&scenario.origin).ok();
+    // As the scenario itself was read: what is no plain file may wait for ever.
+    let text = orchestrator::plain::read_text(&scenario.origin).ok();
     let scenario = match text.and_then(|text| line(&text)) {
         Some(line) => format!("{file}:{line}"),
         None => file.to_string(),

@@ -181,3 +181,42 @@ def test_a_state_that_nobody_lists_is_followed_through_whole_runs(case, tmp_path
     said = diagnosed(ALL["motor"], case, 5, tmp_path, listed)
     assert [effect["name"] for effect in said["effects"]] == [f"motor.{case}"] * (case != "none"), said["effects"]
     assert said["verdict"] == ("none" if case == "none" else "named")
+
+
+@pytest.mark.parametrize("case", ["none", "C_air"])
+def test_a_state_that_nobody_lists_beside_one_that_no_variable_shows_is_told(case, tmp_path):
+    # the wall begins anew with each row; the air is read through what the thermometer says
+    air, wall = ALL["room"].states
+    room = dataclasses.replace(ALL["room"], states=(air, dataclasses.replace(wall, spread=0.0)))
+    sets.make(room, case, 5, tmp_path / "set", tmp_path / "answers", {"room": room.build(room, tmp_path)})
+    path = tmp_path / "set" / "dataset.toml"
+    text = path.read_text().replace('shows = "room.T"\n', "")
+    path.write_text(text.replace('[[state]]\nstart = "room.T_wall_0"\n', ""))
+    said = told(tmp_path)
+    assert "remembers more than the states that can be set" in " ".join(map(str, said["notices"])), said["notices"]
+    assert [effect["name"] for effect in said["effects"]] == [f"room.{case}"] * (case != "none"), said["effects"]
+    assert said["verdict"] == ("none" if case == "none" else "named")
+
+
+def test_two_effects_that_hide_each_other_are_named(tmp_path):
+    # a wider tank and a stronger pump: the level rises as before, and falls more slowly
+    tank = ALL["tank"]
+    runs = sets.Runs(tank, np.random.default_rng(2), 3)
+    clean = [{name: values[:, 0] for name, values in run.items()} for run in runs.outputs([{"A_1": 0.023, "q_pump": 0.66}])]
+    sets.write(tank, runs, clean, runs.rng, tmp_path / "set", {"tank": tank.build(tank, tmp_path)})
+    said = told(tmp_path)
+    found = {effect["name"]: effect for effect in said["effects"]}
+    assert said["verdict"] != "unknown" and len(found) == 2 and "tank.A_1" in found, said["effects"]
+    assert abs(found["tank.A_1"]["value"] - 0.023) < 2e-4, found
+    assert any("tank.q_pump" in effect["class"] for effect in said["effects"]), said["effects"]
+
+
+def test_a_late_sensor_whose_output_follows_an_input_at_once_is_named(tmp_path):
+    # the voltage jumps with the current: what a row showed until it jumped lies on the line of the interval before
+    cell = ALL["cell"]
+    runs = sets.Runs(cell, np.random.default_rng(4), 3)
+    clean = [{name: values[:, 0] for name, values in run.items()} for run in runs.outputs([{"v_cell:delay": 0.4 * cell.row}])]
+    sets.write(cell, runs, clean, runs.rng, tmp_path / "set", {"cell": cell.build(cell, tmp_path)})
+    said = told(tmp_path)
+    assert [effect["name"] for effect in said["effects"]] == ["cell.v_cell:delay"], said["effects"]
+    assert abs(said["effects"][0]["value"] / (0.4 * cell.row) - 1.0) < 0.1, said["effects"]

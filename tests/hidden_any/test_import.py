@@ -121,6 +121,34 @@ def test_a_start_that_no_variable_shows_is_a_state_where_the_model_remembers_it(
     assert [one["variable"] for one in head["candidate"]] == ["lags.T_0"]
 
 
+@pytest.mark.parametrize("rows", [12, 300])
+def test_a_start_whose_variable_is_called_otherwise_is_found_in_any_log(tmp_path, rows):
+    machine = dataclasses.replace(
+        ALL["sled"], name="lag", late="", saves_state=True, states=(State("x", "V", "x_0", 0.5, 0.0),),
+        inputs=(Input("u", "V", 0.0, 1.0, "V"),), outputs_of=(Output("y", "V", 1e-3, "V"),),
+        parameters=(Parameter("T", "1", 0.3, 0.01, 10.0, "relative", "time constant", 0.5),),
+        build=lambda machine, folder: build(machine, folder, "dx[0] = (v[u] - x[0]) / v[T];", "v[y] = x[0];", step=0.01),
+    )  # fmt: skip
+    times = 0.05 * np.arange(rows)
+    log = "".join(f"{time},{np.sign(np.sin(time))},{0.3 * np.cos(time)}\n" for time in times)
+    (tmp_path / "a.csv").write_text("time,u,y\n" + log)
+    said = run("import", tmp_path / "a.csv", "--fmu", machine.build(machine, tmp_path), "--out", tmp_path / "set")
+    assert channels(tmp_path / "set")[1]["state"] == [{"start": "lag.x_0", "shows": "lag.y"}], said
+
+
+def test_degrees_under_a_header_that_says_kelvin_are_not_taken_for_an_offset(tmp_path):
+    # where nothing starts the model, an offset is tried: of all that comes near, the unit of measurement is the exact one
+    house = ALL["house"]
+    heads = {one.name: (f"{one.name} [{one.unit}]", 1.0, 0.0) for one in house.inputs}
+    heads |= {one.name: (f"{one.name} [K]", 1.0, 273.15) for one in house.outputs_of}
+    path = log(tmp_path / "a.csv", dataclasses.replace(house, fixed=True), heads)
+    said = run("import", path, "--fmu", house.build(dataclasses.replace(house, fixed=True), tmp_path), "--out", tmp_path / "set")
+    table, _ = channels(tmp_path / "set")
+    for one in house.outputs_of:
+        assert table[f"house.{one.name}"].get("offset", 273.15) == 273.15, said
+        assert "whatever its header says" in said, said
+
+
 def test_an_import_that_fails_leaves_nothing(motor, tmp_path):
     heads = {"u": ("u", 1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
     file = log(tmp_path / "a.csv", ALL["motor"], heads)

@@ -175,9 +175,11 @@ pub(super) fn others(problem: &Problem) -> Vec<Way> {
     let all: Vec<usize> = (0..problem.channels.len()).collect();
     let several = signs(problem).into_iter().filter(|way| way.channels(problem).len() > 1);
     let mut ways = single(problem);
-    ways.extend(together(problem, &["deg", "deg/s"]));
-    ways.extend(together(problem, &["degC"]));
-    ways.extend(together(problem, &["K"]));
+    for names in [&["deg", "deg/s"][..], &["degC"], &["K"]] {
+        ways.extend(together(problem, &all, names));
+        // what is compared was written by one logger, and what is fed may come from elsewhere
+        ways.extend(together(problem, &outputs(problem), names).filter(|way| ways.last() != Some(way)));
+    }
     ways.extend(pairs(&all).into_iter().map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
     ways
@@ -194,14 +196,20 @@ pub(super) fn single(problem: &Problem) -> Vec<Way> {
 /// Turned signs: of each channel, the inputs first; of an axis that runs the other way round, a position and its rate; of all inputs and
 /// all outputs.
 pub(super) fn signs(problem: &Problem) -> Vec<Way> {
-    let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
-    let (inputs, outputs): (Vec<usize>, Vec<usize>) = (0..problem.channels.len()).partition(fed);
+    let outputs = outputs(problem);
+    let inputs: Vec<usize> = (0..problem.channels.len()).filter(|place| !outputs.contains(place)).collect();
     let mut ways: Vec<Way> = inputs.iter().chain(&outputs).map(|place| turned(problem, &[*place])).collect();
     ways.extend(pairs(&outputs).into_iter().map(|(a, b)| turned(problem, &[a, b])));
     ways.extend(
         [&inputs, &outputs].into_iter().filter(|list| list.len() > 2).map(|list| turned(problem, list)),
     );
     ways
+}
+
+/// Channels that are compared.
+fn outputs(problem: &Problem) -> Vec<usize> {
+    let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
+    (0..problem.channels.len()).filter(|place| !fed(place)).collect()
 }
 
 /// Those that are tried.
@@ -329,11 +337,11 @@ fn units(problem: &Problem, place: usize) -> Vec<Way> {
     found.iter().map(|one| in_unit(problem, std::slice::from_ref(one))).chain(bare).collect()
 }
 
-/// All channels of one kind in another unit: all angles in degrees.
-fn together(problem: &Problem, names: &[&'static str]) -> Option<Way> {
+/// All of these channels that are of one kind in another unit: all angles in degrees.
+fn together(problem: &Problem, places: &[usize], names: &[&'static str]) -> Option<Way> {
     let of =
-        |place: usize| names.iter().find_map(|name| Some((place, to_unit(problem, place, name)?, *name)));
-    let found: Vec<(usize, Affine, &str)> = (0..problem.channels.len()).filter_map(of).collect();
+        |place: &usize| names.iter().find_map(|name| Some((*place, to_unit(problem, *place, name)?, *name)));
+    let found: Vec<(usize, Affine, &str)> = places.iter().filter_map(of).collect();
     (found.len() > 1).then(|| in_unit(problem, &found))
 }
 

@@ -6,7 +6,7 @@ use super::linearise::{Chord, RowParts, RunAt, difference};
 use super::machine::Role;
 use super::schedule::{Placed, Schedule, output_effects};
 use crate::infer::{Linearised, Measured};
-use crate::observe::OutputEffect;
+use crate::observe::{OutputEffect, Reading};
 use crate::ports::output;
 
 /// A run with the differences of its rows, and what effects at ports change.
@@ -115,7 +115,7 @@ impl<'a> Assembly<'a> {
         let effect = self.effects[sample.channel];
         let entry = n + at.read.map_or(sample.channel, |read| channels + read);
         let value = self.parts[row].base[entry];
-        let slope = self.slope(row, n + sample.channel);
+        let slope = self.slope(at, sample.channel);
         let since = sample.time - grid.origin;
         let outlier = engine.outliers[run].get(at.sample).copied().unwrap_or(false);
         if left_out && !outlier {
@@ -155,12 +155,23 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Rate of change of an output along the path, per s.
-    fn slope(&self, row: usize, entry: usize) -> f64 {
+    /// Rate of change of an output along the path, per s, where a value is read.
+    fn slope(&self, at: &Placed, channel: usize) -> f64 {
         let (parts, time) = (self.parts, &self.about.grid.time);
-        let (from, to) = (row.saturating_sub(1), (row + 1).min(parts.len() - 1));
+        let (row, last) = (at.row, parts.len() - 1);
+        let entry = self.about.engine.machine.order() + channel;
+        // read before the row's inputs acted, a value that is read a little earlier lies in the interval before
+        let jumps = self.about.engine.machine.reading == Reading::Before;
+        let within = if at.read.is_some() { Some(row) } else { row.checked_sub(1) };
+        let (from, to, begun) = match within.filter(|row| jumps && *row < last) {
+            Some(row) => (row, row + 1, parts[row].begun[channel]),
+            None => {
+                let from = row.saturating_sub(1);
+                (from, (row + 1).min(last), parts[from].base[entry])
+            }
+        };
         let span = time[to] - time[from];
-        if span > 0.0 { (parts[to].base[entry] - parts[from].base[entry]) / span } else { 0.0 }
+        if span > 0.0 { (parts[to].base[entry] - begun) / span } else { 0.0 }
     }
 }
 
@@ -187,9 +198,13 @@ impl RunAt<'_> {
         }
         let entry = machine.order() + channel;
         let values: Vec<f64> = parts.iter().map(|part| part.base[entry]).collect();
+        let begun: Vec<f64> = match machine.reading {
+            Reading::Before => parts.iter().map(|part| part.begun[channel]).collect(),
+            Reading::After => values.clone(),
+        };
         let there = match kind {
-            OutputEffect::Lag => lag::lagged(&self.grid.time, &values, chord.to),
-            OutputEffect::Delay => lag::delayed(&self.grid.time, &values, chord.to),
+            OutputEffect::Lag => lag::lagged(&self.grid.time, &begun, &values, chord.to),
+            OutputEffect::Delay => lag::delayed(&self.grid.time, &begun, &values, chord.to),
             _ => return None,
         };
         Some(difference(&there, &values, chord.per))

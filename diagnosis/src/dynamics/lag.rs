@@ -20,27 +20,31 @@ pub(super) fn weights(span: f64, time: f64) -> (f64, f64, f64) {
     (a, mean - a, 1.0 - mean)
 }
 
-/// What a lag makes of values at times, settled at the first.
-pub(super) fn lagged(time: &[f64], values: &[f64], lag: f64) -> Vec<f64> {
+/// What a lag makes of values at times, settled at the first; from each time on they run along a line from where they have `begun` anew.
+pub(super) fn lagged(time: &[f64], begun: &[f64], values: &[f64], lag: f64) -> Vec<f64> {
     let mut shown: Vec<f64> = Vec::with_capacity(values.len());
     for (row, value) in values.iter().enumerate() {
         shown.push(match row.checked_sub(1) {
             None => *value,
             Some(last) => {
                 let (a, b0, b1) = weights(time[row] - time[last], lag);
-                a * shown[last] + b0 * values[last] + b1 * value
+                a * shown[last] + b0 * begun[last] + b1 * value
             }
         });
     }
     shown
 }
 
-/// What a delay makes of values at times; before the first the first.
-pub(super) fn delayed(time: &[f64], values: &[f64], delay: f64) -> Vec<f64> {
+/// What a delay makes of values at times; before the first the first. From each time on they run along a line from where they have `begun`
+/// anew; at a time itself they are what they were until then.
+pub(super) fn delayed(time: &[f64], begun: &[f64], values: &[f64], delay: f64) -> Vec<f64> {
     let at = |when: f64| {
-        let next = time.partition_point(|t| *t <= when).clamp(1, time.len().max(2) - 1);
+        if when <= time[0] {
+            return values[0];
+        }
+        let next = time.partition_point(|t| *t < when).clamp(1, time.len() - 1);
         let share = (when - time[next - 1]) / (time[next] - time[next - 1]);
-        values[next - 1] + share.clamp(0.0, 1.0) * (values[next] - values[next - 1])
+        begun[next - 1] + share.clamp(0.0, 1.0) * (values[next] - begun[next - 1])
     };
     if time.len() < 2 { values.to_vec() } else { time.iter().map(|t| at(t - delay)).collect() }
 }
@@ -299,12 +303,12 @@ mod tests {
     #[test]
     fn value_a_lag_of_a_ramp_is_the_closed_form() {
         let time: Vec<f64> = (0..50).map(|row| 0.1 * f64::from(row)).collect();
-        let shown = lagged(&time, &time, 0.7);
+        let shown = lagged(&time, &time, &time, 0.7);
         for (t, shown) in time.iter().zip(shown) {
             // y = t - T + T exp(-t/T); fifty products of doubles
             assert!((shown - (t - 0.7 + 0.7 * libm::exp(-t / 0.7))).abs() < 1e-13, "{t}");
         }
-        assert_eq!(lagged(&time, &time, 0.0), time);
+        assert_eq!(lagged(&time, &time, &time, 0.0), time);
     }
 
     #[test]
@@ -364,6 +368,15 @@ mod tests {
     #[test]
     fn value_a_delay_reads_between_rows() {
         let time = [0.0, 1.0, 2.0, 4.0];
-        assert_eq!(delayed(&time, &[0.0, 10.0, 20.0, 0.0], 0.5), [0.0, 5.0, 15.0, 5.0]);
+        let values = [0.0, 10.0, 20.0, 0.0];
+        assert_eq!(delayed(&time, &values, &values, 0.5), [0.0, 5.0, 15.0, 5.0]);
+        // an output that jumps by 8 at the second row, just after it was read: half a row later half of the line from there
+        let begun = [0.0, 18.0, 20.0, 0.0];
+        assert_eq!(delayed(&time, &begun, &values, 0.5), [0.0, 5.0, 19.0, 5.0]);
+        assert_eq!(
+            delayed(&time, &begun, &values, 1.0),
+            [0.0, 0.0, 10.0, 10.0],
+            "at a row as it was read there"
+        );
     }
 }

@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::infer::Linearised;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
+use crate::observe::Reading;
 use crate::statistics::levels::TASK;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -67,6 +68,8 @@ pub(super) struct RowParts {
     pub inputs: Vec<Vec<f64>>,
     /// By the chords; empty for one at a port.
     pub units: Vec<Vec<f64>>,
+    /// Outputs where the interval begins, with the inputs that act in it: they jump at a row where they follow an input at once.
+    pub begun: Vec<f64>,
 }
 
 impl Engine {
@@ -210,8 +213,24 @@ impl RunAt<'_> {
             states: self.by_states(worker, &job, &base)?,
             inputs: self.by_inputs(worker, &job, &base, moved)?,
             units: self.by_unit_parameters(worker, &job, &base)?,
+            begun: self.begun(worker, &job, &base)?,
             base,
         })
+    }
+
+    /// Outputs where an interval begins. Read before the row's inputs acted, an output that follows one at once shows what was before.
+    fn begun(&self, worker: &mut Worker, job: &Job<'_>, base: &[f64]) -> Result<Vec<f64>, Error> {
+        let machine = &self.engine.machine;
+        let (n, width) = (machine.order(), self.schedule.width);
+        let outputs = |out: &[f64]| out[n..n + machine.channels.len()].to_vec();
+        // the last row has no interval
+        if machine.reading == Reading::After || job.fed.is_empty() {
+            return Ok(outputs(base));
+        }
+        let (mut at_row, mut out) = (job.at_row.to_vec(), Vec::new());
+        at_row[..width].copy_from_slice(&job.fed[..width]);
+        worker.interval(machine, &Job { at_row: &at_row, ..*job }, &mut out)?;
+        Ok(outputs(&out))
     }
 
     /// ∂/∂(state) of what an interval gives, a column for each state.

@@ -1,16 +1,19 @@
 //! Whether a unit remembers more than the states that can be set: a relay's position, a lag inside that no variable starts, a state that the
 //! data set does not list. A row's interval begins anew from these states, so what a unit remembers beyond them counts as a fault of the model.
 //!
-//! The nominal model is simulated through each run, and once more from each row to the next; where the two go apart, a notice says so.
+//! The nominal model is simulated through each run, and once more from each row to the next; where the two go apart, a notice says so. States
+//! that no variable shows are read for that through what the model's outputs did then.
 
 use super::grid::Grid;
+use super::interval::Along;
 use super::linearise::Engine;
 use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::stretch::Glance;
-use super::worker::Job;
-use crate::error::Notice;
+use super::worker::{Job, Worker};
+use crate::error::{Error, Notice};
 use crate::statistics::levels::{FEW, SAMPLE};
+use nalgebra::DVector;
 
 /// Stretches that are begun anew in what the model itself does; the search for their states ends long before when it finds them.
 const GLANCE: Glance = Glance { stretches: FEW, rows: SAMPLE, rounds: SAMPLE };
@@ -29,33 +32,81 @@ impl Engine {
         let longest = (0..self.grids.len()).max_by_key(|run| self.grids[*run].time.len())?;
         let mut grid = self.grids.swap_remove(longest);
         self.starts = vec![self.starts.swap_remove(longest)];
-        let machine = &self.machine;
-        let schedule = Schedule::new(machine, &grid, &machine.neutral());
+        let schedule = Schedule::new(&self.machine, &grid, &self.machine.neutral());
         let start = self.nominal_states(&grid, 0);
-        let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, &start);
-        let mut out = Vec::new();
-        let job = Job { each_row: true, reads: &[], ..whole };
-        self.with_worker(|worker| worker.interval(machine, &job, &mut out)).ok()?;
-        let courses = &out[machine.order()..];
+        let courses =
+            self.with_worker(|worker| self.outputs_through(worker, &grid, &schedule, &start)).ok()?;
         for sample in &mut grid.samples {
             let row = grid.time.partition_point(|time| *time < sample.time);
-            sample.value = *courses.get(row * machine.channels.len() + sample.channel)?;
+            sample.value = *courses.get(row * self.machine.channels.len() + sample.channel)?;
         }
         self.outliers = vec![vec![false; grid.samples.len()]];
         self.grids = vec![grid];
         Some(())
     }
 
+    /// What the outputs of the nominal model do in a whole run from a start, a number for each row and channel.
+    fn outputs_through(
+        &self,
+        worker: &mut Worker,
+        grid: &Grid,
+        schedule: &Schedule,
+        start: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let whole = schedule.job(grid.time[0], 0, grid.time.len() - 1, start);
+        let mut out = Vec::new();
+        worker.interval(&self.machine, &Job { each_row: true, reads: &[], ..whole }, &mut out)?;
+        Ok(out.split_off(self.machine.order()))
+    }
+
     /// A notice for each run in which rows begun anew go another way.
     pub fn remembered(&self) -> Vec<Notice> {
         let machine = &self.machine;
-        if machine.whole || machine.horizon > 0 || machine.states.iter().any(|state| state.shows.is_none()) {
+        if machine.whole {
             return Vec::new();
         }
-        self.grids.iter().filter_map(|grid| self.remembered_in(grid)).collect()
+        let shown = machine.horizon == 0 && machine.states.iter().all(|state| state.shows.is_some());
+        let way = |grid: &Grid| if shown { self.other_way(grid) } else { self.other_way_as_read(grid) };
+        let told =
+            |grid: &Grid| Some(Notice { file: grid.name.clone(), line: 0, message: message(&way(grid)?) });
+        self.grids.iter().filter_map(told).collect()
     }
 
-    fn remembered_in(&self, grid: &Grid) -> Option<Notice> {
+    /// Which way rows go that are begun anew in states which are read through what the outputs did in the run, if it is another.
+    fn other_way_as_read(&self, grid: &Grid) -> Option<String> {
+        let (machine, rows, outputs) = (&self.machine, grid.time.len(), self.machine.channels.len());
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let along = Along { engine: self, grid, schedule: &schedule, set: &[] };
+        let start = self.nominal_states(grid, 0);
+        let beyond = machine.horizon + 1;
+        let (mut apart, mut first) = (0, None);
+        self.with_worker(|worker| {
+            let through = self.outputs_through(worker, grid, &schedule, &start)?;
+            let sizes: Vec<f64> = (0..outputs).map(|channel| deviation(&through, channel, outputs)).collect();
+            let mut state = DVector::from_vec(start.clone());
+            for row in 1..rows.saturating_sub(beyond) {
+                let shown = &through[row * outputs..(row + beyond + 1) * outputs];
+                let (next, following) = along.read_in(worker, row, &state, shown)?;
+                state = next;
+                let off = |entry: usize| (following[entry] - shown[outputs + entry], entry % outputs);
+                let far = |(off, channel): &(f64, usize)| is_apart(off.abs(), sizes[*channel]);
+                if let Some(off) = (0..following.len()).map(off).find(far) {
+                    apart += 1;
+                    first.get_or_insert((row, off));
+                }
+            }
+            Ok(())
+        })
+        .ok()?;
+        let (row, (off, channel)) = first?;
+        let (count, name, time) = (rows - 1, &machine.channels[channel].name, grid.time[row]);
+        Some(format!(
+            "{apart} of {count} rows go another way, the first after {time:.6} s, where {name} becomes another by {off:.4}"
+        ))
+    }
+
+    /// Which way rows go that are begun anew in the states that were shown in the run, if it is another.
+    fn other_way(&self, grid: &Grid) -> Option<String> {
         let (machine, rows) = (&self.machine, grid.time.len());
         let schedule = Schedule::new(machine, grid, &machine.neutral());
         let start = self.nominal_states(grid, 0);
@@ -83,7 +134,7 @@ impl Engine {
             Ok(())
         })
         .ok()?;
-        let way = match apart.first() {
+        Some(match apart.first() {
             Some((row, state, off)) => format!(
                 "{} of {} rows go another way, the first at {:.6} s, where {} becomes another by {off:.4}",
                 apart.len(),
@@ -98,12 +149,22 @@ impl Engine {
                 let (name, span) = (&machine.states[state].name, drifts[state].span());
                 format!("rows together miss {span:.4} of what {name} does")
             }
-        };
-        let message = format!(
-            "the model remembers more than the states that can be set: begun anew from them, {way}. What these rows seem to lack may be that",
-        );
-        Some(Notice { file: grid.name.clone(), line: 0, message })
+        })
     }
+}
+
+/// What a user should know of a model whose rows, begun anew, go another way.
+fn message(way: &str) -> String {
+    format!(
+        "the model remembers more than the states that can be set: begun anew from them, {way}. What these rows seem to lack may be that"
+    )
+}
+
+/// How far a channel moves about its mean, of numbers for each row and channel.
+fn deviation(values: &[f64], channel: usize, channels: usize) -> f64 {
+    let own = || values.iter().skip(channel).step_by(channels);
+    let mean = own().sum::<f64>() / own().count() as f64;
+    (own().map(|value| (value - mean).powi(2)).sum::<f64>() / own().count() as f64).sqrt()
 }
 
 /// Whether two ends lie apart by more than a solver that begins anew goes another way.

@@ -58,7 +58,8 @@ pub mod worker;
 
 /// What a sensor with a delay and a lag makes of values at times.
 pub fn sensed(time: &[f64], values: &[f64], delay: f64, lag: f64) -> Vec<f64> {
-    lag::lagged(time, &lag::delayed(time, values, delay), lag)
+    let late = lag::delayed(time, values, values, delay);
+    lag::lagged(time, &late, &late, lag)
 }
 
 /// Whether no sensor lags for these parameters: then a run has the states of the units and no others.

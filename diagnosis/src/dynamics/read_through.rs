@@ -128,6 +128,32 @@ impl Along<'_> {
         reader(&jacobian, &self.engine.sensors, &self.engine.scales)
     }
 
+    /// The state at a row from which outputs do what was `shown` at this row and those of the horizon, searched from a state near by, and what
+    /// they do from it at the rows after this one.
+    pub(super) fn read_in(
+        &self,
+        worker: &mut Worker,
+        row: usize,
+        near: &DVector<f64>,
+        shown: &[f64],
+    ) -> Result<(DVector<f64>, Vec<f64>), Error> {
+        let (engine, reads) = (self.engine, self.schedule.reads[row].len());
+        let mut state = near.clone();
+        let mut base = Vec::new();
+        for _ in 0..FEW {
+            let about = self.about(worker, row, &state)?;
+            let simulated = DVector::from_vec(engine.outputs_shown(&about.base, reads));
+            let wanted = DVector::from_column_slice(&shown[..simulated.len()]);
+            let by = self.reader(row, &about) * (wanted - simulated);
+            state += &by;
+            self.from(worker, row, state.as_slice(), &mut base)?;
+            if by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < FINE * scale) {
+                break;
+            }
+        }
+        Ok((state, engine.following(&base, reads).to_vec()))
+    }
+
     /// The state at the next row, which shows what followed from this one (`out`); its derivative by this one; what follows from it.
     ///
     /// This row's reader gives a first guess, about which the next row is linearised; from there its own reader goes on.

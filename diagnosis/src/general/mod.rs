@@ -5,6 +5,7 @@
 //! - `rows_or_whole_runs.rs`: whether rows can be begun anew, or each run is simulated whole
 //! - `long.rs`: which stretches of long logs are searched, and the fit of what was found to all rows
 //! - `residual.rs`: whether process noise stays above its floor, where, and what its smoothed course follows
+//! - `rest.rs`: what is tried where something is left that no single effect takes away
 //! - `events.rs`: when it acted, where it is quiet between
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
@@ -29,6 +30,7 @@ mod mismatch;
 mod policy;
 mod reading;
 mod residual;
+mod rest;
 mod rows_left_out;
 mod rows_or_whole_runs;
 mod runs;

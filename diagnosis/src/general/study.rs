@@ -3,6 +3,7 @@
 use super::fit_given::{check_names, fit_given};
 use super::mismatch::HeldOut;
 use super::residual::{self, Residual};
+use super::rest::name_the_rest;
 use super::rows_left_out::parted;
 use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
@@ -302,7 +303,7 @@ pub fn studied(
     here = search.with_linearised_runs(here)?;
     let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
     if residual.unlisted.is_some() && problem.ports.unknown_inputs {
-        (effects, here, residual) = beside_unlisted(&mut search, residual, effects, here, watch)?;
+        (effects, here, residual) = name_the_rest(&mut search, residual, effects, here, watch)?;
     }
     let mut alternatives = Vec::new();
     if classes {
@@ -356,34 +357,4 @@ fn first_model(
         None => (Vec::new(), nominal.clone()),
     };
     Ok((effects, search.with_linearised_runs(begun)?))
-}
-
-/// Goes on beside the unlisted input that was found: what has no name remembers, and beside it only names count that explain more than it
-/// does.
-fn beside_unlisted(
-    search: &mut Search<'_>,
-    residual: Residual,
-    effects: Vec<usize>,
-    here: Fit,
-    watch: &mut Watch<'_>,
-) -> Result<(Vec<usize>, Fit, Residual), Error> {
-    search.story.push(format!(
-        "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
-        residual.evidence
-    ));
-    let alone = search.policy;
-    search.policy = alone.beside(residual.evidence);
-    search.sizes = residual.sizes;
-    search.visited.clear();
-    let mut start = here.at;
-    start.noise = residual.unlisted.unwrap_or(start.noise);
-    let again = search.visit(&effects, &start)?;
-    let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
-    let fresh = search.with_linearised_runs(here)?;
-    let (effects, here) = search.walk(effects, fresh, watch)?;
-    let here = search.with_linearised_runs(here)?;
-    let (effects, here) = search.agreed(effects, here)?;
-    let (effects, here) = search.nearer(effects, here, alone, watch)?;
-    let residual = residual::judge_residual(search.engine, &here, &search.sizes, &search.policy);
-    Ok((effects, here, residual))
 }

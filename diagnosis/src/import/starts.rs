@@ -1,7 +1,7 @@
 //! Which parameter is where a state starts: found by its name, believed once the unit was seen to start there.
 //!
-//! A parameter is tried where its name says so (`x_initial`, `initialPositionY`): variables that are there after initialisation, at two
-//! values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
+//! A parameter is tried where its name says so (`x_initial`, `initialPositionY`, `T_0`): variables that are there after initialisation, at
+//! two values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
 
 use super::instance;
 use super::policy::IMPORT;
@@ -37,7 +37,8 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
         description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
     {
         let namesake = namesake(description, parameter);
-        if namesake.is_none() && !has_the_word(&parameter.name) {
+        let by_its_name = tells_a_start(&parameter.name);
+        if namesake.is_none() && !by_its_name {
             continue;
         }
         let free = |one: &usize| all.iter().all(|known| known.shows != *one);
@@ -46,7 +47,7 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
             let output = description.variables[*one].causality == Causality::Output;
             (Some(*one) != namesake, !measured.contains(one), !output)
         };
-        let may = |one: &usize| free(one) && (Some(*one) == namesake || has_the_word(&parameter.name));
+        let may = |one: &usize| free(one) && (Some(*one) == namesake || by_its_name);
         if let Some(shows) = there.into_iter().filter(may).min_by_key(first) {
             all.push(Start { start: place, shows });
         }
@@ -78,6 +79,12 @@ pub(super) fn find(starts: &[Start], shows: usize) -> Option<Start> {
 /// A parameter that is a number, whose name may be that of a start.
 fn is_named_a_start(variable: &Variable) -> bool {
     variable.kind == Kind::Real && variable.causality == Causality::Parameter && variable.start.is_some()
+}
+
+/// Whether a name is that of a start by itself, whatever variables there are: `initialPositionY`, `T_0`; `w0` may be anything.
+fn tells_a_start(name: &str) -> bool {
+    let is_bare = |end: &&str| end.starts_with(char::is_alphanumeric);
+    has_the_word(name) || BEHIND.iter().filter(|end| !is_bare(end)).any(|end| name.ends_with(end))
 }
 
 /// Whether a word of the name is that of a start: `initialPositionY`, `mt0_init`.
@@ -156,7 +163,10 @@ mod tests {
             assert!(has_the_word(name), "{name}");
         }
         for name in ["restartless", "l0", "position", "reinit"] {
-            assert!(!has_the_word(name), "{name}");
+            assert!(!has_the_word(name) && !tells_a_start(name), "{name}");
+        }
+        for name in ["T_0", "x_start", "level.start", "mt0_init", "initialPositionY"] {
+            assert!(tells_a_start(name), "{name}");
         }
     }
 

@@ -2,15 +2,19 @@
 //!
 //! - `trials.rs`: from where an effect is tried (a derivative; for limits, switches and long delays a chord)
 //! - `screen.rs`: what each would gain, on one linearisation, with the noises taken anew
+//! - `screened.rs`: fits of what was screened, from where it begins
 //! - `walk.rs`: the search itself; every model on its way is fitted
+//! - `pairs.rs`: two effects that only together explain what is left
 //! - `class.rs`: what else fits as well in an effect's place
 //! - `nearest.rs`: which listed effects do most of what an unlisted input did
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 pub mod class;
 pub mod nearest;
+mod pairs;
 mod policy;
 pub mod screen;
+mod screened;
 pub mod trials;
 pub mod walk;
 

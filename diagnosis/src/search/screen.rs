@@ -105,14 +105,18 @@ fn gain(
     let before = gained(&beside).map_or(0.0, |(gain, _)| gain);
     let Some((after, shift)) = gained(&with) else { return (0.0, 0.0) };
     let amount = shift[own];
-    let theta = fit.at.theta[chord.parameter];
-    let allowed = if chord.per == 1.0 && (chord.to - theta) != 1.0 {
-        amount > 0.0
-    } else {
-        let (least, most) = engine.machine.parameters[chord.parameter].range;
-        (theta <= least && amount > 0.0) || (theta >= most && amount < 0.0) || (theta > least && theta < most)
-    };
-    if allowed { (after - before, amount) } else { (0.0, amount) }
+    let gain = if is_allowed(engine, &fit.at.theta, chord, amount) { after - before } else { 0.0 };
+    (gain, amount)
+}
+
+/// Whether so much of a chord leaves its parameter within its range.
+pub(super) fn is_allowed(engine: &Engine, theta: &[f64], chord: &Chord, amount: f64) -> bool {
+    let theta = theta[chord.parameter];
+    if chord.per == 1.0 && (chord.to - theta) != 1.0 {
+        return amount > 0.0;
+    }
+    let (least, most) = engine.machine.parameters[chord.parameter].range;
+    (theta <= least && amount > 0.0) || (theta >= most && amount < 0.0) || (theta > least && theta < most)
 }
 
 /// The best trial of each parameter, the best first; the first of them with the noises taken anew.

@@ -57,7 +57,7 @@ fn may_replace(screened: f64, floor: f64) -> bool {
 }
 
 /// Whether another takes an effect's place: by less of deviance than 1 two fits of one model differ, and a search would go to and fro.
-fn replaces(other: f64, own: f64) -> bool {
+pub(super) fn replaces(other: f64, own: f64) -> bool {
     other < own - 1.0
 }
 
@@ -81,7 +81,12 @@ impl Search<'_> {
     }
 
     /// As [`Self::visit`], with what a screening about this very start has linearised already.
-    fn visit_from(&mut self, effects: &[usize], start: &At, screen: Option<&Screen>) -> Result<Fit, Error> {
+    pub(super) fn visit_from(
+        &mut self,
+        effects: &[usize],
+        start: &At,
+        screen: Option<&Screen>,
+    ) -> Result<Fit, Error> {
         let mut key = effects.to_vec();
         key.sort_unstable();
         let free: Vec<usize> = key.iter().copied().filter(|effect| self.is_fitted(*effect)).collect();
@@ -221,45 +226,6 @@ impl Search<'_> {
     /// Candidates that are none of these effects.
     pub(super) fn others(&self, effects: &[usize]) -> Vec<usize> {
         self.candidates.iter().copied().filter(|candidate| !effects.contains(candidate)).collect()
-    }
-
-    /// Tries the best of a screening about `from` beside `effects`; the best that was fitted.
-    pub(super) fn best_fitted(
-        &mut self,
-        effects: &[usize],
-        from: &Fit,
-        screen: &Screen,
-        tried: &[Screened],
-    ) -> Option<(Vec<usize>, Fit)> {
-        let mut best: Option<(Vec<usize>, Fit)> = None;
-        for screened in tried {
-            let mut with = effects.to_vec();
-            with.push(screened.chord.parameter);
-            let mut start = from.at.clone();
-            // a chord begins elsewhere than the screening was made
-            let mut same = Some(screen);
-            if screened.chord.per == 1.0 {
-                let parameter = screened.chord.parameter;
-                let whole = screened.chord.to - start.theta[parameter];
-                // what works by its size begins at the share of the chord that the data ask for; a limit is one or isn't
-                let share = match self.engine.machine.parameters[parameter].scale {
-                    Scale::Absolute | Scale::Relative => screened.amount.clamp(0.0, 1.0),
-                    _ => 1.0,
-                };
-                start.theta[parameter] += share * whole;
-                same = same.filter(|_| start.theta == from.at.theta);
-            }
-            match self.visit_from(&with, &start, same) {
-                Ok(fit) if best.as_ref().is_none_or(|(_, known)| fit.deviance < known.deviance) => {
-                    best = Some((with, fit));
-                }
-                Ok(_) => {}
-                Err(error) => self
-                    .story
-                    .push(format!("{} can't be fitted: {error}", self.name(screened.chord.parameter))),
-            }
-        }
-        best
     }
 
     /// Searches from a fitted model on. The effects and their fit.

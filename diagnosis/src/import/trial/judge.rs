@@ -77,12 +77,16 @@ fn turned_or_shifted(
     line: Line,
     description: &Description,
     starts: &[Start],
-) -> Option<(Affine, &'static str)> {
+) -> Option<(Affine, String)> {
     let (own, sign) = (converted(matched, description), line.slope.signum());
     // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
     let far = line.fits()
         && starts::find(starts, matched.variable).is_none()
         && apart(line).abs() > IMPORT.offset * line.spread;
+    let other = other_zero(line, own, &description.variables[matched.variable], description);
+    if let Some((unit, affine)) = other.filter(|_| far && sign > 0.0) {
+        return Some((affine, format!("in {unit}, whatever its header says")));
+    }
     let what = match (sign < 0.0, far) {
         (true, true) => "sign turned and offset taken out",
         (true, false) => "sign turned",
@@ -90,7 +94,23 @@ fn turned_or_shifted(
         (false, false) => return None,
     };
     let offset = if far { -sign * apart(line) } else { 0.0 };
-    Some((Affine { scale: sign * own.scale, offset: sign * own.offset + offset }, what))
+    Some((Affine { scale: sign * own.scale, offset: sign * own.offset + offset }, what.to_owned()))
+}
+
+/// The unit of measurement with another zero, but the same size, with which the means of model and log are no longer far apart: degrees
+/// Celsius under a header that says kelvin.
+fn other_zero(
+    line: Line,
+    own: Affine,
+    variable: &Variable,
+    description: &Description,
+) -> Option<(&'static str, Affine)> {
+    USUAL.into_iter().find_map(|unit| {
+        let found = measure::conversion(unit, variable, description).ok()?;
+        let (same, shift) = (found.scale == own.scale, found.offset - own.offset);
+        let near = (apart(line) + shift).abs() <= IMPORT.offset * line.spread;
+        (same && shift != 0.0 && near).then_some((unit, found))
+    })
 }
 
 /// The unit of measurement that explains a slope.

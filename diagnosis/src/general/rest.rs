@@ -1,0 +1,81 @@
+//! What is tried where something is left that no single effect takes away: two effects together, and then names beside an unlisted input.
+
+use super::residual::{Residual, judge_residual};
+use crate::error::Error;
+use crate::infer::Fit;
+use crate::search::Search;
+use crate::watch::Watch;
+
+/// What a search has: the parameters off their neutral values, their fit, and what process noise says of it.
+type Found = (Vec<usize>, Fit, Residual);
+
+/// Goes on where process noise stays above its floor.
+///
+/// # Errors
+/// A unit failed.
+pub(super) fn name_the_rest(
+    search: &mut Search<'_>,
+    residual: Residual,
+    effects: Vec<usize>,
+    here: Fit,
+    watch: &mut Watch<'_>,
+) -> Result<Found, Error> {
+    if let Some(found) = by_two(search, &residual, &effects, &here, watch)? {
+        return Ok(found);
+    }
+    beside_unlisted(search, residual, effects, here, watch)
+}
+
+/// Two effects that leave nothing without a name, and the search from there on. An unlisted input that is there stays: no two take it away.
+fn by_two(
+    search: &mut Search<'_>,
+    residual: &Residual,
+    effects: &[usize],
+    here: &Fit,
+    watch: &mut Watch<'_>,
+) -> Result<Option<Found>, Error> {
+    if watch.is_over("the search for two effects together") {
+        return Ok(None);
+    }
+    let Some((with, fit)) = search.with_pair(effects, here, residual.evidence)? else { return Ok(None) };
+    let fit = search.with_linearised_runs(fit)?;
+    if judge_residual(search.engine, &fit, &search.sizes, &search.policy).unlisted.is_some() {
+        return Ok(None);
+    }
+    let (effects, here) = search.pruned(with, fit, "the others don't")?;
+    let here = search.with_linearised_runs(here)?;
+    let (effects, here) = search.walk(effects, here, watch)?;
+    let here = search.with_linearised_runs(here)?;
+    let left = judge_residual(search.engine, &here, &search.sizes, &search.policy);
+    Ok(left.unlisted.is_none().then_some((effects, here, left)))
+}
+
+/// Goes on beside the unlisted input that was found: what has no name remembers, and beside it only names count that explain more than it
+/// does.
+fn beside_unlisted(
+    search: &mut Search<'_>,
+    residual: Residual,
+    effects: Vec<usize>,
+    here: Fit,
+    watch: &mut Watch<'_>,
+) -> Result<Found, Error> {
+    search.story.push(format!(
+        "process noise stays above its floor: it gains {:.0} of deviance; the search goes on beside an unlisted input",
+        residual.evidence
+    ));
+    let alone = search.policy;
+    search.policy = alone.beside(residual.evidence);
+    search.sizes = residual.sizes;
+    search.visited.clear();
+    let mut start = here.at;
+    start.noise = residual.unlisted.unwrap_or(start.noise);
+    let again = search.visit(&effects, &start)?;
+    let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
+    let fresh = search.with_linearised_runs(here)?;
+    let (effects, here) = search.walk(effects, fresh, watch)?;
+    let here = search.with_linearised_runs(here)?;
+    let (effects, here) = search.agreed(effects, here)?;
+    let (effects, here) = search.nearer(effects, here, alone, watch)?;
+    let residual = judge_residual(search.engine, &here, &search.sizes, &search.policy);
+    Ok((effects, here, residual))
+}

@@ -74,6 +74,7 @@ fn diagnosed_in_time(
 ) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
+    let problem = &crate::check::hinted(problem);
     let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);

@@ -1,6 +1,6 @@
 //! From a problem to a diagnosis.
 
-use super::fit_given::{check_names, fit_given};
+use super::fit_given::{check_names, claimed, fit_given};
 use super::mismatch::HeldOut;
 use super::residual::{self, Residual};
 use super::rows_left_out::parted;
@@ -87,6 +87,7 @@ fn diagnosed_in_time(
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
+    let gaps = claimed(held.gaps, &all, options);
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
     notices.extend(all.built.engine.refusal_notices());
@@ -100,12 +101,12 @@ fn diagnosed_in_time(
         verdict,
         effects,
         place: mismatch::places(&all),
-        gap: held.gaps[0].clone(),
+        gap: gaps[0].clone(),
         unknown,
         correction: None,
         next_experiment,
         minimum_detectable: findings::detectable(&all)?,
-        gaps: held.gaps,
+        gaps,
         cross_validation: Vec::new(),
         ended_early: watch.ended().to_vec(),
         notices,

@@ -39,17 +39,24 @@ pub fn content(
 /// for layered standards, each in a folder of its own name, such as `org.fmi-standard.fmi-ls-ref`.
 ///
 /// # Errors
-/// A folder can't be read.
+/// A folder can't be read, or something there is a symbolic link: what it leads to was not meant to be handed on with the unit, and FMI's
+/// archives hold none.
 pub fn extra(crate_folder: &Path) -> Result<BTreeMap<String, PathBuf>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![("extra".to_owned(), crate_folder.join("extra"))];
     while let Some((name, folder)) = folders.pop() {
+        if folder.is_symlink() {
+            return Err(link(&folder));
+        }
         if !folder.is_dir() {
             continue;
         }
         for entry in at(&folder, fs::read_dir(&folder))? {
             let entry = at(&folder, entry)?;
             let name = format!("{name}/{}", entry.file_name().to_string_lossy());
+            if at(&entry.path(), entry.file_type())?.is_symlink() {
+                return Err(link(&entry.path()));
+            }
             if entry.path().is_dir() {
                 folders.push((name, entry.path()));
             } else {
@@ -60,9 +67,35 @@ pub fn extra(crate_folder: &Path) -> Result<BTreeMap<String, PathBuf>> {
     Ok(found)
 }
 
+/// What to say of a symbolic link.
+fn link(path: &Path) -> Box<dyn std::error::Error> {
+    let to = fs::read_link(path).unwrap_or_default();
+    format!("{}: a symbolic link to {}: put the file itself there", path.display(), to.display()).into()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn error_a_link_in_extra_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (own, secret) = (folder.path().join("extra/org.example"), folder.path().join("secret"));
+        fs::create_dir_all(&own).unwrap();
+        fs::create_dir(&secret).unwrap();
+        fs::write(secret.join("key"), "mine").unwrap();
+        for target in [secret.join("key"), secret.clone(), secret.join("gone")] {
+            std::os::unix::fs::symlink(&target, own.join("link")).unwrap();
+            let told = extra(folder.path()).unwrap_err().to_string();
+            assert!(told.contains("extra/org.example/link: a symbolic link to"), "{told}");
+            fs::remove_file(own.join("link")).unwrap();
+        }
+        fs::remove_dir_all(folder.path().join("extra")).unwrap();
+        std::os::unix::fs::symlink(&secret, folder.path().join("extra")).unwrap();
+        let told = extra(folder.path()).unwrap_err().to_string();
+        assert!(told.contains("extra: a symbolic link to"), "{told}");
+    }
 
     #[test]
     fn law_what_lies_in_extra_is_packed_under_its_own_name() {

@@ -14,6 +14,8 @@ const LOSS: f64 = 0.15;
 const HEAT: f64 = 0.6;
 /// K, of the thermometer.
 const SCATTER: f64 = 0.05;
+/// K, of a good one.
+const FINE_SCATTER: f64 = 2e-3;
 /// J/K.
 const NOMINAL: f64 = 60.0;
 
@@ -112,4 +114,98 @@ fn recovers_a_parameter_whose_first_step_leaves_its_range() {
 #[test]
 fn recovers_a_parameter_that_is_far_from_its_nominal_value() {
     [30.0, 10.0, 6.0, 120.0, 300.0].into_iter().for_each(recovers);
+}
+
+/// The body with a second parameter: so many times the heat. No number of it works by its inverse.
+struct Heated {
+    log: Vec<f64>,
+}
+
+impl Heated {
+    fn next(temperature: f64, row: usize, theta: &[f64]) -> f64 {
+        let stays = libm::exp(-LOSS * ROW / theta[0]);
+        let rises = next(0.0, row, theta[0]);
+        stays * temperature + theta[1] * rises
+    }
+
+    fn logged(truth: &[f64]) -> Self {
+        let (mut random, mut temperature) = (Random::new(3), 0.0);
+        let mut log = Vec::new();
+        for row in 0..ROWS {
+            log.push(temperature + FINE_SCATTER * random.normal());
+            temperature = Self::next(temperature, row, truth);
+        }
+        Self { log }
+    }
+}
+
+impl Linearise for Heated {
+    fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
+        let (path, p) = (&paths[0], columns.len());
+        let mut run = Linearised {
+            states: 1,
+            parameters: p,
+            time: (0..ROWS).map(|row| row as f64 * ROW).collect(),
+            first: (0..=ROWS).collect(),
+            torn: vec![false; ROWS - 1],
+            start: (vec![-path[0]], vec![1.0]),
+            observe: vec![1.0; ROWS],
+            direct: vec![0.0; ROWS * p],
+            ..Linearised::default()
+        };
+        for row in 0..ROWS {
+            let (time, residual) = (run.time[row], self.log[row] - path[row]);
+            run.measured.push(Measured { channel: 0, time, residual, slope: 0.0, weight: 1.0 });
+            if row + 1 < ROWS {
+                let here = Self::next(path[row], row, theta);
+                run.transition.push(Self::next(path[row] + 1.0, row, theta) - here);
+                run.defect.push(here - path[row + 1]);
+                run.drive.extend(columns.iter().map(|column| {
+                    let (mut moved, step) = (theta.to_vec(), 1e-5 * theta[*column]);
+                    moved[*column] += step;
+                    (Self::next(path[row], row, &moved) - here) / step
+                }));
+            }
+        }
+        Ok(vec![run])
+    }
+
+    fn range(&self, _: usize) -> (f64, f64) {
+        (1e-3, 1e4)
+    }
+
+    fn scales(&self) -> &[f64] {
+        &[1.0]
+    }
+}
+
+#[test]
+fn recovers_two_parameters_whose_first_step_leaves_much_more_than_noise() {
+    // bodies that are larger or smaller, heated more or less: the first step is short of both, and what it leaves is far above a noise of 2 mK
+    for (larger, gain) in
+        [(1.05, 0.8), (1.1, 1.3), (1.15, 0.9), (1.2, 0.9), (1.2, 0.8), (1.3, 1.0), (1.5, 1.1), (1.5, 0.9)]
+    {
+        let truth = [larger * NOMINAL, gain];
+        let body = Heated::logged(&truth);
+        let noise =
+            Noise { channels: vec![FINE_SCATTER], process: vec![0.02], jitter: 0.0, disturbance: None };
+        let sizes = Sizes {
+            channels: vec![Some(1e-5)],
+            process: vec![(1e-12, 1.0)],
+            pinned: Vec::new(),
+            jitter: 0.0,
+        };
+        let start = At { theta: vec![NOMINAL, 1.0], paths: vec![body.log.clone()], noise };
+        let nominal = fit(&body, &start, &[], Some(&sizes), &Options::default()).expect("it can be followed");
+        let found =
+            fit(&body, &nominal.at, &[0, 1], Some(&sizes), &Options::default()).expect("it can be followed");
+        for (place, truth) in truth.iter().enumerate() {
+            let (value, deviation) = (found.at.theta[place], found.deviation(place));
+            // four standard deviations of what 400 rows tell
+            assert!(
+                (value - truth).abs() < 4.0 * deviation && deviation < 0.01 * truth,
+                "{larger}, {gain}: {value} {deviation}"
+            );
+        }
+    }
 }

@@ -227,6 +227,21 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("\"rate_limit\"", "\"rate\"", "dataset.toml:40: [ports] \"rate\" is unknown"),
     ("file = \"a.csv\"", "file = \"aa.csv\"", "dataset.toml:43: file = \"aa.csv\": there is no such file"),
     ("file = \"a.csv\"", "file = \"run-01/a.csv\"", "dataset.toml:43: file = \"run-01/a.csv\""),
+    (
+        "file = \"a.csv\"",
+        "file = \"../a.csv\"",
+        "dataset.toml:43: file = \"../a.csv\" leads out of the data set's folder",
+    ),
+    (
+        "file = \"a.csv\"",
+        "file = \"/etc/passwd\"",
+        "dataset.toml:43: file = \"/etc/passwd\" leads out of the data set's folder",
+    ),
+    (
+        "file = \"b.csv\"\n",
+        "file = \"b.csv\"\ntime = { column = \"t\", unit = \"ms\" }\n[[run]]\nfile = \"./b.csv\"\n",
+        "dataset.toml:48: file = \"./b.csv\" holds the same rows as \"b.csv\" of line 45",
+    ),
     ("unit = \"ms\"", "unit = \"mm\"", "dataset.toml:46: unit = \"mm\" is no unit of time"),
     ("column = \"t\"", "column = \"T\"", "dataset.toml:46: time: "),
     (
@@ -264,6 +279,11 @@ fn every_fault_of_a_log_is_told_with_its_line() {
             "a.csv:3: column \"motor\": \"0,5\" is not a finite number (write 0.5",
         ),
         ("time,motor,q1,arm\n0,1,2,3\n1,x,1,2\n", "a.csv:3: column \"motor\": \"x\""),
+        (
+            "time,motor,q1,arm\n0,1,2,3\n2026-11-24T10:00:00Z,1,1,2\n",
+            "a.csv:3: column \"time\": \"2026-11-24T10:00:00Z\" is not a finite number; of dates and times of day nothing is read: write the time \
+             in seconds",
+        ),
         ("time,motor,q1,arm\n0,1,2,3\n,1,1,2\n", "a.csv:3: column \"time\": a row without a time"),
         (
             "time,motor,q1,arm\n3,1,2,3\n2,1,1,2\n1,1,1,2\n",

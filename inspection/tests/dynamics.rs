@@ -78,6 +78,8 @@ const PLANTED: &[Planted] = &[
         Some("y"),
         "where parameters are set before fmi2EnterInitializationMode",
     ),
+    (36, "state-restore", "state-restore", Warning, None, "leaves the pointer to the state as it was"),
+    (37, "runs", "runs", Error, None, "the unit ("),
     (34, "start-time", "start-time", Warning, None, "its first step goes the whole way from 0 s"),
 ];
 
@@ -93,7 +95,8 @@ fn every_planted_fault_of_a_library_is_found() {
             let about = finding.variable.as_deref() == *variable && finding.text.contains(text);
             finding.rule == *rule && finding.severity == *severity && about
         });
-        if !found {
+        let doubled = findings.iter().any(|finding| finding.text.contains("unit unit"));
+        if !found || doubled {
             missed.push(format!("fault {fault}: wanted is {rule}, found {findings:#?}"));
         }
     }

@@ -61,6 +61,14 @@ pub enum Error {
         /// What would be right.
         expected: String,
     },
+    /// An input was to be taken from what drives it, and nothing does.
+    #[error("{name:?} is no driven input, for nothing in the scenario drives it: {expected}")]
+    NotDriven {
+        /// The name.
+        name: String,
+        /// What is driven.
+        expected: String,
+    },
     /// A value in a call of this library is wrong.
     #[error("{name} = {value}: {expected}")]
     Value {
@@ -283,6 +291,7 @@ impl Error {
             Self::File { .. }
                 | Self::Scenario { .. }
                 | Self::Name { .. }
+                | Self::NotDriven { .. }
                 | Self::Value { .. }
                 | Self::Archive { .. }
                 | Self::Unpack { .. }

@@ -325,8 +325,11 @@ fn law_an_input_is_released_from_what_drives_it() {
     assert!(bound.set("b.u1", 3.0).is_err(), "its connection would overwrite it");
     scenario.release("b.u1").expect("a connection drives it");
     scenario.release("a.u2").expect("a source drives it");
-    let refused = scenario.release("c.u2").unwrap_err().to_string();
+    let refused = scenario.release("c.u2").unwrap_err();
+    assert!(refused.is_input());
+    let refused = refused.to_string();
     assert!(refused.contains("driven input") && refused.contains("c.u1"), "{refused}");
+    assert!(!refused.contains("does not exist"), "c.u2 does: {refused}");
     let mut free = Simulation::new(&scenario, &path).expect("builds");
     free.advance().expect("steps");
     free.set("b.u1", 3.0).expect("nothing drives it");

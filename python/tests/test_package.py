@@ -147,6 +147,8 @@ def test_a_controller_in_python_takes_an_input_over():
         bound.set("plant.tau", 3.0)
     with pytest.raises(ac.InputError, match="did you mean plant.tau"):
         ac.Simulation("full-state", inputs=["plant.tua"])
+    with pytest.raises(ac.InputError, match='"plant.q1" is no driven input'):
+        ac.Simulation("full-state", inputs=["plant.q1"])
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="units in processes of their own: Linux")

@@ -4,20 +4,25 @@
 //! An ordered list. The first that is beyond doubt ends the diagnosis with one sentence and the line that `dataset.toml`, or the
 //! log, needs. Nothing is changed by guess.
 //!
-//! - `stuck.rs`: a sensor that stood still: the log alone tells
+//! - `stuck.rs`: a sensor that stood still for a while: the log alone tells
+//! - `one_value.rs`: one that stood still throughout a run: the model moves it
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
 //! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
+//! - `hints.rs`: what looks odd and is no proof: notices
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod hints;
+mod one_value;
 mod pairs_of_ways;
 mod policy;
 mod readings;
 mod stuck;
 mod ways;
 
+pub(crate) use hints::hinted;
 pub(crate) use policy::STRETCH;
-pub(crate) use readings::{Signs, signs};
+pub(crate) use readings::{Signs, signs, too_long_times};
 
 use crate::error::Error;
 use crate::observe::Problem;
@@ -37,7 +42,7 @@ struct Doubt {
 type Check = fn(&Problem) -> Option<Doubt>;
 
 /// In the order in which one thing hides another: no model follows a sensor that stands still.
-const CHECKS: &[Check] = &[stuck::still, readings::otherwise];
+const CHECKS: &[Check] = &[stuck::still, one_value::still, readings::otherwise];
 
 /// Ends with the first doubt.
 ///

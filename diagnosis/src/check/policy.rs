@@ -1,7 +1,7 @@
 //! Numbers that logs are doubted by, each with its reason.
 
 use crate::dynamics::stretch::Glance;
-use crate::statistics::levels::{FAR, HALF, MORE, ROUNDING, SLIGHT, SMALL};
+use crate::statistics::levels::{FAR, HALF, MORE, ROUNDING, SLIGHT, SMALL, STEP};
 
 /// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
 pub(crate) const STRETCH: usize = 100;
@@ -20,8 +20,18 @@ pub(super) struct Doubts {
     pub other_rows: usize,
     /// At zero, or at the end of its range, a sensor may well stay: there it must have jumped to it by so many times its noise.
     pub jump: f64,
+    /// The model moves what a log says to stay throughout a run: its standard deviation is more than this share of the largest value of either.
+    pub moves: f64,
     /// A channel tells where motion or error are so many times its sensor's variance: five standard deviations.
     pub tells: f64,
+    /// Rows that scatter by so many times the stated noise have another noise, and no crude number for the same.
+    pub too_small: f64,
+    /// Rows off the steps of a unit that can't vary them: beyond this share they are no slips of a clock.
+    pub odd_rows: f64,
+    /// Rows are so many steps apart to this: to a share of a step that no output shows.
+    pub apart: f64,
+    /// An input that runs along lines bends from row to row by less than this share of what it moves: noise bends by more than it moves.
+    pub smooth: f64,
     /// A stated noise counts up to so many times what the log scatters by.
     pub stated: f64,
     /// As they are read the model leaves at least this share of a telling channel's motion.
@@ -59,7 +69,12 @@ pub(super) const DOUBTS: Doubts = Doubts {
     alternates: 0.65,
     other_rows: 40,
     jump: 8.0,
+    moves: SMALL,
     tells: 25.0,
+    too_small: FAR,
+    odd_rows: SLIGHT,
+    apart: STEP,
+    smooth: HALF,
     stated: MORE,
     wrong: SLIGHT,
     right: SMALL,

@@ -55,7 +55,7 @@ impl Residual {
     }
 
     /// Whether it leaves clearly more than another.
-    fn is_worse(&self, other: &Self) -> bool {
+    pub(super) fn is_worse(&self, other: &Self) -> bool {
         self.excess >= DOUBTS.exact * other.excess + DOUBTS.clear
     }
 
@@ -114,17 +114,9 @@ fn tried(problem: &Problem, glance: &Glance) -> Option<Residual> {
 
 /// The way in which the model follows the logs, if it doesn't as they are read.
 pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
-    // times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at
-    // the logs as they are read, since no model that moves within rows follows both
-    for way in &ways::shorter_times(problem) {
-        let read = way.read(problem);
-        if !tried(&read, &DOUBTS.short)?.is_right(way) {
-            continue;
-        }
-        let residual = tried(&read, &DOUBTS.long)?;
-        if residual.is_right(way) && is_exact(way, problem, &residual) {
-            return Some(describe_doubt(way, &[], None));
-        }
+    let shorter = shorter_time(problem)?;
+    if shorter.is_some() {
+        return shorter;
     }
     let own = tried(problem, &DOUBTS.long)?;
     if own.is_followed() {
@@ -138,6 +130,29 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     drop(engine);
     let Some((best, others)) = only(problem, &own, &ways) else { return pairs_of_ways::doubt(problem, &own) };
     Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
+}
+
+/// The shorter unit of time in which the model follows the logs, if there is one; nothing where a unit doesn't come back.
+///
+/// Times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at the logs as
+/// they are read, since no model that moves within rows follows both.
+fn shorter_time(problem: &Problem) -> Option<Option<Doubt>> {
+    for way in &ways::shorter_times(problem) {
+        let read = way.read(problem);
+        if !tried(&read, &DOUBTS.short)?.is_right(way) {
+            continue;
+        }
+        let residual = tried(&read, &DOUBTS.long)?;
+        if residual.is_right(way) && is_exact(way, problem, &residual) {
+            return Some(Some(describe_doubt(way, &[], None)));
+        }
+    }
+    Some(None)
+}
+
+/// With what times the model follows the logs and not as they are read, in a sentence, if these are a shorter unit's.
+pub(crate) fn too_long_times(problem: &Problem) -> Option<String> {
+    shorter_time(problem).flatten().map(|doubt| doubt.sentence)
 }
 
 /// The way in which the model follows the logs and not as they are read, with those that can't be told from it.
@@ -305,6 +320,17 @@ mod tests {
                 && !residual(0.0, 90.0).is_worse(&residual(0.0, 0.1))
         );
         assert!(residual(0.0, 140.0).is_near(100.0) && !residual(0.0, 160.0).is_near(100.0));
+    }
+
+    #[test]
+    fn bad_data_times_in_ms_are_told_without_a_run_in_seconds() {
+        let problem = crate::dynamics::tests::swung("in-ms", 300);
+        assert_eq!(too_long_times(&problem), None);
+        let began = Instant::now();
+        let told = too_long_times(&way(Change::Time(1000.0)).read(&problem)).expect("300 rows of 20 s each");
+        assert!(told.contains("times in ms"), "{told}");
+        // rows of 20 s cost this unit a thousand times as much as those of 20 ms: a look at them takes half a minute
+        assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
     }
 
     #[test]

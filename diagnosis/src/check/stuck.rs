@@ -52,17 +52,23 @@ fn stretch(series: &Series) -> Option<(usize, usize)> {
     let others: usize = elsewhere.iter().map(|part| part.len()).sum();
     let pairs = || elsewhere.iter().flat_map(|part| part.windows(2));
     let same = pairs().filter(|pair| pair[0] == pair[1]).count() as f64 / pairs().count().max(1) as f64;
-    let thirds: Vec<Vec<f64>> = elsewhere
+    let noise = scatter(&elsewhere);
+    let noisy = noise.noise >= noise.quantum && noise.noise > 0.0;
+    let told = others >= DOUBTS.other_rows
+        && same <= DOUBTS.repeats
+        && alternates(&elsewhere) >= DOUBTS.alternates
+        && noisy;
+    (told && !stays(values, from, to, noise.noise)).then_some((from, to - 1))
+}
+
+/// How often third differences change their sign from row to row, as a share.
+pub(super) fn alternates(parts: &[&[f64]]) -> f64 {
+    let thirds: Vec<Vec<f64>> = parts
         .iter()
         .map(|part| part.windows(4).map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]).collect())
         .collect();
     let turns = || thirds.iter().flat_map(|part| part.windows(2)).map(|pair| pair[0] * pair[1] < 0.0);
-    let alternates = turns().filter(|turns| *turns).count() as f64 / turns().count().max(1) as f64;
-    let noise = scatter(&elsewhere);
-    let noisy = noise.noise >= noise.quantum && noise.noise > 0.0;
-    let told =
-        others >= DOUBTS.other_rows && same <= DOUBTS.repeats && alternates >= DOUBTS.alternates && noisy;
-    (told && !stays(values, from, to, noise.noise)).then_some((from, to - 1))
+    turns().filter(|turns| *turns).count() as f64 / turns().count().max(1) as f64
 }
 
 /// Whether a value is one at which a sound sensor stays: zero, or the end of the log's range, reached without a jump.

@@ -114,15 +114,19 @@ fn usable<'a>(problem: &Problem, machine: &Machine, runs: &[(&'a Run, Span)]) ->
         .map(|(run, (from, to))| ((*run, (*from, *to)), Grid::new(machine, run, *from, *to)))
         .partition(|(_, grid)| grid.time.len() >= FEW);
     let (runs, grids): (Vec<(&Run, Span)>, Vec<Grid>) = long.into_iter().unzip();
-    if grids.is_empty() {
-        return Err(Error::NothingUsable { path: problem.path.clone(), notices: problem.notices.clone() });
-    }
-    let left_out = |(_, grid): ((&Run, Span), Grid)| Notice {
-        file: grid.name,
-        line: 0,
-        message: format!("{} rows tell nothing of a motion: left out", grid.time.len()),
+    let left_out = |((run, _), grid): ((&Run, Span), Grid)| {
+        let (from, to) = run.span();
+        let all = Grid::new(machine, run, from, to).time.len();
+        let beside = if all > grid.time.len() { " that are not kept back to judge by" } else { "" };
+        let message = format!("{} rows{beside} tell nothing of a motion: left out", grid.time.len());
+        Notice { file: grid.name, line: 0, message }
     };
-    Ok(Usable { runs, grids, notices: short.into_iter().map(left_out).collect() })
+    let left_out = short.into_iter().map(left_out);
+    if grids.is_empty() {
+        let notices = problem.notices.iter().cloned().chain(left_out).collect();
+        return Err(Error::NothingUsable { path: problem.path.clone(), notices });
+    }
+    Ok(Usable { runs, grids, notices: left_out.collect() })
 }
 
 /// The scatter of each compared channel over all runs, outliers apart. One that has a single value has no size of its own: it is that value, or 1,

@@ -8,6 +8,7 @@ use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
+use crate::nuisance::scatter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -33,6 +34,15 @@ pub struct Left {
     pub count: f64,
     /// Variance of the sensor.
     pub variance: f64,
+}
+
+/// How the model moves a channel by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Standard deviation.
+    pub size: f64,
+    /// Largest value, whatever its sign.
+    pub largest: f64,
 }
 
 /// One stretch of a run.
@@ -67,6 +77,29 @@ impl Engine {
             }
         }
         Some(sums)
+    }
+
+    /// How the model moves a channel of the data set in that part of a run, of so many rows each, in which it moves it most; each begins where the
+    /// log says that the model stands. Nothing where the run or the channel isn't compared, or the model can't be followed in any part.
+    pub fn motion(&self, run: &str, channel: usize, rows: usize) -> Option<Motion> {
+        let machine = &self.machine;
+        let grid = self.grids.iter().find(|grid| grid.name == run)?;
+        let place = machine.channels.iter().position(|output| output.channel == channel)?;
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let last = grid.time.len() - 1;
+        let rows = if machine.whole { last } else { rows.min(last) };
+        let part = |row: usize| {
+            let states = self.nominal_states(grid, row);
+            let whole = schedule.job(grid.time[row], row, rows.min(last - row), &states);
+            let (job, mut out) = (Job { each_row: true, reads: &[], ..whole }, Vec::new());
+            self.with_worker(|worker| worker.interval(machine, &job, &mut out)).ok()?;
+            let shown = out[machine.order()..].iter().skip(place).step_by(machine.channels.len());
+            let shown: Vec<f64> = shown.copied().collect();
+            let largest = shown.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let motion = Motion { size: scatter(&[&shown]).size, largest };
+            (motion.size.is_finite() && largest.is_finite()).then_some(motion)
+        };
+        (0..last).step_by(rows.max(1)).filter_map(part).max_by(|a, b| a.size.total_cmp(&b.size))
     }
 
     /// Evenly over the runs; from the begin of a run where nothing can be started later.

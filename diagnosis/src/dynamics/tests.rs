@@ -67,7 +67,11 @@ pub fn built(problem: &Problem) -> Built {
 
 /// The same, with what the model itself does from a wide start on in the place of the log.
 pub fn swung(name: &str, rows: u32) -> Problem {
-    let mut problem = pendulum(name, rows);
+    simulated(pendulum(name, rows))
+}
+
+/// A problem with what the model itself does from a wide start on in the place of its log.
+pub fn simulated(mut problem: Problem) -> Problem {
     let built = built(&problem);
     let (machine, grid) = (&built.engine.machine, &built.engine.grids[0]);
     let schedule = Schedule::new(machine, grid, &machine.neutral());
@@ -182,4 +186,14 @@ fn bad_data_a_channel_of_one_value_has_a_size_and_is_told() {
     assert!(size == 2.5 && noise > 1e-9, "{size} {noise}");
     problem.runs[0].series[problem.channels.len() - 1].values.fill(0.0);
     assert_eq!(told(&problem).1, 1.0);
+}
+
+#[test]
+fn bad_data_runs_of_too_few_rows_are_told_where_none_is_left() {
+    let problem = pendulum("few-rows", 2);
+    let error = build(&problem, &problem.whole_runs()).err().expect("two rows").to_string();
+    assert!(
+        error.contains("no usable run:") && error.contains("a.csv: 2 rows tell nothing of a motion"),
+        "{error}"
+    );
 }

@@ -2,6 +2,7 @@
 
 use super::residual;
 use super::study::Studied;
+use crate::diagnosis::Gap;
 use crate::dynamics::Machine;
 use crate::dynamics::build::Built;
 use crate::error::{Error, Notice};
@@ -39,9 +40,19 @@ pub(super) fn fit_given(
         );
         built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     }
+    let stayed = stayed(&built.engine.machine, &free, &here.at.theta);
+    if stayed {
+        let message = format!(
+            "nothing better than the nominal values was found of {}: the values that are told are these, and no answer",
+            options.fit.join(", ")
+        );
+        built.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
+    }
     let alone = |parameter: &usize| vec![Alternative::as_fitted(*parameter, &here)];
     let classes = free.iter().map(alone).collect();
-    let told = if residual.unlisted.is_some() {
+    let told = if stayed {
+        "nothing better than their nominal values was found"
+    } else if residual.unlisted.is_some() {
         "they don't explain the data: process noise stays above its floor"
     } else {
         "they explain the data: what is left is noise"
@@ -49,6 +60,19 @@ pub(super) fn fit_given(
     let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
     let nominal = start.paths.clone();
     Ok(Studied { effects: free, fit: here, nominal, residual, story, classes, built, policy, last: None })
+}
+
+/// Whether a fit is where it began.
+fn stayed(machine: &Machine, free: &[usize], theta: &[f64]) -> bool {
+    free.iter().all(|place| theta[*place] == machine.parameters[*place].neutral)
+}
+
+/// Gaps as they are told: a fit that stayed at the nominal values closes none, whatever one without the rows left out does.
+pub(super) fn claimed(gaps: Vec<Gap>, studied: &Studied, options: &Options) -> Vec<Gap> {
+    let stays = !options.fit.is_empty()
+        && stayed(&studied.built.engine.machine, &studied.effects, &studied.fit.at.theta);
+    let claimed = |gap: Gap| Gap { closed: gap.closed.filter(|_| !stays), ..gap };
+    gaps.into_iter().map(claimed).collect()
 }
 
 /// Whether the names that were given with options are parameters.
@@ -75,4 +99,21 @@ pub(super) fn check_names(machine: &Machine, options: &Options) -> Result<(), Er
         return Err(Error::Option { option: "--fit", given: given.clone(), problem });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stayed;
+    use crate::dynamics::tests::{built, pendulum, place};
+
+    #[test]
+    fn value_a_fit_that_is_where_it_began_is_known() {
+        let built = built(&pendulum("stayed", 60));
+        let machine = &built.engine.machine;
+        let free = [place(&built, "theta_9"), place(&built, "tau:gain")];
+        let mut theta = machine.neutral();
+        assert!(stayed(machine, &free, &theta));
+        theta[free[1]] += 1e-6;
+        assert!(!stayed(machine, &free, &theta) && stayed(machine, &free[..1], &theta));
+    }
 }

@@ -1,6 +1,6 @@
 //! From a problem to a diagnosis.
 
-use super::fit_given::{check_names, fit_given};
+use super::fit_given::{check_names, claimed, fit_given};
 use super::mismatch::HeldOut;
 use super::residual::{self, Residual};
 use super::rest::name_the_rest;
@@ -75,6 +75,7 @@ fn diagnosed_in_time(
 ) -> Result<Diagnosis, Error> {
     watch.stage("looking at the logs");
     crate::check::plausible(problem)?;
+    let problem = &crate::check::hinted(problem);
     let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
@@ -87,6 +88,7 @@ fn diagnosed_in_time(
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
+    let gaps = claimed(held.gaps, &all, options);
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
     notices.extend(all.built.engine.refusal_notices());
@@ -100,12 +102,12 @@ fn diagnosed_in_time(
         verdict,
         effects,
         place: mismatch::places(&all),
-        gap: held.gaps[0].clone(),
+        gap: gaps[0].clone(),
         unknown,
         correction: None,
         next_experiment,
         minimum_detectable: findings::detectable(&all)?,
-        gaps: held.gaps,
+        gaps,
         cross_validation: Vec::new(),
         ended_early: watch.ended().to_vec(),
         notices,

@@ -14,6 +14,9 @@ use std::path::Path;
 /// What a draft tells.
 #[derive(Debug, Default)]
 pub(super) struct Tried {
+    /// In what unit of time the model follows the logs, where that is a shorter one; nothing else is tried then, for in these times the unit
+    /// takes a thousand times as long, and follows nothing.
+    pub too_long: Option<String>,
     /// The signs with which stretches of the logs are followed, where they tell.
     pub signs: Option<Signs>,
     /// Parameters that are starts of states which no variable shows.
@@ -34,6 +37,9 @@ pub(super) fn try_draft(
         observe::load(draft.path(), units, isolation).ok()
     };
     let Some(problem) = read(found) else { return Tried::default() };
+    if let Some(told) = check::too_long_times(&problem) {
+        return Tried { too_long: Some(told), ..Tried::default() };
+    }
     let suffices = |unshown: &[usize]| {
         read(&write::Found { unshown, ..*found }).is_some_and(|with| {
             build(&with, &with.whole_runs())
@@ -51,7 +57,7 @@ pub(super) fn try_draft(
             unshown = others;
         }
     }
-    Tried { signs: check::signs(&problem), unshown }
+    Tried { too_long: None, signs: check::signs(&problem), unshown }
 }
 
 /// Whether the model remembers more than the states that it can be begun from; it may have none.

@@ -114,14 +114,13 @@ pub fn import(
     let known = Known { starts: &starts, ..known };
     let mut candidates = write::parameters(&unit, &starts);
     let found = write::Found::new(&sheets, &known, &told, &matches, &candidates);
-    let draft::Tried { signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
+    let draft::Tried { too_long, signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
     candidates.retain(|place| !unshown.contains(place));
     let known = Known { signs: signs.as_ref(), ..known };
-    trial::against_model(&known, &mut matches, &mut notices);
+    let tried = try_model(&known, too_long.as_deref(), (&mut matches, &candidates), &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
-    let tried = idle_parameters::find_idle(&known.trial(&matches), &candidates);
     let found = write::Found {
         unshown: &unshown,
         tried: Some(&tried),
@@ -132,6 +131,25 @@ pub fn import(
     let problem = observe::load(out, units, isolation)?;
     notices.extend(problem.notices.iter().map(ToString::to_string));
     Ok(Imported { guesses, notices })
+}
+
+/// Tries every match against the model, and which of these parameters change nothing; none of it where the times are another unit's, in which the
+/// model follows nothing and takes a thousand times as long.
+fn try_model(
+    known: &Known<'_>,
+    too_long: Option<&str>,
+    (matches, candidates): (&mut [Match], &[usize]),
+    notices: &mut Vec<String>,
+) -> idle_parameters::Found {
+    if let Some(told) = too_long {
+        notices.push(format!(
+            "{told}: nothing else was tried against the model. Write the unit into the head of the column of time, as in \"time [ms]\", and import \
+             again"
+        ));
+        return idle_parameters::Found::default();
+    }
+    trial::against_model(known, matches, notices);
+    idle_parameters::find_idle(&known.trial(matches), candidates)
 }
 
 /// The logs, with a column of time for those that a clock is given for. Columns that have a variable's name have it to the letter.

@@ -4,8 +4,8 @@ use super::Time;
 use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use crate::error::Error;
-use crate::observe::EPOCH;
 use crate::observe::measure;
+use crate::observe::{EPOCH, if_date};
 use crate::statistics::median::usual_step;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
@@ -136,11 +136,13 @@ impl Sheet {
             let Some((line, cell)) = &cells.first else { continue };
             let Header { text, name, .. } = &self.columns[place];
             if TIME_NAMES.contains(&name.to_lowercase().as_str()) || cells.words <= cells.numbers {
-                let problem = format!("column {text:?}: {cell:?} is no number");
+                let problem = format!("column {text:?}: {cell:?} is no number{}", if_date(cell));
                 return Err(Error::Manifest { path: self.path.clone(), line: *line, problem });
             }
-            self.left_out
-                .push(format!("column {text:?} holds words (line {line}: {cell:?}) and is left out"));
+            self.left_out.push(format!(
+                "column {text:?} holds words (line {line}: {cell:?}) and is left out{}",
+                if_date(cell)
+            ));
             self.columns.remove(place);
             for row in &mut self.rows {
                 row.remove(place);

@@ -81,6 +81,14 @@ impl Text {
         let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with(COMMENTS);
         let first = lines.iter().position(|line| !is_comment(line));
         let Some(first) = first else { return Err(wrong(1, "no table in it".into())) };
+        if let Some((line, code)) = not_text(&lines[..=first]) {
+            return Err(wrong(
+                line,
+                format!(
+                    "no text: there is a character {code:#04x} in it. Wanted is a table as CSV, with a line of names and commas between columns"
+                ),
+            ));
+        }
         let Some(separator) = Separator::guess(lines[first]) else {
             return Err(wrong(
                 first + 1,
@@ -121,6 +129,12 @@ impl Text {
             [names].into_iter().chain(body).map(|line| separator.joined(line)).collect();
         Ok(Self { separator, table: lines.join("\n"), above: head })
     }
+}
+
+/// Line and code of the first character that no text holds: those that control a terminal, but for tabs and new pages.
+fn not_text(lines: &[&str]) -> Option<(usize, u32)> {
+    let is_foreign = |letter: &char| letter.is_ascii_control() && !['\t', '\u{c}'].contains(letter);
+    lines.iter().enumerate().find_map(|(line, text)| Some((line + 1, text.chars().find(is_foreign)?.into())))
 }
 
 /// UTF-16 where it says so, else UTF-8, else Latin-1: spreadsheets still write it, and a degree sign is one byte there.
@@ -178,6 +192,21 @@ mod tests {
         }
         assert!(read("# nothing\n\n").unwrap_err().contains("no table"));
         assert!(read("u\n1\n2\n").unwrap_err().contains("one column only"));
+    }
+
+    #[test]
+    fn error_of_bytes_that_are_no_text() {
+        // the first 16 of a file of random ones, and a page of a program
+        for bytes in
+            [&b"\x12\xe7\x1b\xe0\x39\xb3\xfc\x6e\xb8\x17\xd1\x8c\x19\xf5\x61\xe3"[..], b"\x7fELF,1\0"]
+        {
+            let told = Text::decode(bytes, Path::new("log.csv")).expect_err("no text").to_string();
+            assert!(
+                told.contains(":1: no text: there is a character 0x") && told.contains("as CSV"),
+                "{told}"
+            );
+        }
+        assert!(read("\u{c}t\tT\n0\t1\n").is_ok());
     }
 
     #[test]

@@ -162,6 +162,7 @@ pub(super) fn parameters(fmu: &Fmu, starts: &[Start]) -> Vec<usize> {
             && matches!(variable.variability, Variability::Fixed | Variability::Tunable)
             && variable.kind != Kind::String
             && variable.start.is_some()
+            && !fmu.description().is_ambiguous(&variable.name)
             && starts.iter().all(|one| one.start != *place)
     });
     all.map(|(place, _)| place).collect()

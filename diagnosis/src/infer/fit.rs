@@ -333,8 +333,13 @@ impl Task<'_> {
     ) -> bool {
         let seems = !value.is_finite() || value > known + self.rise;
         let is = |sizes: &Sizes| {
-            let here = noise_held(runs, noise, sizes, self.options).1;
-            !here.is_finite() || here > noise_held(about, &best.noise, sizes, self.options).1 + self.rise
+            let (usual, least) = noise_held(about, &best.noise, sizes, self.options);
+            let is_above = |begin: &Noise| {
+                let here = noise_held(runs, begin, sizes, self.options).1;
+                !here.is_finite() || here > least + self.rise
+            };
+            // where the parameters are free the noises are often at their floor, and that is too far from what these places need
+            is_above(noise) && is_above(&usual)
         };
         seems && self.sizes.is_none_or(is)
     }

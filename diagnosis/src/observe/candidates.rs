@@ -54,7 +54,8 @@ fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
     });
     let fits = |id: &VariableId| {
         let variable = model.variable(*id);
-        may_move(variable) && states.iter().all(|state| state.start != *id)
+        let is_clear = !model.description(id.instance).is_ambiguous(&variable.name);
+        is_clear && may_move(variable) && states.iter().all(|state| state.start != *id)
     };
     let made = |id: VariableId| {
         let variable = model.variable(id);

@@ -116,7 +116,7 @@ impl Log {
                 Ok(number) if number.is_finite() => Ok(Some(number)),
                 Ok(number) if number.is_nan() => Ok(None),
                 _ => {
-                    let hint = if text.contains(',') { " (write 0.5, not 0,5)" } else { "" };
+                    let hint = if text.contains(',') { " (write 0.5, not 0,5)" } else { if_date(text) };
                     let problem =
                         format!("column {:?}: {text:?} is not a finite number{hint}", self.columns[place]);
                     Err(self.wrong(*line, problem))
@@ -183,6 +183,20 @@ impl Log {
     }
 }
 
+/// What to write in place of a date or a time of day, if a cell holds one: `2026-11-24T10:00:00Z`, `24.11.2026 10:00`, `10:00:00.5`.
+pub(crate) fn if_date(cell: &str) -> &'static str {
+    let is_part = |byte: u8| byte.is_ascii_digit() || b"-/:. +,TZ".contains(&byte);
+    let groups = cell.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty());
+    if cell.starts_with(|first: char| first.is_ascii_digit())
+        && cell.bytes().all(is_part)
+        && groups.count() > 2
+    {
+        "; of dates and times of day nothing is read: write the time in seconds, such as those since the first row"
+    } else {
+        ""
+    }
+}
+
 /// The usual cause of too many cells.
 fn comma(record: &csv::StringRecord) -> &'static str {
     let whole = |cell: &str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
@@ -190,5 +204,26 @@ fn comma(record: &csv::StringRecord) -> &'static str {
         "; are these decimal commas? Write points"
     } else {
         ""
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::if_date;
+
+    #[test]
+    fn value_dates_and_times_of_day_are_known() {
+        for cell in [
+            "2026-11-24T10:00:00Z",
+            "2026-05-03 10:00:00.010",
+            "24.11.2026 10:00",
+            "10:00:00.5",
+            "2026/11/24",
+        ] {
+            assert!(if_date(cell).contains("in seconds"), "{cell}");
+        }
+        for cell in ["-1.5-", "0,5", "1.2", "12:30", "off", "v1.2.3", "1e-3"] {
+            assert_eq!(if_date(cell), "", "{cell}");
+        }
     }
 }

@@ -10,6 +10,7 @@
 //! - `resolve.rs`, `candidates.rs`: names become variables, gaps become defaults
 //! - `measure.rs`: units of measurement
 //! - `unlogged.rs`: inputs that no log feeds
+//! - `run_files.rs`: the files of runs
 //! - `log.rs`: CSV
 
 mod candidates;
@@ -19,9 +20,10 @@ mod nominal;
 mod own;
 mod raw;
 mod resolve;
+mod run_files;
 mod unlogged;
 
-pub(crate) use log::EPOCH;
+pub(crate) use log::{EPOCH, if_date};
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};

@@ -2,12 +2,13 @@
 
 use super::raw::File;
 use super::{Nominal, Series, VariableId};
-use crate::error::Error;
+use crate::error::{Error, Notice};
 use crate::opened::{open, text};
 use crate::statistics::median::median;
+use orchestrator::fmu::Description;
 use orchestrator::scenario::{Given, UnitEntry};
 use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value, nearest};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The model that the file names, before the logs are known.
@@ -159,10 +160,40 @@ pub(super) fn find(scenario: &Scenario, fmus: &[Fmu], full: &str) -> Result<Vari
         });
     };
     let description = fmus[instance].description();
+    if description.is_ambiguous(&name) && description.place(&name).is_some() {
+        return Err(format!(
+            "{} declares {name:?} more than once, and names are unique (FMI 2.0.4, section 2.2.7): which is meant? Mend its \
+             modelDescription.xml",
+            scenario.units[instance].name
+        ));
+    }
     description.place(&name).map(|place| VariableId { instance, place }).ok_or_else(|| {
         let known = description.variables.iter().map(|variable| variable.name.as_str());
         format!("{} has no variable {name:?}: {}", scenario.units[instance].name, nearest(&name, known))
     })
+}
+
+/// Variables that a unit declares more than once: a notice for each name.
+pub(super) fn repeated_names(model: &Nominal) -> Vec<Notice> {
+    let of = |(fmu, unit): (&Fmu, &UnitEntry)| {
+        let notice = |name| Notice {
+            file: "dataset.toml".into(),
+            line: 0,
+            message: format!(
+                "{} declares {name:?} more than once, and names are unique (FMI 2.0.4, section 2.2.7): it is left as it is, for nobody knows \
+                 which is meant",
+                unit.name
+            ),
+        };
+        repeated(fmu.description()).into_iter().map(notice).collect::<Vec<_>>()
+    };
+    model.fmus.iter().zip(&model.scenario.units).flat_map(of).collect()
+}
+
+/// Names that several variables of a unit have.
+fn repeated(description: &Description) -> BTreeSet<&str> {
+    let names = description.variables.iter().map(|variable| variable.name.as_str());
+    names.filter(|name| !name.is_empty() && description.is_ambiguous(name)).collect()
 }
 
 /// What the units are given, as values of the variables' types.
@@ -205,5 +236,32 @@ pub(super) fn number(kind: Kind, value: &toml::Value) -> Option<f64> {
         (_, toml::Value::Float(value)) => Some(*value),
         (_, toml::Value::Integer(value)) => Some(*value as f64),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::repeated;
+    use orchestrator::fmu::Description;
+
+    #[test]
+    fn value_names_that_a_unit_declares_twice() {
+        let variable = |name: &str, reference: u32| {
+            format!(
+                r#"<ScalarVariable name="{name}" valueReference="{reference}" causality="parameter" variability="fixed"><Real start="1"/></ScalarVariable>"#
+            )
+        };
+        let of = |names: [&str; 3]| {
+            let all: String =
+                names.iter().zip(0..).map(|(name, reference)| variable(name, reference)).collect();
+            let text = format!(
+                r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/><ModelVariables>{all}</ModelVariables>
+                <ModelStructure/></fmiModelDescription>"#
+            );
+            let description = Description::parse(&text).expect("a description");
+            repeated(&description).into_iter().map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(of(["R", "L", "R"]), ["R"]);
+        assert!(of(["R", "L", "r"]).is_empty(), "names differ by their case");
     }
 }

@@ -6,7 +6,7 @@ use super::{
     Affine, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading, Role, Run, Series,
     State, VariableId,
 };
-use super::{candidates, measure, nominal, unlogged};
+use super::{candidates, measure, nominal, run_files, unlogged};
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Causality, Initial, Variability, Variable};
 use orchestrator::{Isolation, Kind, UnitPath, nearest};
@@ -25,6 +25,7 @@ pub(super) fn problem(
     model.isolate(isolation);
     let mut notices = Vec::new();
     super::own::take(&mut model, &mut notices);
+    notices.extend(nominal::repeated_names(&model));
     let channels = channels(&model, file)?;
     let runs = runs(folder, file, &channels, &mut notices)?;
     if file.raw.fmu.is_some() {
@@ -171,7 +172,12 @@ fn runs(
     }
     let mut runs = Vec::new();
     for entry in &file.raw.run {
-        runs.push(run(folder, file, entry.get_ref(), channels, notices)?);
+        let raw = entry.get_ref();
+        let run = run(folder, file, raw, channels, notices)?;
+        if let Some(problem) = run_files::again(&runs, &run) {
+            return Err(file.wrong(&raw.file.span(), problem));
+        }
+        runs.push(run);
     }
     for (place, channel) in channels.iter().enumerate() {
         if runs.iter().all(|run: &Run| run.series[place].time.is_empty()) {
@@ -190,12 +196,7 @@ fn run(
     notices: &mut Vec<Notice>,
 ) -> Result<Run, Error> {
     let name = raw.file.get_ref().clone();
-    let path = folder.join(&name);
-    if !path.is_file() {
-        let problem =
-            format!("file = {name:?}: there is no such file in {}: {}", folder.display(), files(&path));
-        return Err(file.wrong(&raw.file.span(), problem));
-    }
+    let path = run_files::find(folder, &name).map_err(|problem| file.wrong(&raw.file.span(), problem))?;
     let log = Log::read(&path)?;
     let times = times(&log, raw, file, &name, notices)?;
     let mut series = Vec::new();
@@ -221,19 +222,6 @@ fn run(
     }
     let line = file.line(&raw.file.span());
     Ok(Run { name, line, seconds: seconds(raw, file)?, series })
-}
-
-/// CSV files that could be meant.
-fn files(path: &Path) -> String {
-    let listed = path.parent().and_then(|folder| std::fs::read_dir(folder).ok());
-    let mut names: Vec<String> =
-        listed.into_iter().flatten().flatten().map(|e| e.file_name().to_string_lossy().into()).collect();
-    names.sort();
-    let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-    match path.parent().filter(|folder| !folder.is_dir()) {
-        Some(folder) => format!("there is no folder {}", folder.display()),
-        None => nearest(&wanted, names.iter().map(String::as_str)),
-    }
 }
 
 fn times(

@@ -247,8 +247,9 @@ impl Subject<'_> {
         self.call("fmi2SetFMUstate", |instance| instance.restore_state(saved))
     }
 
-    pub(super) fn forget(&mut self, saved: SavedState) -> Result<(), Halt> {
-        self.call("fmi2FreeFMUstate", |instance| instance.free_state(saved))
+    /// Frees a state; whether its pointer is null then.
+    pub(super) fn forget(&mut self, saved: SavedState) -> Result<bool, Halt> {
+        self.call("fmi2FreeFMUstate", |instance| instance.free_state_seen(saved))
     }
 }
 

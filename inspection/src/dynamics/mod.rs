@@ -189,5 +189,9 @@ fn look(id: &str, bench: &Bench) -> Vec<Finding> {
         Ok(()) | Err(Halt::Ended) => {}
         Err(Halt::Call(error)) => found.error(error.to_string()),
     }
+    // an error begins with the name of its unit, and that of the one that is looked at is "unit"
+    for finding in &mut found.findings {
+        finding.text = finding.text.replace("unit unit", "the unit");
+    }
     found.findings
 }

@@ -54,14 +54,23 @@ impl Instance {
     }
 
     /// `fmi2FreeFMUstate`.
-    pub fn free_state(&mut self, mut saved: SavedState) -> Result<(), Error> {
+    pub fn free_state(&mut self, saved: SavedState) -> Result<(), Error> {
+        self.free_state_seen(saved).map(drop)
+    }
+
+    /// `fmi2FreeFMUstate`, and whether the unit set the pointer to null, as FMI 2.0 section 2.1.8 asks.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
+    pub fn free_state_seen(&mut self, mut saved: SavedState) -> Result<bool, Error> {
         const NAME: &str = "fmi2FreeFMUstate";
         let Some(function) = self.functions.free_state else { return Err(self.missing(NAME)) };
         // SAFETY: the state came from this unit and is used no more.
         let status = guard::around(self.label(), Function::FreeFMUstate, || unsafe {
             function(self.component(), &mut saved.state)
         });
-        self.checked(NAME, status)
+        self.checked(NAME, status)?;
+        Ok(saved.state.is_null())
     }
 
     /// `fmi2SerializeFMUstate`: the state as bytes.

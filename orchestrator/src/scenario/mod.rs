@@ -231,7 +231,7 @@ impl Scenario {
         let driven: Vec<&str> = driven.chain(self.sources.iter().map(|entry| entry.to.as_str())).collect();
         if !driven.contains(&input) {
             let expected = nearest(input, driven.into_iter());
-            return Err(Error::Name { what: "driven input", name: input.into(), expected });
+            return Err(Error::NotDriven { name: input.into(), expected });
         }
         self.connections.retain(|entry| entry.to != input);
         self.sources.retain(|entry| entry.to != input);

@@ -49,7 +49,7 @@ impl Trials<'_> {
         let large = SELECTION.large * self.last.total.square;
         let linear = cut.policy().lattice && small && shortlist.iter().all(|hit| hit.gain < large);
         let of_log = |hit: &Hit| self.candidates[hit.candidate].side.is_of_log();
-        if linear && !cut.policy().discrepancy_dominated && !shortlist.iter().any(of_log) {
+        if linear && !cut.policy().free_pose && !shortlist.iter().any(of_log) {
             return Ok(self.first_that_holds(cut, shortlist, refused, watch));
         }
         let mut trials: Vec<Trial> = Vec::new();

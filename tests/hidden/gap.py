@@ -16,7 +16,9 @@ from .rivals.units import Units
 
 WINDOWS = 60  # of a set at most, evenly chosen
 WIDTH = 0.5  # s
-ROUNDS = 4  # Gauss-Newton for a start state
+ROUNDS = 20  # Gauss-Newton for a start state, at most
+HALVINGS = 8  # of one of its steps, at most
+SETTLED = 1.0 - 1e-4  # share of the squares that a step leaves, beyond which the start state is found
 STEPS = np.array([1e-5, 1e-5, 1e-4, 1e-4])
 LOST = 0.5  # rad: a window that strays so far says nothing of a share
 ABOVE = 1.05  # a gap must stand so far above the floor, as in the contract's null
@@ -57,6 +59,28 @@ def _replayed(data, world, plant, camera, window, start, frames):
     return nodes[: len(rows)], nodes[len(rows) :]
 
 
+def _nearest(left, start):
+    """Gauss-Newton for the start state that leaves least; None where columns aren't finite.
+
+    A step counts only if less is left, else it is halved: where an arm tumbles, a whole one leads a window far away from its log.
+    """
+    rest = left(start)
+    for _ in range(ROUNDS):
+        columns = np.stack([(rest - left(start + s * e)).ravel() / s for s, e in zip(STEPS, np.eye(4))], axis=1)
+        if not np.isfinite(columns).all():
+            return None
+        step = np.linalg.lstsq(columns, rest.ravel(), rcond=None)[0]
+        shorter = ((start + step / 2**k) for k in range(HALVINGS))
+        better = next(((at, there) for at in shorter if np.sum((there := left(at))**2) < np.sum(rest**2)), None)
+        if better is None:
+            break
+        done = np.sum(better[1]**2) > SETTLED * np.sum(rest**2)
+        start, rest = better
+        if done:
+            break
+    return start
+
+
 def _fitted(data, world, plant, camera, window):
     """What is left of the angles once the start state is fitted, and the poses at the frames; None where the window strays."""
     k, rows, _ = window
@@ -65,15 +89,9 @@ def _fitted(data, world, plant, camera, window):
     slope = np.polyfit(t - t[0], q, 1)
     start = np.concatenate([slope[1] - 0.1 * slope[0], slope[0]])
     try:
-        for _ in range(ROUNDS):
-            base = _replayed(data, world, plant, camera, window, start, False)[0][:, :2]
-            rest = (run.plant[rows, :2] - base).ravel()
-            moved = [_replayed(data, world, plant, camera, window, start + s * e, False)[0][:, :2]
-                     for s, e in zip(STEPS, np.eye(4))]
-            columns = np.stack([(m - base).ravel() / s for m, s in zip(moved, STEPS)], axis=1)
-            if not np.isfinite(columns).all():
-                return None
-            start = start + np.linalg.lstsq(columns, rest, rcond=None)[0]
+        start = _nearest(lambda at: run.plant[rows, :2] - _replayed(data, world, plant, camera, window, at, False)[0][:, :2], start)
+        if start is None:
+            return None
         nodes, poses = _replayed(data, world, plant, camera, window, start, True)
     except (Unpredictable, np.linalg.LinAlgError):
         return None

@@ -4,6 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from . import gap, parts, score
@@ -47,3 +48,15 @@ def test_value_the_share_that_a_model_closes_is_found_without_its_claim(made, tm
             for k1 in (K1, 0.0) for cases in [score.load(tmp_path / str(k1), answers)]]
     assert [r["gap_overclaimed"]["value"] for r in rows] == [0.0, 1.0]
     shutil.rmtree(tmp_path)
+
+
+def test_law_a_start_state_is_found_where_a_whole_step_leads_away_from_it():
+    there = np.array([0.3, -1.2, 2.0, -5.0])
+
+    def left(at):
+        return np.arctan(at - there).reshape(2, 2)
+
+    # from two off, a whole step of Gauss-Newton lands 3.5 off on the other side, and the next one farther
+    assert gap._nearest(left, there + 2.0) == pytest.approx(there, abs=1e-6)
+    assert gap._nearest(left, there + 0.5) == pytest.approx(there, abs=1e-6)
+    assert gap._nearest(lambda at: np.full((2, 2), np.nan), there) is None

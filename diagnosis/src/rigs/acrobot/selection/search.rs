@@ -9,9 +9,9 @@ use super::switches::best_switch;
 use super::trials::{Accepted, Trials, shortlist};
 use super::{Alternative, Questioned, Step, Study};
 use crate::error::Error;
-use crate::rigs::acrobot::candidates::{Candidate, continuous};
+use crate::rigs::acrobot::candidates::{Candidate, Side, continuous};
 use crate::rigs::acrobot::noise_floor;
-use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::residual::{Perturbation, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
 
@@ -294,10 +294,16 @@ pub fn linearise(
 ) -> Result<Evaluation, Error> {
     let perturbations = all_perturbations(candidates, point, &|candidate| cut.sees(candidate), active);
     if cut.policy().free_pose {
-        // the linearisation itself puts frames elsewhere
-        cut.linearise_anew(point, &perturbations)?;
+        // the linearisation itself puts frames elsewhere, for which it needs no columns of the plant: they are taken there again
+        let pictured: Vec<_> = perturbations.iter().copied().filter(|p| is_pictured(candidates, p)).collect();
+        cut.linearise_anew(point, if pictured.is_empty() { &perturbations } else { &pictured })?;
     }
     Evaluation::at(cut, point, &perturbations)
+}
+
+/// Whether a perturbation moves the camera.
+fn is_pictured(candidates: &[Candidate], perturbation: &Perturbation) -> bool {
+    candidates[perturbation.candidate].side == Side::Camera
 }
 
 /// Mean square of the whitened residual.
@@ -308,9 +314,31 @@ fn mean_square(evaluation: &Evaluation) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::candidates::Side;
-    use crate::rigs::acrobot::selection::examples::{candidate, toy};
+    use crate::rigs::acrobot::residual::Policy;
+    use crate::rigs::acrobot::selection::examples::{candidate, toy, toy_like};
     use crate::watch::Doing;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn every_column_of_a_plant_is_taken_once_where_a_linearisation_moves_frames() {
+        let taken = |sides: [Side; 2]| {
+            let moved: Arc<[AtomicUsize; 2]> = Arc::default();
+            let heard = moved.clone();
+            let policy = Policy { lattice: true, free_pose: true, ..Policy::USUAL };
+            let mut cut = toy_like(policy, move |x| {
+                let here = heard.iter().zip(x).filter(|(_, x)| **x != 0.0);
+                here.for_each(|(count, _)| _ = count.fetch_add(1, Ordering::Relaxed));
+                vec![1.0 - x[0] - x[1]]
+            });
+            let candidates = sides.map(|side| candidate(side, false));
+            linearise(&mut cut, &candidates, &[0.0; 2], &[]).expect("runs");
+            [0, 1].map(|place| moved[place].load(Ordering::Relaxed))
+        };
+        assert_eq!(taken([Side::Plant, Side::Camera]), [1, 2]);
+        // frames go elsewhere with any column: without a camera's, with the plant's
+        assert_eq!(taken([Side::Plant, Side::Plant]), [2, 2]);
+    }
 
     #[test]
     fn law_what_another_cut_found_gives_way_to_a_better_one() {

@@ -88,7 +88,7 @@ pub struct Reproduce {
     after_help = "Examples:\n  acroscope diagnose examples/hidden-effect\n  acroscope diagnose my-data --without camera.k2 --out out/mine"
 )]
 pub struct Diagnose {
-    /// Folder of the data set: dataset.toml and a folder for each run.
+    /// Folder of the data set: dataset.toml with a folder for each run, or with format = 2 a log file for each run.
     pub dataset: PathBuf,
     /// An effect that is not to be named; may be given several times.
     #[arg(long, value_name = "UNIT.VARIABLE")]
@@ -170,10 +170,10 @@ pub struct Sweep {
     /// Vary a parameter from FROM to TO, both among the values; several make all combinations.
     #[arg(long, value_name = "UNIT.VARIABLE=FROM:TO:STEP|VALUE,...")]
     pub grid: Vec<String>,
-    /// End each run when this is true, or passes a limit: plant.contact, \"plant.q2 > 2\" (with --grid).
+    /// End each run when this is true, or passes a limit: plant.contact, "plant.q2 > 2" (with --grid).
     #[arg(long, value_name = "SIGNAL", requires = "grid")]
     pub until: Option<String>,
-    /// Keep a number of each run: last, min, max, mean, rms or first_true of a signal or a difference (with --grid).
+    /// Keep a number of each run: last, min, max, mean, rms, peak or first_true of a signal or a difference (with --grid).
     #[arg(long = "scalar", value_name = "NAME=SIGNAL[-OTHER]:REDUCE", requires = "grid")]
     pub scalars: Vec<String>,
     /// Set a parameter or start value of all runs; may be given several times.

@@ -23,11 +23,10 @@ pub use inspection::host_rules_by;
 use clap::Parser as _;
 use orchestrator::{Progress, Recorder};
 use std::ffi::OsString;
-use std::path::PathBuf;
 
 /// Does what was typed and answers the exit status. The first argument is the program's name.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = match cli::Arguments::try_parse_from(arguments) {
+    let arguments = match cli::Arguments::try_parse_from(help_of_help(arguments.into_iter().collect())) {
         Ok(arguments) => arguments,
         Err(told) => {
             // Help and versions go to standard output, mistakes to standard error; nobody is there if that fails.
@@ -47,8 +46,16 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
+/// What was typed, with `help --help` as `help`: clap takes anything after `help` for the name of a command.
+fn help_of_help(mut words: Vec<OsString>) -> Vec<OsString> {
+    if words.get(1).is_some_and(|word| word == "help") {
+        words.retain(|word| word != "--help" && word != "-h");
+    }
+    words
+}
+
 /// Does `acroscope --quiet run …` for a host with a recorder and a way to interrupt of its own: `words` are what would be typed
-/// after `run`. Answers the folder of the results, in which `summary.json` says how the run ended.
+/// after `run`. Answers the graphs of the page as JSON; in the folder of the results `summary.json` says how the run ended.
 ///
 /// # Errors
 /// As the command, also if the run ended with an error; what it left until then lies in its folder.
@@ -56,13 +63,13 @@ pub fn run(
     words: impl IntoIterator<Item = OsString>,
     recorder: &mut dyn Recorder,
     progress: &mut dyn Progress,
-) -> Result<PathBuf, Error> {
+) -> Result<String, Error> {
     let words = ["acroscope".into(), "--quiet".into(), "run".into()].into_iter().chain(words);
     let arguments = cli::Arguments::try_parse_from(words).map_err(|told| Error::words(told.to_string()))?;
     match &arguments.command {
         cli::Command::Run(run) => {
             let carried_out = runner::carry_out(run, true, &formats::write, recorder, progress)?;
-            Ok(carried_out.ended.map(|_| carried_out.folder)?)
+            Ok(carried_out.ended.map(|_| carried_out.layout.graphs_as_json())?)
         }
         _ => Err(Error::words("not the command `run`")),
     }

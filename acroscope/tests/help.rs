@@ -97,3 +97,13 @@ fn law_a_diagnosis_that_fails_leaves_no_folder() {
     assert_eq!(output.status.code(), Some(2));
     assert!(!folder.path().join("out").exists(), "an empty folder is left");
 }
+
+#[test]
+fn law_help_tells_of_itself_and_of_all_that_is_taken() {
+    assert_eq!(text(&["help", "--help"]), text(&["--help"]));
+    assert_eq!(text(&["help", "sweep", "-h"]), text(&["help", "sweep"]));
+    let sweep = text(&["sweep", "--help"]);
+    assert!(sweep.contains("rms, peak or first_true") && !sweep.contains('\\'), "{sweep}");
+    let diagnose = text(&["diagnose", "--help"]);
+    assert!(diagnose.contains("format = 2 a log file for each run"), "{diagnose}");
+}

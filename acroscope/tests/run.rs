@@ -311,3 +311,20 @@ fn bad_input_a_mistake_in_the_report_is_told_with_its_line() {
         assert!(told.contains("mine.toml:"), "{told}");
     }
 }
+
+#[test]
+fn bad_input_a_driven_input_is_refused_and_nothing_is_written() {
+    let folder = folder();
+    let refused = acroscope(folder.path(), &["run", "visual-servo", "--set", "controller.z_desired=0.3"]);
+    let told = String::from_utf8_lossy(&refused.stderr);
+    let text = read(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/visual-servo.toml"));
+    let driver = text.split("[[sources]]").next().expect("there is one").lines().count() + 1;
+    assert_eq!(
+        told.trim_end(),
+        format!(
+            "error: --set controller.z_desired=0.3: controller.z_desired is driven: its signal at \
+             scenarios/visual-servo.toml:{driver} would overwrite it"
+        )
+    );
+    assert!(refused.status.code() == Some(2) && !folder.path().join("out").exists());
+}

@@ -11,7 +11,7 @@ use crate::recorder::Slot;
 use crate::system::{Point, System};
 use crate::value::{Kind, Value};
 use crate::wiring::{Connection, Names, Variable};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Iterations after which a loop is given up. A contraction by 0.75 a round gets from 1 to 1e-12 in these.
 const ITERATIONS: u32 = 100;
@@ -26,6 +26,8 @@ const SETTLED: f64 = 1e-12;
 /// In what order connected variables get their start values.
 pub(crate) struct Plan {
     groups: Vec<Group>,
+    /// What lies in a loop.
+    looped: HashSet<Variable>,
 }
 
 struct Group {
@@ -65,11 +67,20 @@ impl Plan {
                 link: links.get(&variable).cloned(),
             }
         };
-        let groups = graph::ordered(&graph.edges).into_iter().map(|component| Group {
-            nodes: graph.variables(&component).map(node).collect(),
-            path: component.is_loop.then(|| names.path(&graph, &component)),
+        let mut looped = HashSet::new();
+        let groups = graph::ordered(&graph.edges).into_iter().map(|component| {
+            looped.extend(graph.variables(&component).filter(|_| component.is_loop));
+            Group {
+                nodes: graph.variables(&component).map(node).collect(),
+                path: component.is_loop.then(|| names.path(&graph, &component)),
+            }
         });
-        Self { groups: groups.collect() }
+        Self { groups: groups.collect(), looped }
+    }
+
+    /// The solution of a loop is looked for from the start value of this one.
+    pub(crate) fn begins_with(&self, variable: Variable) -> bool {
+        self.looped.contains(&variable)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a master needs beside [`Simulation`]'s own calls that runs a scenario inside another system.
 
+use crate::error::Error;
 use crate::simulation::{Phase, Simulation};
 use crate::time::Rational;
 use crate::value::Value;
@@ -53,6 +54,21 @@ impl Simulation {
     /// A connection or source of the scenario drives this input.
     pub fn is_driven(&self, input: &str) -> bool {
         self.wiring.names.named(input).is_ok_and(|variable| self.wiring.driven.contains_key(&variable))
+    }
+
+    /// The communication point that comes next, in s; `None` at the end. Initialises the units, if that has not been done.
+    ///
+    /// # Errors
+    /// As [`Simulation::initialize`].
+    pub fn next_point(&mut self) -> Result<Option<f64>, Error> {
+        self.initialize()?;
+        let next = self.wiring.system.next().filter(|_| self.is_running());
+        Ok(next.map(|ticks| self.wiring.clock.seconds(ticks)))
+    }
+
+    /// Why a start value of this input would count for nothing: what drives it overwrites it before any unit reads it.
+    pub fn overwritten(&self, input: &str) -> Option<String> {
+        self.wiring.names.named(input).ok().and_then(|variable| self.wiring.overwritten(variable))
     }
 
     /// It was initialised, and neither an error nor a unit nor [`Simulation::terminate`] has ended it; its stop may be reached.

@@ -271,6 +271,9 @@ impl Simulation {
         if self.phase != Phase::Running {
             let settable = self.wiring.names.settable(variable.0, &description.name);
             settable.map_err(|(what, expected)| wrong(format!("{what}: {expected}")))?;
+            if let Some(expected) = self.wiring.overwritten(variable) {
+                return Err(wrong(expected));
+            }
             let sets = &mut self.wiring.sets[variable.0];
             match sets.iter_mut().find(|(place, _)| *place == variable.1) {
                 Some((_, known)) => *known = typed,
@@ -279,14 +282,15 @@ impl Simulation {
             return Ok(());
         }
         if let Some(place) = self.wiring.driven.get(&variable) {
-            return Err(wrong(format!("its signal at {place} would overwrite it")));
+            return Err(wrong(wiring::overwriting(place)));
         }
         let tunable = description.causality == Causality::Input
             || description.causality == Causality::Parameter
                 && description.variability == Variability::Tunable;
         if !tunable {
             return Err(wrong(
-                "only inputs and tunable parameters change while stepping; reset first".into(),
+                "only inputs and tunable parameters change while stepping, and reading a value or saving begins that; reset first"
+                    .into(),
             ));
         }
         let System { units, values, .. } = &mut self.wiring.system;

@@ -116,3 +116,41 @@ fn every_stop_is_at_the_start_or_after_it() {
     let told = scenario.set_stop("0.4999").expect_err("before the start").to_string();
     assert!(told.contains("not before the start, 1/2 s"), "{told}");
 }
+
+#[test]
+fn bad_input_a_start_value_that_a_signal_overwrites_is_refused_beside_the_file() {
+    let units = Units::new();
+    let chain = [
+        unit("a", "stateful.fmu", "x0 = 2"),
+        unit("b", "feedthrough.fmu", "mode = 1"),
+        connection("a.y1", "b.u1"),
+        "[[sources]]\nto = \"b.u2\"\nkind = \"constant\"\nvalue = 5\n".to_owned(),
+    ];
+    let text = |parts: &[String]| format!("format = 1\nexperiment = {{ stop = 1 }}\n{}", parts.concat());
+    let set = |text: &str, name: &str| {
+        let mut scenario = Scenario::parse(text, "test.toml").expect("a scenario");
+        scenario.set(name, "9").expect("there is such a unit");
+        Simulation::new(&scenario, &units.unit_path()).map(|mut built| built.value(name).expect("known"))
+    };
+    for (name, line) in [("b.u1", 13), ("b.u2", 16)] {
+        let told = set(&text(&chain), name).expect_err("driven").to_string();
+        let why = format!("its signal at test.toml:{line} would overwrite it");
+        assert_eq!(told, format!("--set {name}=9: {name} is driven: {why}"));
+        let told = build(&units, &chain).expect("builds").set(name, 9.0).expect_err("driven").to_string();
+        assert_eq!(told, format!("{name} = 9.0: {why}"));
+    }
+    // A latency leaves the start value until the first value arrives, and a loop is solved from it.
+    let late = text(&chain).replace("to = \"b.u1\"\n", "to = \"b.u1\"\nlatency = 1\n");
+    assert_eq!(set(&late, "b.u1").expect("it counts"), 9.0);
+    let alone = [unit("a", "feedthrough.fmu", "mode = 1, k = 0.5"), connection("a.y1", "a.u1")];
+    assert!(set(&text(&alone), "a.u1").expect("it is begun with").abs() < 1e-9);
+    // In the file itself it is no mistake; beside a source it is told.
+    let written = [unit("b", "feedthrough.fmu", "mode = 1, u2 = 9"), chain[3].clone()];
+    let mut built = build(&units, &written).expect("builds");
+    assert_eq!(built.value("b.u2").expect("known"), 5.0);
+    assert_eq!(built.notices(), ["b.u2 = 9.0 gives way to its signal at test.toml:8"]);
+    // What a run wrote down says nothing new.
+    let again = Scenario::parse(&built.resolved(), "again.toml").expect("as it was written");
+    let again = Simulation::new(&again, &units.unit_path()).expect("builds");
+    assert_eq!(again.notices(), Vec::<String>::new());
+}

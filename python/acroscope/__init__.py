@@ -30,7 +30,8 @@ _DATA = Path(__file__).resolve().parent / "data"
 _acroscope.add_units(_DATA / "fmus")
 
 from ._commands import Diagnosis, Reproduction, check, diagnose, reproduce  # noqa: E402
-from ._runs import Results, Simulation, run  # noqa: E402
+from ._runs import Results, run  # noqa: E402
+from ._simulation import Simulation  # noqa: E402
 from ._sweep import Sweep, sweep  # noqa: E402
 
 __all__ = [

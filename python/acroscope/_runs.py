@@ -1,16 +1,15 @@
-"""Runs with their results, and simulations step by step."""
+"""Runs with their results."""
 
 from __future__ import annotations
 
 import json
 import os
 import struct
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from . import _acroscope
 from ._folder import OutFolder, page
@@ -21,10 +20,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Value = float | int | bool | str
+Kind = TypeVar("Kind", float, int, bool, str)
 
 
-def _stop(stop: float | str | Fraction | None) -> str | None:
-    return None if stop is None else str(stop)
+def _of_kind(name: str, value: Value, kind: type[Kind] | None) -> Any:
+    """A value, if it is of the type that is wanted; whole numbers and Booleans are numbers, too."""
+    if kind is None or isinstance(value, kind):
+        return value
+    if kind is float and not isinstance(value, str):
+        return float(value)
+    raise _acroscope.InputError(f"{name} = {value!r}: it is of type {type(value).__name__}, not {kind.__name__}")
 
 
 def _needed(name: str) -> Any:
@@ -50,33 +55,38 @@ def run(
 ) -> Results:
     """Runs a scenario, a shipped one by its name or a file by its path.
 
-    `values` are parameters and start values by `instance.variable`; `stop` is a time in s, exact as text or Fraction
+    `values` are parameters and start values by `instance.variable`; an input that a connection or source drives is none, and refused.
+    `stop` is a time in s, exact as text or Fraction
     ("1/3"). With `isolate` each unit runs in a process of its own (on Linux), so that whatever it does ends the run and not
     Python. `out` is a folder that keeps results.csv, resolved.toml, report.html, summary.json and the frames; a temporary
     one, which vanishes with the results, if none is given.
     """
     folder = OutFolder(out)
-    words = [os.fspath(scenario), "--out", str(folder.path)]
-    for name, value in (values or {}).items():
-        words += ["--set", f"{name}={_word(value)}"]
+    words = [f"--out={folder.path}"]
+    words += [f"--set={name}={_word(value)}" for name, value in (values or {}).items()]
     if stop is not None:
-        words += ["--stop", str(stop)]
+        words.append(f"--stop={stop}")
     if isolate:
         words.append("--isolate")
-    return Results(_acroscope.run(words), folder)
+    # What comes after `--` is no option, whatever it begins with.
+    table, graphs = _acroscope.run([*words, "--", os.fspath(scenario)])
+    return Results(table, folder, json.loads(graphs))
 
 
 class Results:
     """What a run left: a table with a row at each communication point, a verdict, a report and frames.
 
-    An Arrow table by the PyCapsule interface: `polars.DataFrame(r)`, `pyarrow.table(r)` take it as it is, without a copy.
+    A mapping of columns: `"plant.q1" in r`, `for name in r`, `dict(r)`; but as with a table of pandas `len(r)` counts rows, and
+    `np.asarray(r)` has them. An Arrow table by the PyCapsule interface: `polars.DataFrame(r)`, `pyarrow.table(r)` take it as it is,
+    without a copy.
     It can be pickled, for processes and clusters: the table, summary and verdict go along, files stay in the folder, of
     which a temporary one vanishes with the results that were pickled.
     """
 
-    def __init__(self, table: _acroscope.Table, folder: OutFolder) -> None:
+    def __init__(self, table: _acroscope.Table, folder: OutFolder, graphs: list[dict[str, Any]]) -> None:
         self._table = table
         self._folder = folder
+        self._graphs = graphs
         self.summary: dict[str, Any] = json.loads((folder.path / "summary.json").read_text("utf-8"))
 
     @property
@@ -106,20 +116,44 @@ class Results:
     def __len__(self) -> int:
         return len(self._table)
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def keys(self) -> list[str]:
+        """As `columns`, so that `dict(r)` is one of arrays by their names."""
+        return self.columns
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Rows by columns, in the order of `columns`: numbers, with 0 and 1 for Booleans; objects where one is a text."""
+        if copy is False:
+            raise ValueError("a table of columns is no array of NumPy without a copy")
+        numpy = _needed("numpy")
+        columns = [self[name] for name in self.columns]
+        common = object if any(column.dtype.kind == "U" for column in columns) else float
+        whole: NDArray[Any] = numpy.stack([column.astype(dtype or common) for column in columns], axis=1)
+        return whole
+
     def __getitem__(self, name: str) -> NDArray[Any]:
         """The values of a column as a NumPy array."""
         kind, values = self._table.values(name)
         numpy = _needed("numpy")
         return numpy.array(values) if kind == "str" else numpy.frombuffer(values, dtype=kind)
 
-    def last(self, name: str) -> Value:
-        """The last value of a column."""
-        kind, values = self._table.values(name)
+    @overload
+    def last(self, name: str) -> float: ...
+    @overload
+    def last(self, name: str, kind: type[Kind]) -> Kind: ...
+    def last(self, name: str, kind: type[Kind] | None = None) -> Any:
+        """The last value of a column, in its own type: a float, an int, a bool or a str. To a type checker it is a float, of which int
+        and bool are kinds; `last(name, str)` is a str to it, and an error if it is none."""
+        stored, values = self._table.values(name)
         if isinstance(values, list):
-            return values[-1]
-        code = {"float64": "=d", "int32": "=i", "bool": "=?"}[kind]
-        value: Value = struct.unpack(code, values[-struct.calcsize(code) :])[0]
-        return value
+            return _of_kind(name, values[-1], kind)
+        code = {"float64": "=d", "int32": "=i", "bool": "=?"}[stored]
+        return _of_kind(name, struct.unpack(code, values[-struct.calcsize(code) :])[0], kind)
 
     @property
     def frames(self) -> dict[int, NDArray[np.uint8]]:
@@ -133,21 +167,21 @@ class Results:
         return found
 
     def plot(self) -> Figure:
-        """The graphs of the scenario's report, by matplotlib."""
+        """The graphs of the run's page, by matplotlib: those that the scenario asks for, or the outputs of each unit."""
         _needed("matplotlib")
         from ._figure import NotebookFigure
 
-        graphs = tomllib.loads(self.resolved).get("report", {}).get("graphs", [])
+        graphs = self._graphs
         if not graphs:
-            raise _acroscope.InputError("the scenario has no [[report.graphs]]; r[...] gives the signals themselves")
+            raise _acroscope.InputError("the page of this run has no graphs; r[...] gives the signals themselves")
         figure = NotebookFigure(figsize=(8, 2.4 * len(graphs)), layout="constrained")
         axes = figure.subplots(len(graphs), sharex=True, squeeze=False)[:, 0]
         for axis, graph in zip(axes, graphs, strict=True):
             for line in graph["lines"]:
-                values = self[line["signal"]] - (self[line["minus"]] if "minus" in line else 0.0)
-                axis.plot(self["time"], values, linestyle=line.get("style", "solid"), label=line.get("label"))
+                values = self[line["signal"]] - (self[line["minus"]] if line["minus"] else 0.0)
+                axis.plot(self["time"], values, linestyle=line["style"], label=line["label"] or None)
             axis.set(title=graph["title"], ylabel=graph["y"])
-            if any("label" in line for line in graph["lines"]):
+            if any(line["label"] for line in graph["lines"]):
                 axis.legend()
         axes[-1].set_xlabel("time in s")
         return figure
@@ -160,69 +194,3 @@ class Results:
 
     def _repr_html_(self) -> str:
         return page(self.folder / "report.html")
-
-
-class Simulation:
-    """A scenario step by step.
-
-        sim = ac.Simulation("full-state", inputs=["plant.tau"])
-        while sim.step() is not None:
-            sim.set("plant.tau", my_controller(sim.get("plant.q1"), sim.get("plant.q2")))
-
-    `inputs` are taken from whatever drives them in the scenario, and yours to set. With `isolate` each unit runs in a process
-    of its own (on Linux).
-    """
-
-    def __init__(
-        self,
-        scenario: str | PathLike[str],
-        values: Mapping[str, Value] | None = None,
-        *,
-        stop: float | str | Fraction | None = None,
-        inputs: Sequence[str] = (),
-        isolate: bool = False,
-    ) -> None:
-        words = (os.fspath(scenario), dict(values or {}), _stop(stop), list(inputs), isolate)
-        self._inner = _acroscope.Simulation(*words)
-
-    @property
-    def time(self) -> float:
-        """Simulated time in s."""
-        return self._inner.time
-
-    @property
-    def resolved(self) -> str:
-        """The scenario with every value that is used, as TOML."""
-        return self._inner.resolved
-
-    @property
-    def notices(self) -> list[str]:
-        """What one should know, but what stops nothing."""
-        return self._inner.notices
-
-    def set(self, name: str, value: Value) -> None:
-        """Gives `instance.variable` a value: any start value before the run, an input or tunable parameter in it."""
-        self._inner.set(name, value)
-
-    def get(self, name: str) -> Value:
-        """The value of `instance.variable` now."""
-        return self._inner.get(name)
-
-    def step(self, until: float | None = None) -> float | None:
-        """On to the next communication point, or to the last one not later than `until`; its time, or None at the end."""
-        return self._inner.step() if until is None else self._inner.advance_to(float(until))
-
-    def save(self) -> _acroscope.State:
-        """The state now: of the units, the values between them, and what is under way with a delay."""
-        return self._inner.save()
-
-    def restore(self, state: _acroscope.State) -> None:
-        """Back to a saved state, of this simulation or of another one of the same scenario; from there the same bits."""
-        self._inner.restore(state)
-
-    def reset(self) -> None:
-        """Back to before the start; start values stay."""
-        self._inner.reset()
-
-    def __repr__(self) -> str:
-        return f"<Simulation at {self.time} s>"

@@ -15,9 +15,10 @@ pub fn told(error: orchestrator::Error) -> PyErr {
     }
 }
 
-/// An error that the user can mend.
+/// An error that the user can mend. A value was given in Python, and not by an option.
 pub fn input(error: impl Display) -> PyErr {
-    InputError::new_err(error.to_string())
+    let text = error.to_string();
+    InputError::new_err(text.strip_prefix("--set ").unwrap_or(&text).to_owned())
 }
 
 /// Any other error.

@@ -70,19 +70,19 @@ fn load(
     Ok(scenario)
 }
 
-/// Does `acroscope run` with these words, until Ctrl-C, and answers what it recorded.
+/// Does `acroscope run` with these words, until Ctrl-C, and answers what it recorded and the graphs of its page as JSON.
 #[pyfunction]
-fn run(py: Python<'_>, words: Vec<String>) -> PyResult<Table> {
+fn run(py: Python<'_>, words: Vec<String>) -> PyResult<(Table, String)> {
     let mut columns = Columns::default();
     let mut watch = Watch::default();
     let words = words.into_iter().map(Into::into);
     let ran = py.detach(|| acroscope::run(words, &mut columns, &mut watch));
     watch.interrupted()?;
-    ran.map_err(|error| match error.exit_status() {
+    let graphs = ran.map_err(|error| match error.exit_status() {
         2 => errors::input(error),
         _ => errors::other(error),
     })?;
-    Table::new(columns)
+    Ok((Table::new(columns)?, graphs))
 }
 
 /// The module.

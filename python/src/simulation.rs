@@ -1,6 +1,6 @@
 //! A scenario step by step, for controllers and experiments written in Python.
 
-use crate::errors::told;
+use crate::errors::{self, told};
 use crate::values::{to_python, value};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -81,17 +81,25 @@ impl Simulation {
         py.detach(|| self.lock().advance()).map_err(told)
     }
 
-    /// On to the last communication point that is not later than a time, and its time; looks for Ctrl-C every simulated
-    /// 0.1 s.
-    fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<f64> {
+    /// On to the last communication point that is not later than a time, and the time then, or `None` if it was at the end
+    /// already; looks for Ctrl-C every simulated 0.1 s.
+    fn advance_to(&self, py: Python<'_>, until: f64) -> PyResult<Option<f64>> {
         const LOOK: f64 = 0.1;
-        let mut next = py.detach(|| self.lock().time());
-        while next < time {
-            py.check_signals()?;
-            next = time.min(next + LOOK);
-            py.detach(|| self.lock().advance_to(next)).map_err(told)?;
+        let next = || py.detach(|| self.lock().next_point()).map_err(told);
+        let now = || py.detach(|| self.lock().time());
+        if until.is_nan() || until < now() {
+            let what = format!("until = {until}: a time in s that is not before the time now, {} s", now());
+            return Err(errors::input(what));
         }
-        Ok(py.detach(|| self.lock().time()))
+        if next()?.is_none() {
+            return Ok(None);
+        }
+        while let Some(point) = next()?.filter(|point| *point <= until) {
+            py.check_signals()?;
+            let look = until.min(point.max(now() + LOOK));
+            py.detach(|| self.lock().advance_to(look)).map_err(told)?;
+        }
+        Ok(Some(now()))
     }
 
     /// The state now.

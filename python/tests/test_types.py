@@ -53,3 +53,23 @@ reveal_type(ac.diagnose("set").verdict)
 @pytest.mark.parametrize("wrong", ["ac.run(3)", "ac.run('full-state', stopp=1)", "ac.Simulation('full-state').sett('a', 1)"])
 def test_types_refuse_what_is_wrong(wrong, tmp_path):
     assert "error:" in checked(f"import acroscope as ac\n{wrong}\n", tmp_path)
+
+
+def test_what_is_read_can_be_reckoned_with(tmp_path):
+    """A controller in Python, and names where lists of names are wanted."""
+    program = """
+import numpy as np
+import acroscope as ac
+with ac.Simulation("full-state", inputs="plant.tau") as sim:
+    sim.set("plant.tau", -2.0 * sim.get("plant.q1") - 0.5 * sim.get("plant.dq1"))
+    sim.set("plant.tau", np.float32(0.1))
+    text: str = sim.get("camera.frames_dir", str)
+    count: int = sim.get("camera.frame", int)
+    known: bool = sim.get("plant.contact", bool)
+r = ac.run("full-state")
+twice: float = 2 * r.last("plant.q1")
+names: list[str] = list(r)
+ac.diagnose("set", without="plant.b_joint", fit=["a.b"], budget=5.0)
+ac.sweep("full-state", {"plant.b_joint": [0.1, 0.2], "plant.q2_0": "0:1:0.5"}, until="plant.contact", values={"plant.k_tau": 1.1})
+"""
+    assert checked(program, tmp_path) == ""

@@ -63,6 +63,8 @@ pub struct CarriedOut {
     timing: Vec<String>,
     /// How well it kept to the real clock, if it had to.
     lateness: Option<Lateness>,
+    /// What its page shows.
+    pub layout: Layout,
     /// Its units, which are freed last: what they do then changes nothing of the above.
     _simulation: Simulation,
 }
@@ -202,8 +204,8 @@ impl Prepared {
         lateness: Option<Lateness>,
     ) -> CarriedOut {
         let replaced_starts = self.simulation.replaced_starts().to_vec();
-        let (folder, _simulation) = (self.shown, self.simulation);
-        CarriedOut { folder, summary, ended, replaced_starts, timing, lateness, _simulation }
+        let (folder, layout, _simulation) = (self.shown, self.layout, self.simulation);
+        CarriedOut { folder, summary, ended, replaced_starts, timing, lateness, layout, _simulation }
     }
 }
 

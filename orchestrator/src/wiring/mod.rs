@@ -5,12 +5,14 @@ mod layout;
 mod lines;
 mod names;
 mod order;
+mod overwritten;
 mod record;
 mod ticks;
 
 pub use check::table;
 pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
+pub(crate) use overwritten::overwriting;
 pub(crate) use ticks::clock;
 
 use crate::algorithm::Needs;
@@ -29,7 +31,7 @@ use crate::unit_path::UnitPath;
 use crate::value::{Kind, Value};
 use layout::{Layout, UnitBlocks};
 use record::Recorded;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use ticks::Ticks;
@@ -48,6 +50,8 @@ pub(crate) struct Wiring {
     /// Recorded values that no unit has, by name.
     pub(crate) derived: HashMap<String, Slot>,
     pub(crate) driven: HashMap<Variable, Place>,
+    /// Driven inputs that keep their start value until the first value arrives.
+    late: HashSet<Variable>,
     /// Start values that differ from the description's, unit by unit.
     pub(crate) sets: Vec<Vec<(usize, Value)>>,
     pub(crate) columns: Vec<Column>,
@@ -106,7 +110,9 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result
     system.units.iter_mut().for_each(find_plain);
     found.add_notices(scenario, needs);
     let Found { names, connections, recorded: chosen, driven, sets, notices, .. } = found;
-    Ok(Wiring {
+    let late = connections.iter().filter(|connection| !connection.direct).map(|connection| connection.to);
+    let wiring = Wiring {
+        late: late.collect(),
         plan: Plan::new(&names, &connections, &slots),
         start: Point { ticks: ticks.start, time: scenario.start.to_f64() },
         stop: scenario.stop.to_f64(),
@@ -124,7 +130,9 @@ pub(crate) fn wire(scenario: &Scenario, path: &UnitPath, needs: Needs) -> Result
         last_points,
         files,
         _unpacked: unpacked,
-    })
+    };
+    overwritten::refuse(scenario, &wiring)?;
+    Ok(wiring)
 }
 
 impl Found {
@@ -133,7 +141,7 @@ impl Found {
         let (mut notices, mut driven) = (Vec::new(), HashMap::new());
         let mut sets = start_values(scenario, &names)?;
         let connections = connections(scenario, &names, &mut driven, &mut notices)?;
-        let sources = sources(scenario, &names, &mut driven, &mut sets)?;
+        let sources = sources(scenario, &names, &mut driven, &mut sets, &mut notices)?;
         let recorded = record::chosen(scenario, &names, &connections)?;
         Ok(Self { names, connections, sources, recorded, driven, sets, notices })
     }
@@ -331,6 +339,7 @@ fn sources(
     names: &Names,
     driven: &mut HashMap<Variable, Place>,
     sets: &mut [Vec<(usize, Value)>],
+    notices: &mut Vec<String>,
 ) -> Result<Vec<Source>, Error> {
     let mut all = Vec::new();
     for entry in &scenario.sources {
@@ -339,6 +348,7 @@ fn sources(
         drive(driven, names, to, &entry.place)?;
         let variable = names.variable(to);
         let kind = variable.kind;
+        let written = sets[to.0].iter().find(|(known, _)| *known == to.1).map(|(_, start)| start.clone());
         let mut constant = None;
         if let SignalEntry::Constant(value) = &entry.signal {
             let expected = || match variable.items {
@@ -354,9 +364,13 @@ fn sources(
             sets[to.0].retain(|(known, _)| *known != to.1);
             constant = Some(typed.clone());
             sets[to.0].push((to.1, typed));
-            if kind == Kind::String {
-                continue;
-            }
+        }
+        // A resolved scenario repeats what a constant gives.
+        if let Some(start) = written.filter(|start| constant.as_ref() != Some(start)) {
+            notices.push(format!("{} = {start} gives way to its signal at {}", entry.to, entry.place));
+        }
+        if constant.is_some() && kind == Kind::String {
+            continue;
         }
         let signal = check::signal(&entry.signal, variable, constant.as_ref(), scenario.folder());
         let signal = signal.map_err(wrong)?;

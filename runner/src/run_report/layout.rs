@@ -4,7 +4,7 @@ use super::defaults;
 use super::verdict::VerdictEntry;
 use crate::error::Error;
 use orchestrator::{Kind, Scenario, Simulation};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What the page shows.
@@ -23,7 +23,7 @@ pub struct Layout {
 }
 
 /// One graph over time.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GraphEntry {
     /// Title above it.
@@ -35,7 +35,7 @@ pub struct GraphEntry {
 }
 
 /// One line: a recorded signal, or the difference of two.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LineEntry {
     /// `unit.variable`
@@ -51,7 +51,7 @@ pub struct LineEntry {
 }
 
 /// How a line is drawn.
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LineStyle {
     /// Connected points.
@@ -176,6 +176,12 @@ impl Layout {
     /// The graphs.
     pub fn graphs(&self) -> impl Iterator<Item = &GraphEntry> {
         self.graphs.iter().flatten()
+    }
+
+    /// The graphs as JSON, for a host that draws them itself.
+    pub fn graphs_as_json(&self) -> String {
+        // Texts only: nothing can fail.
+        serde_json::to_string(&self.graphs().collect::<Vec<_>>()).unwrap_or_default()
     }
 
     /// Every variable that the page needs.

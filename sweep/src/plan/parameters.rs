@@ -12,11 +12,8 @@ pub(super) fn parameters(study: &Study, simulation: &mut Simulation) -> Result<V
     for Parameter { name, place, .. } in &study.parameters {
         let found = variable(simulation, name, place)?;
         columns.push(Column { name: name.clone(), kind: found.kind, unit: found.unit.clone() });
-        let scenario = simulation.scenario();
-        let driven = scenario.connections.iter().map(|entry| (&entry.to, &entry.place));
-        let driven = driven.chain(scenario.sources.iter().map(|entry| (&entry.to, &entry.place)));
-        if let Some((_, by)) = driven.into_iter().find(|(to, _)| *to == name) {
-            let expected = format!("its signal at {by} would overwrite it: sweep a parameter");
+        if let Some(why) = simulation.overwritten(name) {
+            let expected = format!("{why}: sweep a parameter");
             return Err(Error::Study { place: place.clone(), what: format!("{name} is driven"), expected });
         }
     }

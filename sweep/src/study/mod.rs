@@ -129,3 +129,17 @@ impl Study {
         read::study(&text, &Origin::Words(places), stem, Path::new(""))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Study;
+    use crate::Reduce;
+
+    #[test]
+    fn law_the_shipped_study_takes_the_peak_of_the_torque() {
+        let study = Study::load("delay-and-rate").expect("it is shipped");
+        let tau = study.scalars.iter().find(|scalar| scalar.name == "tau").expect("it has one");
+        // The arm is held by torques of either sign: the largest of them says nothing of how hard the motor works.
+        assert!(matches!(tau.reduce, Reduce::Peak));
+    }
+}

@@ -64,7 +64,7 @@ pub(super) fn study(source: &str, origin: &Origin, name: String, folder: &Path) 
     };
     if study.scalars.is_empty() && study.signals.is_none() {
         let expected =
-            "[scalars], e.g. peak = { signal = \"plant.tau_applied\", reduce = \"max\" }, or [signals]";
+            "[scalars], e.g. peak = { signal = \"plant.tau_applied\", reduce = \"peak\" }, or [signals]";
         return Err(at.wrong(&(0..0), "nothing of a run would be kept", expected));
     }
     names(&study)?;

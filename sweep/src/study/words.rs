@@ -110,7 +110,7 @@ fn plain(typed: &str) -> String {
 
 fn scalar(typed: &str) -> Result<String, Error> {
     let expected =
-        "NAME=SIGNAL:REDUCE, e.g. peak=plant.tau_applied:max or rms=controller.z_desired-plant.z:rms";
+        "NAME=SIGNAL:REDUCE, e.g. peak=plant.tau_applied:peak or rms=controller.z_desired-plant.z:rms";
     let refused = |what: &str| wrong(&format!("--scalar {typed}"), what, expected);
     let (name, rest) = typed.split_once('=').ok_or_else(|| refused("it has no ="))?;
     let (signal, reduce) = rest.rsplit_once(':').ok_or_else(|| refused("it has no :"))?;

@@ -6,7 +6,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, name};
 use crate::rigs::acrobot::correction::{Correction, wiring};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
-use crate::rigs::acrobot::replay;
+use crate::rigs::acrobot::{parameters, replay};
 use orchestrator::{Scenario, Simulation, UnitPath};
 
 /// The amended scenario, as text that `acroscope run` accepts.
@@ -46,7 +46,7 @@ pub fn amended(
     }
     let plain = scenario.clone();
     let text = |scenario: &Scenario| Ok(Simulation::new(scenario, units).map_err(failed)?.resolved());
-    let replayed = replay::insert(&mut scenario, data).and_then(|words| {
+    let replayed = replay::insert(&mut scenario, data, model.number(parameters::LIMIT)).and_then(|words| {
         let text = text(&scenario).ok()?;
         Some(format!("# The amended model, fed with {words}.\n{text}"))
     });

@@ -9,8 +9,9 @@ use crate::rigs::acrobot::policy::POLICY;
 use orchestrator::Place;
 use orchestrator::scenario::{Scenario, Shape, SignalEntry, SourceEntry};
 
-/// Puts the inputs of the first run that has any into a scenario; what was done, in words, or `None` where nothing was logged.
-pub fn insert(scenario: &mut Scenario, data: &DataSet) -> Option<String> {
+/// Puts the inputs of the first run that has any into a scenario; what was done, in words, or `None` where nothing was logged. The links
+/// touch at `limit`, where the scenario has one.
+pub fn insert(scenario: &mut Scenario, data: &DataSet, limit: Option<f64>) -> Option<String> {
     let (run, log) = data.runs.iter().find_map(|run| Some((run, run.controller.as_ref()?)))?;
     let (from, to) = run.span();
     let begin = from.max(log.time.first().copied()?);
@@ -33,8 +34,15 @@ pub fn insert(scenario: &mut Scenario, data: &DataSet) -> Option<String> {
     }
     // a whole millisecond, which any step reaches
     scenario.set_stop(&format!("{:.3}", ((to - begin) * 1e3).floor().max(1.0) * 1e-3)).ok()?;
-    scenario.description = format!("The amended model beside {}: {words}", run.name);
+    scenario.description = described(run, words, limit.map(|limit| data.contact(limit)));
     Some(format!("{words} of {}, from {begin} s of its log on", run.name))
+}
+
+/// The title of the amended model's run. A fall at its end is then no fault of the model.
+fn described(run: &Run, words: &str, contact: Option<f64>) -> String {
+    let fell = contact.and_then(|contact| run.touches(contact)).is_some();
+    let end = if fell { ", which ended in a fall" } else { "" };
+    format!("The amended model beside {}{end}: {words}", run.name)
 }
 
 /// Whether a log has numbers in a column.
@@ -134,6 +142,21 @@ mod tests {
             let report = scenario.report.to_string();
             assert!(!report.contains("controller.") && report.contains("plant.q1"), "{name}: {report}");
             assert!(scenario.report.contains_key("verdict"), "{name}");
+        }
+    }
+
+    #[test]
+    fn law_a_run_that_ended_in_a_fall_is_told_as_such() {
+        let q2 = vec![0.1, 0.9, 2.35];
+        let plant = Table::new(vec![0.0, 0.1, 0.2], vec![("q1".into(), vec![0.0; 3]), ("q2".into(), q2)]);
+        let run = Run { name: "run-01".into(), camera: None, controller: None, plant: Some(plant) };
+        let told = |contact| described(&run, "the logged torque", contact);
+        assert_eq!(
+            told(Some(2.35)),
+            "The amended model beside run-01, which ended in a fall: the logged torque"
+        );
+        for contact in [None, Some(f64::INFINITY), Some(3.0)] {
+            assert_eq!(told(contact), "The amended model beside run-01: the logged torque");
         }
     }
 

@@ -144,7 +144,7 @@ def test_the_clock_of_two_runs_is_seen_without_scrolling(views, look, width, hei
 @pytest.mark.parametrize("width, height, scheme", LOOKS)
 def test_a_name_as_long_as_names_may_be_makes_no_page_wide(views, look, width, height, scheme):
     (views / "named.toml").write_text(OTHER.replace('"late', '"' + 200 * "l").replace("A delay", 200 * "d"))
-    acroscope("run", views / "named.toml", "--out", views / "named", "--force")
+    acroscope("run", views / "named.toml", "--out", views / "named")
     acroscope("view", views / "named", "-o", views / "named.html")
     for page in (look(views / "named.html", width, height, scheme), look(views / "named" / "report.html", width, height, scheme)):
         assert page.evaluate("document.documentElement.scrollWidth") <= width, "it scrolls sideways"

@@ -59,7 +59,7 @@ acro.options = function (described, data, state, host, height) {
       x: { time: false, range: (_, low, high) => { state.isWhole = low <= state.whole[0] && high >= state.whole[1]; return [low, high]; } },
       y: { range: (_, low, high) => acro.fitted(described, state, low, high) },
     },
-    axes: [{ ...axis, label: acro.fits(described.x, 44), size: 28 }, { ...axis, label: acro.fits(described.y, 40), size: wide }],
+    axes: [{ ...axis, label: acro.fits(described.x, 44), size: 28 }, { ...axis, label: acro.fits(described.y, 28), size: wide }],
     series: [{ label: described.x, value: (_, value) => acro.rounded(value) }, ...described.lines.map((line, number) => acro.series(line, number, data[0].length))],
     legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
     cursor: {

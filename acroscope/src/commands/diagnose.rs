@@ -186,7 +186,8 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             [] => tell!("next experiment: {}", next.what),
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
-        if diagnosis.counts_later() {
+        // where nothing is proposed nothing comes then
+        if diagnosis.counts_later() && (next.planned.is_some() || !next.separates.is_empty()) {
             tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
         }
     }

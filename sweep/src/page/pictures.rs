@@ -11,7 +11,7 @@ use report::{Axis, Bar, Graph, HeatMap, Line, Markup, Page, Readings};
 const PICTURES: usize = 6;
 const POINTS: usize = 4000;
 /// Share of the full colour that the smallest value of a map has.
-const PALE: f64 = 0.12;
+const PALE: f64 = 0.25;
 
 /// A parameter with several values, as an axis.
 struct Varied {

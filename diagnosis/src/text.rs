@@ -15,15 +15,14 @@ pub fn brief(value: f64) -> String {
     }
 }
 
-/// Numbers that stand in one row, with equally many decimals: the smallest has three digits. Where that would be too many, or one is
-/// large, all have an exponent.
+/// Numbers that stand in one row, with equally many decimals: the smallest has three digits. Where that would be too many, all have an
+/// exponent.
 pub fn alike<const N: usize>(values: [f64; N]) -> [String; N] {
-    let sizes = || values.iter().map(|value| value.abs()).filter(|size| *size > 0.0 && size.is_finite());
-    let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
-    // where nothing is but zeros
-    let least = if least.is_finite() { least } else { 1.0 };
+    let sizes = values.iter().map(|value| value.abs()).filter(|size| *size > 0.0 && size.is_finite());
+    // 1 where nothing is but zeros
+    let least = sizes.reduce(f64::min).unwrap_or(1.0);
     let decimals = (2.0 - least.log10().floor()).max(0.0);
-    match most < 1e6 && decimals <= 6.0 {
+    match decimals <= 6.0 {
         true => values.map(|value| format!("{value:.0$}", decimals as usize)),
         false => values.map(|value| format!("{value:.2e}")),
     }

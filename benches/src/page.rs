@@ -104,7 +104,7 @@ impl Row {
     }
 }
 
-const HEAD: [&str; 8] = ["what", "us", "peer", "peer's", "ratio", "to reach", "n", "remark"];
+const HEAD: [&str; 8] = ["what", "Acroscope", "peer", "peer's", "ratio", "to reach", "n", "remark"];
 
 /// Rows as a Markdown table.
 pub fn table(rows: &[Row]) -> String {

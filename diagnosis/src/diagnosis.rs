@@ -105,6 +105,13 @@ pub struct Gap {
     pub unit: String,
 }
 
+impl Gap {
+    /// The share that is closed in percent, as people are told it: what is left below noise is as good as noise.
+    pub fn percent(&self) -> Option<f64> {
+        self.closed.map(|closed| 100.0 * closed.min(1.0))
+    }
+}
+
 /// A residual that no candidate takes away.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Unknown {
@@ -296,6 +303,27 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// Whether the gap is judged on a part of a run, of which the search saw the rest: its name says from when to when.
+    pub fn left_out_a_part(&self) -> bool {
+        let whole = |name: &String| self.provenance.runs.iter().any(|used| used.run == *name);
+        !self.gap.held_out_runs.iter().all(whole)
+    }
+
+    /// On what the gap was judged, as the terminal says it.
+    pub fn judged_on(&self) -> String {
+        let runs = self.gap.held_out_runs.join(", ");
+        match self.gap.held_out_runs.as_slice() {
+            [] => "by cross-validation".to_owned(),
+            [_] if self.left_out_a_part() => {
+                format!("on a part left out ({runs}), for which the search was repeated without it")
+            }
+            _ if self.left_out_a_part() => {
+                format!("on parts left out ({runs}), for each of which the search was repeated without it")
+            }
+            _ => format!("on held-out runs ({runs}), for which the search was repeated without them"),
+        }
+    }
+
     /// Whether a diagnosis of other data would count this one (`--after`): it weighs the names that were found here.
     pub fn counts_later(&self) -> bool {
         let open = self.next_experiment.is_some() || self.verdict == Verdict::Unknown;
@@ -316,4 +344,36 @@ pub struct Trace {
     pub before: Vec<(f64, f64)>,
     /// The same with the amended model.
     pub after: Vec<(f64, f64)>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Diagnosis, Gap};
+    use crate::provenance::{Provenance, Used};
+
+    fn judged(runs: &[&str], held_out: &[&str]) -> Diagnosis {
+        let used = |run: &&str| Used { run: (*run).to_owned(), rows: std::collections::BTreeMap::new() };
+        let provenance = Provenance { runs: runs.iter().map(used).collect(), ..Provenance::default() };
+        let held_out_runs = held_out.iter().map(|run| (*run).to_owned()).collect();
+        Diagnosis { provenance, gap: Gap { held_out_runs, ..Gap::default() }, ..Diagnosis::default() }
+    }
+
+    #[test]
+    fn value_a_part_of_the_only_run_is_not_told_as_a_run() {
+        let (whole, part) =
+            (judged(&["a.csv", "b.csv"], &["b.csv"]), judged(&["a.csv"], &["a.csv from 7.0 to 10.0 s"]));
+        assert!(whole.judged_on().starts_with("on held-out runs (b.csv)") && !whole.left_out_a_part());
+        assert!(
+            part.judged_on().starts_with("on a part left out (a.csv from 7.0 to 10.0 s)"),
+            "{}",
+            part.judged_on()
+        );
+        assert_eq!(judged(&["a.csv"], &[]).judged_on(), "by cross-validation");
+    }
+
+    #[test]
+    fn value_no_gap_is_told_as_closed_by_more_than_all_of_it() {
+        let told = |closed| Gap { closed: Some(closed), ..Gap::default() }.percent();
+        assert_eq!([0.5, 1.0, 1.001].map(told), [Some(50.0), Some(100.0), Some(100.0)]);
+    }
 }

@@ -33,8 +33,21 @@ pub struct Dependence {
     pub name: String,
     /// Its unit; empty: none is known.
     pub unit: String,
-    /// Its value, and the residual there.
+    /// Its value, and the amended model's residual there.
     pub pairs: Vec<(f64, f64)>,
+    /// The same of the nominal model.
+    pub nominal: Vec<(f64, f64)>,
+}
+
+/// Neighbours along a state or an input, as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bin {
+    /// Mean of the state or input.
+    pub at: f64,
+    /// Mean residual.
+    pub mean: f64,
+    /// Rows in it.
+    pub rows: usize,
 }
 
 /// A log at a time: between two rows on the straight line, since rows that lie close are compared as their mean.
@@ -60,26 +73,41 @@ pub fn autocorrelation(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     (1..=most.min(points.len() / 2)).map(|lag| (lag as f64, at(lag))).collect()
 }
 
-/// Means of equally many neighbours in the first number of each pair: a dependence shows, single points don't hide it.
-pub fn binned(mut pairs: Vec<(f64, f64)>, bins: usize) -> Vec<(f64, f64)> {
-    pairs.retain(|(x, y)| x.is_finite() && y.is_finite());
+/// Means of neighbours in the first number of each pair, of as many in each bin as in any other, or one more: a dependence shows,
+/// single points don't hide it. Bins that stand at the same place are one.
+pub fn binned(pairs: &[(f64, f64)], bins: usize) -> Vec<Bin> {
+    let finite = |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite();
+    let mut pairs: Vec<(f64, f64)> = pairs.iter().filter(finite).copied().collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let size = pairs.len().div_ceil(bins.max(1)).max(1);
-    let mean = |part: &[(f64, f64)]| {
-        let many = part.len() as f64;
-        (
-            part.iter().map(|pair| pair.0).sum::<f64>() / many,
-            part.iter().map(|pair| pair.1).sum::<f64>() / many,
-        )
-    };
-    let mut means: Vec<(f64, f64)> = pairs.chunks(size).map(mean).collect();
-    means.dedup_by(|a, b| a.0 == b.0);
-    means
+    let bins = bins.clamp(1, pairs.len().max(1));
+    // the rows that are over are spread evenly: a last bin of few rows would scatter more than the others
+    let edge = |bin: usize| bin * pairs.len() / bins;
+    let means = (0..bins).filter_map(|bin| mean(&pairs[edge(bin)..edge(bin + 1)]));
+    let mut merged: Vec<Bin> = Vec::with_capacity(bins);
+    for next in means {
+        match merged.last_mut().filter(|last| last.at == next.at) {
+            Some(last) => {
+                let (own, more) = (last.rows as f64, next.rows as f64);
+                last.mean = (own * last.mean + more * next.mean) / (own + more);
+                last.rows += next.rows;
+            }
+            None => merged.push(next),
+        }
+    }
+    merged
+}
+
+/// One bin of pairs in order.
+fn mean(part: &[(f64, f64)]) -> Option<Bin> {
+    let (first, last) = (part.first()?.0, part.last()?.0);
+    let many = part.len() as f64;
+    let at = if first == last { first } else { part.iter().map(|pair| pair.0).sum::<f64>() / many };
+    Some(Bin { at, mean: part.iter().map(|pair| pair.1).sum::<f64>() / many, rows: part.len() })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{at, autocorrelation, binned};
+    use super::{Bin, at, autocorrelation, binned};
 
     #[test]
     fn value_autocorrelation_of_a_known_series() {
@@ -93,7 +121,24 @@ mod tests {
     #[test]
     fn value_bins_are_means_of_neighbours() {
         let pairs = vec![(3.0, 30.0), (1.0, 10.0), (4.0, 40.0), (2.0, f64::NAN), (2.0, 20.0)];
-        assert_eq!(binned(pairs, 2), [(1.5, 15.0), (3.5, 35.0)]);
+        let bin = |at: f64, mean: f64, rows: usize| Bin { at, mean, rows };
+        assert_eq!(binned(&pairs, 2), [bin(1.5, 15.0, 2), bin(3.5, 35.0, 2)]);
+        // a switch has two values: what lies at one of them is one bin, whatever its neighbours are
+        let switch: Vec<(f64, f64)> =
+            (0..9).map(|row| (if row < 4 { 0.1 } else { 0.3 }, f64::from(row))).collect();
+        assert_eq!(binned(&switch, 9), [bin(0.1, 1.5, 4), bin(0.3, 6.0, 5)]);
+        assert!(binned(&[], 3).is_empty());
+    }
+
+    #[test]
+    fn law_no_bin_has_more_than_one_row_more_than_another() {
+        for rows in [23, 24, 25, 130, 601, 1201] {
+            let pairs: Vec<(f64, f64)> = (0..rows).map(|row| (f64::from(row), 0.0)).collect();
+            let each: Vec<usize> = binned(&pairs, 24).iter().map(|bin| bin.rows).collect();
+            let (least, most) = (each.iter().min().expect("bins"), each.iter().max().expect("bins"));
+            assert!(most - least <= 1, "{rows} rows: {each:?}");
+            assert_eq!((each.len(), each.iter().sum::<usize>()), (24.min(rows as usize), rows as usize));
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, Member, NextExperimen
 use crate::error::Error;
 use crate::planned;
 use crate::report_graphs;
-use crate::text::brief;
+use crate::text::{alike, brief};
 use report::{Cell, Figure, Page, Standing, Table};
 
 /// The page.
@@ -12,7 +12,7 @@ use report::{Cell, Figure, Page, Standing, Table};
 /// # Errors
 /// A graph can't be drawn.
 pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
-    let mut page = Page::new("Diagnosis");
+    let mut page = Page::new(title(diagnosis));
     show_verdict(diagnosis, &mut page);
     show_missing(diagnosis, &mut page)?;
     show_next(diagnosis, &mut page)?;
@@ -30,6 +30,14 @@ pub fn html(diagnosis: &Diagnosis) -> Result<String, Error> {
         }
     }
     Ok(page.to_html())
+}
+
+/// Two pages side by side are told apart by their data sets.
+fn title(diagnosis: &Diagnosis) -> String {
+    match diagnosis.provenance.data.as_str() {
+        "" => "Diagnosis".to_owned(),
+        data => format!("Diagnosis of {data}"),
+    }
 }
 
 /// The answer, whether it ended early, and where it comes from.
@@ -146,8 +154,8 @@ fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
     // of an unlisted input alone no gap closes, whatever was found of it
     let alone = diagnosis.effects.is_empty() && what_stays_open(diagnosis).is_some();
-    if let Some(closed) = diagnosis.gap.closed.filter(|_| diagnosis.verdict != Verdict::None && !alone) {
-        let percent = (1e3 * closed).round() / 10.0;
+    if let Some(closed) = diagnosis.gap.percent().filter(|_| diagnosis.verdict != Verdict::None && !alone) {
+        let percent = (10.0 * closed).round() / 10.0;
         figures.push(Figure { label: "gap closed".into(), value: Some(percent), unit: "%".into() });
     }
     let standing = match diagnosis.verdict {
@@ -290,12 +298,12 @@ fn terms(correction: &Correction) -> Table {
 }
 
 fn describe_experiment(next: &NextExperiment) -> String {
-    let mut text = next.what.clone();
+    let mut text = format!("{}.", sentence(next.what.trim_end_matches('.')));
     if !next.separates.is_empty() {
         text += &format!(" It tells apart: {}.", next.separates.join(", "));
     }
     for group in &next.leaves_open {
-        text += &format!(" It leaves open: {}.", group.join(", "));
+        text += &format!(" It does not tell apart: {}.", group.join(", "));
     }
     if let Some(file) = &next.scenario {
         text += &format!(" Its scenario is {file}.");
@@ -341,16 +349,9 @@ fn describe_judgement(diagnosis: &Diagnosis) -> String {
 fn gaps(gaps: &[Gap]) -> Table {
     let head = ["signal", "unit", "before", "after", "noise alone", "closed"];
     let rows = gaps.iter().map(|gap| {
-        let number = |value: f64| Cell::Number(brief(value));
-        let closed = gap.closed.map_or("no gap".to_owned(), |closed| format!("{:.1} %", 100.0 * closed));
-        vec![
-            gap.signal.clone().into(),
-            gap.unit.clone().into(),
-            number(gap.before),
-            number(gap.after),
-            number(gap.floor),
-            Cell::Number(closed),
-        ]
+        let closed = gap.percent().map_or("no gap".to_owned(), |percent| format!("{percent:.1} %"));
+        let [before, after, floor] = alike([gap.before, gap.after, gap.floor]).map(Cell::Number);
+        vec![gap.signal.clone().into(), gap.unit.clone().into(), before, after, floor, Cell::Number(closed)]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }
 }
@@ -365,4 +366,27 @@ fn places(diagnosis: &Diagnosis) -> Table {
         ]
     });
     Table { head: ["signal", "share", "when", "where"].map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::describe_experiment;
+    use crate::diagnosis::NextExperiment;
+
+    #[test]
+    fn value_an_experiment_is_told_in_sentences_that_do_not_contradict_each_other() {
+        let pair = || vec!["box.C".to_owned(), "box.k".to_owned()];
+        let next = |separates, leaves_open| NextExperiment {
+            what: "drive box.u".into(),
+            separates,
+            scenario: None,
+            leaves_open,
+            separation: Vec::new(),
+            told: 9.0,
+            planned: None,
+        };
+        let told = |separates, leaves_open| describe_experiment(&next(separates, leaves_open));
+        assert_eq!(told(pair(), vec![]), "Drive box.u. It tells apart: box.C, box.k.");
+        assert_eq!(told(vec![], vec![pair()]), "Drive box.u. It does not tell apart: box.C, box.k.");
+    }
 }

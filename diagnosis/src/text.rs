@@ -15,9 +15,31 @@ pub fn brief(value: f64) -> String {
     }
 }
 
+/// Numbers that stand in one row, with equally many decimals: the smallest has three digits. Where that would be too many, all have an
+/// exponent.
+pub fn alike<const N: usize>(values: [f64; N]) -> [String; N] {
+    let sizes = values.iter().map(|value| value.abs()).filter(|size| *size > 0.0 && size.is_finite());
+    // 1 where nothing is but zeros
+    let least = sizes.reduce(f64::min).unwrap_or(1.0);
+    let decimals = (2.0 - least.log10().floor()).max(0.0);
+    match decimals <= 6.0 {
+        true => values.map(|value| format!("{value:.0$}", decimals as usize)),
+        false => values.map(|value| format!("{value:.2e}")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::brief;
+    use super::{alike, brief};
+
+    #[test]
+    fn value_numbers_of_a_row_have_one_notation() {
+        assert_eq!(alike([0.015_566, 0.005_342, 0.005_492]), ["0.01557", "0.00534", "0.00549"]);
+        assert_eq!(alike([2.269, 2.142, 0.056_4]), ["2.2690", "2.1420", "0.0564"]);
+        assert_eq!(alike([1234.0, 250.0]), ["1234", "250"]);
+        assert_eq!(alike([2e-7, 0.0]), ["2.00e-7", "0.00e0"]);
+        assert_eq!(alike([0.0, 0.0]), ["0.00", "0.00"]);
+    }
 
     #[test]
     fn value_numbers_have_three_digits() {

@@ -59,8 +59,8 @@ acro.options = function (described, data, state, host, height) {
       x: { time: false, range: (_, low, high) => { state.isWhole = low <= state.whole[0] && high >= state.whole[1]; return [low, high]; } },
       y: { range: (_, low, high) => acro.fitted(described, state, low, high) },
     },
-    axes: [{ ...axis, label: described.x, size: 28 }, { ...axis, label: described.y, size: wide }],
-    series: [{ label: described.x, value: (_, value) => acro.text(value) }, ...described.lines.map((line, number) => acro.series(line, number, data[0].length))],
+    axes: [{ ...axis, label: acro.fits(described.x, 44), size: 28 }, { ...axis, label: acro.fits(described.y, 28), size: wide }],
+    series: [{ label: described.x, value: (_, value) => acro.rounded(value) }, ...described.lines.map((line, number) => acro.series(line, number, data[0].length))],
     legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
     cursor: {
       x: true, y: false, drag: { x: true, y: false, dist: 6 }, points: { size: 6 },
@@ -69,16 +69,25 @@ acro.options = function (described, data, state, host, height) {
     },
     hooks: {
       setScale: [(plot, scale) => { if (scale === "x") { acro.link(plot, described); state.reset.hidden = state.isWhole; } }],
+      setLegend: [acro.exact],
       draw: [(plot) => { if (described.event) acro.upright(plot, described.event[0]); }],
     },
   };
+};
+
+// Every digit of the values in the legend, for whom seven are too few: as an attribute.
+acro.exact = function (plot) {
+  plot.root.querySelectorAll(".u-value").forEach((cell, line) => {
+    const row = plot.legend.idxs[line];
+    cell.dataset.exact = row == null ? "" : acro.text(plot.data[line][row]);
+  });
 };
 
 acro.dashes = (line) => ({ dashed: "dashed", dotted: "dotted", dots: "dotted", crosses: "dotted" })[line && line.style] || "solid";
 
 acro.series = function (line, number, rows) {
   const colour = () => acro.colour("line" + (number % 6));
-  const made = { label: line.label, stroke: colour, width: 1.5, value: (_, value) => acro.text(value), points: { show: false } };
+  const made = { label: line.label, stroke: colour, width: 1.5, value: (_, value) => acro.rounded(value), points: { show: false } };
   if (line.style === "dashed") made.dash = [7, 4];
   if (line.style === "dotted") made.dash = [2, 3];
   if (line.style === "dots" || line.style === "crosses") {
@@ -177,7 +186,7 @@ acro.column = function (number) {
 acro.drawAll = function () {
   const figures = [...document.querySelectorAll("figure[data-graph]")];
   if (figures.length > 0) {
-    const words = "Drag over a graph to zoom, double click for the whole range. The values below a graph are the data's own, at the cursor.";
+    const words = "Drag over a graph to zoom, double click for the whole range. The values below a graph are those of the data at the cursor, to seven digits.";
     (figures[0].closest(".row") || figures[0]).before(acro.element("p", { class: "graph-hint" }, words));
     acro.column(0);
   }

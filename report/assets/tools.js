@@ -14,6 +14,12 @@ acro.element = function (tag, attributes, ...children) {
 // The shortest text that reads back as the same double; a dash where there is none.
 acro.text = (value) => (value == null ? "–" : String(value));
 
+// The same to seven digits, for eyes.
+acro.rounded = (value) => (typeof value === "number" && Number.isFinite(value) ? String(Number(value.toPrecision(7))) : acro.text(value));
+
+// A label that fits on an axis.
+acro.fits = (label, most) => (label.length > most ? label.slice(0, most - 1) + "…" : label);
+
 // Labels of an axis with as many decimals as its steps ask for.
 acro.ticks = function (values, step) {
   const largest = Math.max(...values.map(Math.abs));

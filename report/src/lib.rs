@@ -25,7 +25,7 @@ pub use field::VectorField;
 pub use filter::{Filtered, Marked};
 pub use graph::{Axis, Graph, Line, Marks, Style};
 pub use head::{Change, Figure, Input, Origin, Program, Provenance, Standing, Verdict};
-pub use map::{Contour, HeatMap};
+pub use map::{Bar, Contour, HeatMap};
 pub use maud::{Markup, PreEscaped};
 pub use page::{Cell, Page, Table};
 pub use picture::Picture;

@@ -24,6 +24,17 @@ pub struct HeatMap {
     pub values: Vec<f64>,
     /// Curves over the cells.
     pub contours: Vec<Contour>,
+    /// What the colours stand for.
+    pub bar: Option<Bar>,
+}
+
+/// A colour bar: what the colours of a map stand for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bar {
+    /// What is shown, with its unit.
+    pub label: String,
+    /// Share of the full colour, and the value that it stands for: of the least value and of the greatest one.
+    pub ends: [(f64, f64); 2],
 }
 
 /// A curve over the cells.
@@ -62,6 +73,8 @@ impl HeatMap {
         let titled = root.titled(&self.title, (FONT, 16))?;
         let (top, plot) = titled.split_vertically(legend::height(&entries));
         legend::draw(&top, &entries)?;
+        let wide = plot.dim_in_pixel().0 as i32;
+        let (plot, beside) = plot.split_horizontally(if self.bar.is_some() { wide - BAR } else { wide });
         let mut chart = ChartBuilder::on(&plot)
             .margin(8)
             .x_label_area_size(38)
@@ -84,6 +97,9 @@ impl HeatMap {
             let colour = crate::graph::colour(index);
             chart.draw_series(LineSeries::new(contour.points.iter().copied(), colour.stroke_width(2)))?;
         }
+        if let Some(bar) = &self.bar {
+            bar.draw(&beside)?;
+        }
         root.present()
     }
 
@@ -97,6 +113,32 @@ impl HeatMap {
                 Some(Rectangle::new([corner, opposite], shade(*value).filled()))
             },
         )
+    }
+}
+
+/// Room of a colour bar, its own width, and how many steps it has, in pixels.
+const BAR: i32 = 96;
+const BAR_WIDTH: i32 = 16;
+const STEPS: i32 = 40;
+
+impl Bar {
+    /// Draws the bar from above down, the greatest value at the top, with three values beside it.
+    fn draw(&self, area: &Area<'_>) -> Result<(), Refusal> {
+        let [(pale, low), (full, high)] = self.ends;
+        // as high as the frame of the map beside it
+        let (top, bottom) = (22, area.dim_in_pixel().1 as i32 - 8 - 38);
+        let at = |step: i32| bottom - (bottom - top) * step / STEPS;
+        for step in 0..STEPS {
+            let share = pale + (full - pale) * f64::from(step) / f64::from(STEPS - 1);
+            let corners = [(0, at(step + 1)), (BAR_WIDTH, at(step))];
+            area.draw(&Rectangle::new(corners, shade(share).filled()))?;
+        }
+        for share in [0.0, 0.5, 1.0] {
+            let place = bottom - (f64::from(bottom - top) * share) as i32;
+            let text = crate::head::short(low + (high - low) * share);
+            area.draw(&Text::new(text, (BAR_WIDTH + 6, place - 7), (FONT, 13)))?;
+        }
+        area.draw(&Text::new(self.label.clone(), (0, 0), (FONT, 13)))
     }
 }
 
@@ -116,7 +158,7 @@ fn shade(value: f64) -> RGBColor {
 
 #[cfg(test)]
 mod tests {
-    use super::{Contour, HeatMap};
+    use super::{Bar, Contour, HeatMap, STEPS, shade};
     use crate::Axis;
 
     /// Numbers of an attribute of all elements of a kind.
@@ -138,6 +180,7 @@ mod tests {
             y_edges: vec![0.0, 1.0, 2.0],
             values: vec![0.0, 0.3, 0.6, 1.0],
             contours: vec![Contour { label: "boundary".into(), points: vec![(0.0, 2.0), (2.0, 0.0)] }],
+            bar: None,
         };
         let svg = map.to_svg().expect("it can be drawn");
         let words = svg.split("boundary").next().expect("text").rsplit("<text ").next().expect("its tag");
@@ -146,5 +189,34 @@ mod tests {
         let cells = all(&svg, "rect", "y").into_iter().skip(1).fold(f64::INFINITY, f64::min);
         assert!(legend < cells, "legend at {legend}, cells from {cells} on\n{svg}");
         assert_eq!(svg.matches("<rect").count(), 5, "paper and four cells, no box of a legend");
+    }
+
+    #[test]
+    fn law_a_bar_goes_from_the_colour_of_the_least_value_to_that_of_the_greatest() {
+        let map = HeatMap {
+            title: String::new(),
+            x: Axis::over("x", 0.0, 2.0),
+            y: Axis::over("y", 0.0, 1.0),
+            log_x: false,
+            x_edges: vec![0.0, 1.0, 2.0],
+            y_edges: vec![0.0, 1.0],
+            values: vec![0.12, 1.0],
+            contours: Vec::new(),
+            bar: Some(Bar { label: "fell in s".into(), ends: [(0.12, 0.5), (1.0, 4.5)] }),
+        };
+        let svg = map.to_svg().expect("it can be drawn");
+        // paper and cells come first: the cells of a page are counted so
+        let rects: Vec<&str> = svg.split("<rect ").skip(1).collect();
+        assert_eq!(rects.len(), 1 + 2 + STEPS as usize);
+        let colour = |share: f64| {
+            let plotters::style::RGBColor(r, g, b) = shade(share);
+            format!("#{r:02X}{g:02X}{b:02X}").to_lowercase()
+        };
+        let drawn = |place: usize, share: f64| rects[place].to_lowercase().contains(&colour(share));
+        assert!(drawn(1, 0.12) && drawn(2, 1.0), "{}", rects[1]);
+        assert!(drawn(3, 0.12) && drawn(2 + STEPS as usize, 1.0), "{}", rects[3]);
+        for words in ["fell in s", "0.5", "2.5", "4.5"] {
+            assert!(svg.contains(words), "{words} is beside the bar");
+        }
     }
 }

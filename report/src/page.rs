@@ -51,6 +51,8 @@ impl From<String> for Cell {
 }
 
 const STYLE: &str = include_str!("../assets/page.css");
+/// Columns from which on a table is no table on a phone.
+const CARDS: usize = 5;
 
 impl Page {
     /// An empty page.
@@ -186,11 +188,16 @@ impl Page {
 
 /// A table for a place that the caller chooses.
 pub fn table(table: &Table) -> Markup {
+    // On a phone a row of many cells stands as lines: moved sideways, it would be cut in the middle of a number.
+    let cards = table.head.len() >= CARDS;
+    let head = |place: usize| table.head.get(place).filter(|_| cards).map(String::as_str);
     html! {
         // A keyboard can scroll what has the focus.
-        div.scroll tabindex="0" { table {
+        div.scroll.cards[cards] tabindex="0" { table {
             thead { tr { @for name in &table.head { @if name.is_empty() { td {} } @else { th { (name) } } } } }
-            tbody { @for row in &table.rows { tr { @for cell in row { (cell_markup(cell, None)) } } } }
+            tbody { @for row in &table.rows { tr {
+                @for (place, cell) in row.iter().enumerate() { (cell_markup(cell, head(place))) }
+            } } }
         } }
     }
 }
@@ -258,6 +265,17 @@ mod tests {
             html.contains("a &lt; b") && html.contains("&lt;script&gt;") && html.contains("<th>&amp;</th>")
         );
         assert!(!html.contains("<script>"));
+    }
+
+    #[test]
+    fn law_the_cells_of_a_wide_table_say_their_column() {
+        let of = |columns: usize| {
+            let names = || (0..columns).map(|column| format!("h{column}"));
+            let row = names().map(|name| Cell::Number(format!("{name} = 1")));
+            super::table(&Table { head: names().collect(), rows: vec![row.collect()] }).into_string()
+        };
+        assert!(of(6).contains("scroll cards") && of(6).contains("data-label=\"h5\">h5 = 1"));
+        assert!(!of(3).contains("cards") && !of(3).contains("data-label"), "three columns fit");
     }
 
     #[test]

@@ -188,6 +188,7 @@ fn value_cells_are_as_blue_as_their_values() {
         y_edges: vec![0.0, 1.0],
         values: vec![0.0, 0.5, 1.0],
         contours: vec![Contour { label: "edge".into(), points: vec![(-2.0, 0.0), (1.0, 1.0)] }],
+        bar: None,
     };
     let svg = map(true).to_svg().expect("drawn");
     // Three quarters of the way from white to (0, 114, 178) at 1, half of these at 0.5.
@@ -286,6 +287,7 @@ fn law_a_page_has_the_scripts_that_it_needs_and_no_others() {
         y_edges: vec![0.0, 1.0],
         values: vec![0.5],
         contours: Vec::new(),
+        bar: None,
     };
     let count = |maps: u32| {
         let mut page = Page::new("maps");

@@ -196,6 +196,7 @@ fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<Stri
         y_edges,
         values,
         contours: vec![Contour { label: "spectral radius 1 (theory)".to_owned(), points: boundary.to_vec() }],
+        bar: None,
     };
     Ok(map.to_svg()?)
 }

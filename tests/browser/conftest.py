@@ -87,9 +87,13 @@ def rows(folder):
 
 
 def shown(page, graph):
-    """What the legend of a graph says: numbers in the order of its lines, the time first."""
-    values = page.locator(".plot").nth(graph).locator(".u-value").all_inner_texts()
-    return [float(value) for value in values]
+    """What the legend of a graph says, with every digit: numbers in the order of its lines, the time first. Eyes get seven digits."""
+    cells = page.locator(".plot").nth(graph).locator(".u-value")
+    pairs = cells.evaluate_all("(cells) => cells.map((cell) => [cell.textContent, cell.dataset.exact])")
+    values = [float(exact) for _, exact in pairs]
+    assert [float(text) for text, _ in pairs] == pytest.approx(values, rel=5e-7, abs=0)
+    assert all(len(text.strip("-").replace(".", "").split("e")[0].lstrip("0")) <= 7 for text, _ in pairs), pairs
+    return values
 
 
 def violations(page):

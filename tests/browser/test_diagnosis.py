@@ -46,6 +46,30 @@ def test_measured_is_the_log_and_amended_comes_nearer_than_nominal(report, look)
     assert off["amended"] < 0.3 * off["nominal"], off
 
 
+def test_a_tab_says_of_which_data_it_is(report, look):
+    page = look(report)
+    assert page.title() == page.locator("h1").inner_text() == f"Diagnosis of {DATA}"
+
+
+def test_no_table_is_cut_on_a_phone(report, look):
+    page = look(report, 390, 844)
+    cut = "(tables) => tables.map((table) => table.scrollWidth - table.clientWidth)"
+    assert set(page.locator(".scroll").evaluate_all(cut)) == {0}
+    # The interval stands behind its own head.
+    assert page.locator("td[data-label='95 %']").first.is_visible() and not page.locator(".cards thead").first.is_visible()
+
+
+def test_the_page_draws_what_was_found_and_says_nothing_else_of_it(report, look):
+    page = look(report)
+    titles = page.locator(".graph-head h3").all_inner_texts()
+    # Friction shows in the second link's angle; the camera, which has no gap, is not taken as lacking anything.
+    assert "Residual of plant.q2 over dq2" in titles and "Residual of plant.q2: autocorrelation" in titles
+    words = page.locator("main").inner_text()
+    assert "plant.q2 has" in words and "no memory" not in words
+    camera = [title for title in titles if title.startswith("Residual of camera.")]
+    assert not camera or "Memory alone does not say" in words
+
+
 @pytest.fixture(scope="module")
 def motor(tmp_path_factory):
     """The page of a machine that is not ours: a motor in C, whose logs lack nothing but what was hidden."""

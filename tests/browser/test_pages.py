@@ -17,6 +17,13 @@ def test_every_page_fits_and_can_be_read(runs, look, run, width, height, scheme)
     assert page.locator(".verdict").bounding_box()["y"] < page.locator("table, figure").first.bounding_box()["y"]
 
 
+def test_the_picture_of_a_run_that_failed_is_of_before_and_says_when(runs, look):
+    caption = look(runs / "fell" / "report.html").locator("figcaption").filter(has_text="frame").last.inner_text()
+    assert "delivered at t = " in caption and "the last one kept before the failure at " in caption
+    caption = look(runs / "balanced" / "report.html").locator("figcaption").filter(has_text="frame").last.inner_text()
+    assert "delivered at t = " in caption and "failure" not in caption
+
+
 def test_hover_gives_the_values_of_the_file(runs, look):
     page = look(runs / "balanced" / "report.html")
     by_time = {row["time"]: row for row in rows(runs / "balanced")}

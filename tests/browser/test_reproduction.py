@@ -115,3 +115,9 @@ def test_the_sliders_show_the_lens(site, look):
     # (8): s2 r^2.
     assert said.inner_text().startswith(f"Largest displacement: {0.1 * 2 * 0.95**2:.4f} image units")
     assert page.locator("#lens output").all_inner_texts() == ["0.000", "0.000", "0.000", "0.000", "0.100"]
+
+
+def test_no_name_is_broken(site, look):
+    page = look(site / "index.html", 1400, 900)
+    lines = page.locator(".filtered td:first-child a").evaluate_all("(links) => links.map((link) => [link.textContent, link.getClientRects().length])")
+    assert lines and [name for name, count in lines if count > 1] == []

@@ -61,6 +61,26 @@ def test_a_map_tells_the_value_of_each_cell(swept, look):
     figure.locator("rect.marked").hover()
 
 
+def test_larger_is_darker_on_every_map_and_a_bar_says_how_large(swept, look):
+    page = look(swept / "two" / "report.html")
+    for name in ("rms", "fell"):
+        figure = page.locator("figure.map").filter(has_text="rms of" if name == "rms" else "first time of")
+        there = sorted((case["camera.T_delay"], case["camera.omega_cam"], case[name]) for case in cases(swept / "two") if case[name] is not None)
+        blue = "(cells) => cells.map((cell) => parseInt((cell.getAttribute('fill') || '').slice(1, 3), 16))"
+        # Rows of the map go up with the delay, as the cases do; the paper comes first, the bar last.
+        red = figure.locator("rect").evaluate_all(blue)[1 : 1 + len(there)]
+        values = [value for _, _, value in there]
+        assert min(red) == red[values.index(max(values))] and max(red) == red[values.index(min(values))], (name, red, values)
+        words = figure.locator("svg").inner_html()
+        assert all(f"{end:.4g}" in words for end in (min(values), max(values))), name
+    assert "earliest fell" in page.locator(".verdict").inner_text()
+
+
+def test_a_map_turns_dark_with_its_page(swept, look):
+    page = look(swept / "two" / "report.html", scheme="dark")
+    assert "invert" in page.locator("figure.map > svg").first.evaluate("(svg) => getComputedStyle(svg).filter")
+
+
 def test_cases_are_narrowed_to_those_that_fell(swept, look):
     page = look(swept / "two" / "report.html")
     fell = [case["case"] for case in cases(swept / "two") if case["fell"] is not None]

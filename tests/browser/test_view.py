@@ -130,6 +130,26 @@ def test_two_runs_stand_side_by_side_on_one_clock(views, look):
     assert page.locator(".plot").last.locator(".u-label").all_inner_texts()[1:] == ["plant.dq1 (A)", "plant.dq1 (B)"]
 
 
+@pytest.mark.parametrize("width, height", [(1400, 900), (1280, 720)])
+def test_the_clock_of_two_runs_is_seen_without_scrolling(views, look, width, height):
+    page = look(views / "two.html", width, height)
+    for name in ("#play", "#clock"):
+        box = page.locator(name).bounding_box()
+        assert 0 <= box["y"] and box["y"] + box["height"] <= height, (name, box)
+    page.mouse.wheel(0, 600)
+    page.wait_for_function("scrollY > 100")
+    assert page.locator("#play").bounding_box()["y"] >= 0, "it stays"
+
+
+@pytest.mark.parametrize("width, height, scheme", LOOKS)
+def test_a_name_as_long_as_names_may_be_makes_no_page_wide(views, look, width, height, scheme):
+    (views / "named.toml").write_text(OTHER.replace('"late', '"' + 200 * "l").replace("A delay", 200 * "d"))
+    acroscope("run", views / "named.toml", "--out", views / "named")
+    acroscope("view", views / "named", "-o", views / "named.html")
+    for page in (look(views / "named.html", width, height, scheme), look(views / "named" / "report.html", width, height, scheme)):
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, "it scrolls sideways"
+
+
 def test_a_scenario_without_our_machine_shows_signals_and_connections(views, look):
     page = look(views / "other.html")
     assert page.locator("canvas.scene").count() == 0 and page.locator(".plot").count() > 0

@@ -58,12 +58,14 @@ pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
     page.push(html! {
         div.view.two[two] {
             div.left {
+                // Four pictures are higher than a screen: the clock would be below it.
+                @if two { (player()) }
                 div.stages {
                     @for (number, (run, machine)) in runs.iter().zip(&machines).enumerate() {
                         (stage(number, run, machine.as_ref(), two))
                     }
                 }
-                (player())
+                @if !two { (player()) }
                 @if let Some(wired) = beside { (wired) }
             }
             div.signals { h2 { "Signals" } (places) (picker()) }

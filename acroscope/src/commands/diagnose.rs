@@ -135,19 +135,13 @@ fn unknown(unknown: &Unknown) {
 }
 
 /// How far the gap closes, in percent, and on what.
-fn closes(percent: f64, held_out: &[String]) -> String {
+fn closes(percent: f64, judged_on: &str) -> String {
     let share = if percent < 0.5 {
         "nothing of the gap closes".into()
     } else {
         format!("the gap closes by {percent:.0} %")
     };
-    match held_out {
-        [] => format!("{share} by cross-validation"),
-        runs => format!(
-            "{share} on held-out runs ({}), for which the search was repeated without them",
-            runs.join(", ")
-        ),
-    }
+    format!("{share} {judged_on}")
 }
 
 /// The verdict in a few lines, and where it comes from.
@@ -181,8 +175,8 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
         );
     }
     let better = !diagnosis.effects.is_empty() || diagnosis.correction.is_some();
-    if let Some(closed) = diagnosis.gap.closed.filter(|_| better) {
-        tell!("{}", closes(100.0 * closed, &diagnosis.gap.held_out_runs));
+    if let Some(percent) = diagnosis.gap.percent().filter(|_| better) {
+        tell!("{}", closes(percent, &diagnosis.judged_on()));
     }
     if let Some(open) = diagnosis.unknown.as_ref().and_then(Unknown::left_open) {
         tell!("{open}.");
@@ -192,7 +186,8 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
             [] => tell!("next experiment: {}", next.what),
             names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
         }
-        if diagnosis.counts_later() {
+        // where nothing is proposed nothing comes then
+        if diagnosis.counts_later() && (next.planned.is_some() || !next.separates.is_empty()) {
             tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
         }
     }

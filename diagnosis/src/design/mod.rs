@@ -88,38 +88,55 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
         .collect();
     let tried = ranked(tried);
     let (best, losses) = tried.first()?;
-    let separates: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
-    let open = pairs_left_open(losses).into_iter();
-    let leaves_open: Vec<Vec<String>> =
-        open.map(|(a, b)| vec![separates[a].clone(), separates[b].clone()]).collect();
+    let names: Vec<String> = question.class.iter().map(|member| question.name(member)).collect();
+    let named = |places: &[usize]| places.iter().map(|place| names[*place].clone()).collect::<Vec<_>>();
     let separation = tried.iter().map(|(place, losses)| {
         let (a, b, loss) = hardest_pair(losses);
         Separation {
             experiment: waves[*place].what.clone(),
             loss: Some(loss),
-            pair: vec![separates[a].clone(), separates[b].clone()],
+            pair: named(&[a, b]),
             certainty: None,
             problem: None,
         }
     });
     let (one, other, loss) = hardest_pair(losses);
-    let what = format!(
-        "{}; start it at rest. One name for another would lose {} of deviance there{}",
-        waves[*best].what,
-        brief(loss),
-        too_little(loss, &separates[one], &separates[other]),
-    );
-    let scenario = scenario(problem, engine, &waves[*best], units);
+    let separates = told_apart(losses);
+    // what tells nobody from anybody is worth no day in a lab
+    let worth = !separates.is_empty() || loss >= SLIGHT * EXPERIMENTS.told;
+    let scenario = scenario(problem, engine, &waves[*best], units).filter(|_| worth);
     let next = NextExperiment {
-        what,
-        separates: separates.clone(),
+        what: words(&waves[*best].what, loss, [&names[one], &names[other]], worth),
+        separates: named(&separates),
         scenario: scenario.as_ref().map(|_| FILE.to_owned()),
-        leaves_open,
+        leaves_open: pairs_left_open(losses).into_iter().map(|(a, b)| named(&[a, b])).collect(),
         separation: separation.collect(),
         told: EXPERIMENTS.told,
-        planned: planned(&question, &waves[*best]).ok(),
+        planned: planned(&question, &waves[*best]).ok().filter(|_| worth),
     };
     Some((next, scenario))
+}
+
+/// The experiment in words, and what it is worth for the two that are hardest to tell apart.
+fn words(wave: &str, loss: f64, [one, other]: [&String; 2], worth: bool) -> String {
+    let told = if loss < SLIGHT * EXPERIMENTS.told { "0".to_owned() } else { brief(loss) };
+    if !worth {
+        return format!(
+            "nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them. \
+             The best that was simulated was to {wave}; one name for the other would lose {told} of deviance there"
+        );
+    }
+    let then = match loss {
+        _ if loss >= EXPERIMENTS.told => String::new(),
+        _ if loss < SLIGHT * EXPERIMENTS.told => format!(
+            ": nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them"
+        ),
+        _ => format!(
+            ", too little to tell {one} and {other} apart: record so many runs of it that this comes to {}",
+            brief(EXPERIMENTS.told)
+        ),
+    };
+    format!("{wave}; start it at rest. One name for another would lose {told} of deviance there{then}")
 }
 
 /// The waves of each length that the model's Fisher information says tell most, the best first.
@@ -134,19 +151,6 @@ fn finalists(question: &Question<'_>, waves: &[Wave]) -> Vec<usize> {
         before.count() < EXPERIMENTS.finalists
     };
     order.iter().enumerate().filter(of_its_length).map(|(_, place)| *place).collect()
-}
-
-/// What to add where the best experiment loses too little deviance to tell two members apart.
-fn too_little(loss: f64, one: &str, other: &str) -> String {
-    if loss < SLIGHT * EXPERIMENTS.told {
-        format!(
-            ": nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them"
-        )
-    } else if loss < EXPERIMENTS.told {
-        ", too little to tell them: record so many runs of it that this comes to 20".to_owned()
-    } else {
-        String::new()
-    }
 }
 
 /// When rows would be: as in the longest log while they last, and spread over all of it. What is slow needs the one, a delay below the
@@ -217,6 +221,13 @@ type Losses = Vec<Vec<f64>>;
 fn pairs_left_open(losses: &Losses) -> Vec<(usize, usize)> {
     let pairs = (0..losses.len()).flat_map(|a| (a + 1..losses.len()).map(move |b| (a, b)));
     pairs.filter(|(a, b)| losses[*a][*b].min(losses[*b][*a]) < EXPERIMENTS.told).collect()
+}
+
+/// Members that this tells from at least one other.
+fn told_apart(losses: &Losses) -> Vec<usize> {
+    let open = pairs_left_open(losses);
+    let told = |a: usize, b: usize| a != b && !open.contains(&(a.min(b), a.max(b)));
+    (0..losses.len()).filter(|a| (0..losses.len()).any(|b| told(*a, b))).collect()
 }
 
 /// The pair that is hardest to tell apart: places of both, and the smaller of the deviances that one for the other loses.

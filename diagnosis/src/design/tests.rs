@@ -12,6 +12,39 @@ fn value_members_are_told_apart_by_three_deviations() {
 }
 
 #[test]
+fn value_who_is_told_from_nobody_is_not_told_apart() {
+    // two that no experiment parts, then with a third that parts from both
+    let two = vec![vec![0.0, 4e-10], vec![4e-10, 0.0]];
+    assert_eq!((told_apart(&two), pairs_left_open(&two)), (vec![], vec![(0, 1)]));
+    let three = vec![vec![0.0, 0.1, 20.0], vec![0.1, 0.0, 30.0], vec![20.0, 30.0, 0.0]];
+    assert_eq!((told_apart(&three), pairs_left_open(&three)), (vec![0, 1, 2], vec![(0, 1)]));
+}
+
+#[test]
+fn value_what_an_experiment_is_worth_in_words() {
+    let [a, b] = ["box.C", "box.k"].map(str::to_owned);
+    let told = |loss: f64, worth: bool| words("drive box.u", loss, [&a, &b], worth);
+    let nothing = told(4.16e-10, false);
+    assert!(nothing.starts_with("nothing that can be driven here tells box.C and box.k apart."), "{nothing}");
+    assert!(
+        nothing.ends_with("would lose 0 of deviance there") && !nothing.contains("start it"),
+        "{nothing}"
+    );
+    assert_eq!(
+        told(50.0, true),
+        "drive box.u; start it at rest. One name for another would lose 50 of deviance there"
+    );
+    let little = told(2.0, true);
+    assert!(little.contains("too little to tell box.C and box.k apart: record so many runs"), "{little}");
+    // a third one is told from both: the experiment is worth its day, and these two stay together
+    let some = told(0.0, true);
+    assert!(
+        some.starts_with("drive box.u; start it at rest.") && some.contains("nothing that can be driven"),
+        "{some}"
+    );
+}
+
+#[test]
 fn value_how_much_is_simulated_for_a_next_experiment() {
     let problem = pendulum("next", 600);
     let built = built(&problem);

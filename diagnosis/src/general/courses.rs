@@ -26,7 +26,7 @@ pub fn courses(engine: &Engine, order: &[usize], before: &[Window], after: &[Win
             nominal: model(before),
             amended: model(after),
             residual: residuals(after, run, *channel),
-            over: dependences(engine, after, *channel),
+            over: dependences(engine, (before, after), *channel),
             measured,
         }
     };
@@ -43,27 +43,41 @@ fn residuals(windows: &[Window], run: usize, channel: usize) -> Vec<(f64, f64)> 
     points
 }
 
-/// The residual beside each state and each fed input, over all windows.
-fn dependences(engine: &Engine, windows: &[Window], channel: usize) -> Vec<Dependence> {
+/// Both residuals beside each state and each fed input, over all windows.
+fn dependences(
+    engine: &Engine,
+    (nominal, amended): (&[Window], &[Window]),
+    channel: usize,
+) -> Vec<Dependence> {
     let machine = &engine.machine;
     let n = machine.order();
-    let pairs = |value: &dyn Fn(&Window, usize, f64) -> f64| -> Vec<(f64, f64)> {
-        let of = |window: &Window| -> Vec<(f64, f64)> {
-            let own = window.points.iter().filter(|point| point.channel == channel);
-            own.map(|point| (value(window, point.row, point.time), point.residual)).collect()
-        };
-        windows.iter().flat_map(of).collect()
-    };
     let unit = |place: Option<usize>| place.map(|place| machine.channels[place].unit.clone());
-    let states = machine.states.iter().enumerate().map(|(place, state)| Dependence {
-        name: state.name.clone(),
-        unit: unit(state.channel).unwrap_or_default(),
-        pairs: pairs(&|window, row, _| window.states[row * n + place]),
+    let states = machine.states.iter().enumerate().map(|(place, state)| {
+        let value = |window: &Window, row: usize, _: f64| window.states[row * n + place];
+        Dependence {
+            name: state.name.clone(),
+            unit: unit(state.channel).unwrap_or_default(),
+            pairs: pairs(amended, channel, &value),
+            nominal: pairs(nominal, channel, &value),
+        }
     });
-    let inputs = machine.inputs.iter().enumerate().map(|(place, input)| Dependence {
-        name: input.name.clone(),
-        unit: input.unit.clone(),
-        pairs: pairs(&|window, _, time| engine.grids[window.run].inputs[place].value(time)),
+    let inputs = machine.inputs.iter().enumerate().map(|(place, input)| {
+        let value = |window: &Window, _: usize, time: f64| engine.grids[window.run].inputs[place].value(time);
+        Dependence {
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            pairs: pairs(amended, channel, &value),
+            nominal: pairs(nominal, channel, &value),
+        }
     });
     states.chain(inputs).collect()
+}
+
+/// A channel's residuals, each beside a value of its window at its row and time.
+fn pairs(windows: &[Window], channel: usize, value: &dyn Fn(&Window, usize, f64) -> f64) -> Vec<(f64, f64)> {
+    let of = |window: &Window| -> Vec<(f64, f64)> {
+        let own = window.points.iter().filter(|point| point.channel == channel);
+        own.map(|point| (value(window, point.row, point.time), point.residual)).collect()
+    };
+    windows.iter().flat_map(of).collect()
 }

@@ -54,7 +54,7 @@ pub fn held_out(
     let mut both = windows(&built.engine, &models, trained);
     let before = both.remove(0);
     let after = both.first().unwrap_or(&before);
-    let names: Vec<String> = left.iter().map(|(run, _)| run.name.clone()).collect();
+    let names: Vec<String> = left.iter().map(|(run, span)| name(run, *span)).collect();
     let (order, gaps) = gaps(&built, &before, after, &names);
     let channels = courses(&built.engine, &order, &before, after);
     let share = share(after, &built.engine);
@@ -67,6 +67,14 @@ pub fn held_out(
         ),
     });
     Ok(HeldOut { gaps, channels, notice })
+}
+
+/// The name of rows left out: a run's, with its times where they are but a part of it.
+fn name(run: &Run, span: Span) -> String {
+    match span == run.span() {
+        true => run.name.clone(),
+        false => format!("{} from {:.1} to {:.1} s", run.name, span.0, span.1),
+    }
 }
 
 /// The gap of each channel before and after, and the channels' places: the one first that is farthest above its noise.

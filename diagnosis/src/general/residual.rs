@@ -269,7 +269,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
     names.dedup();
     let words: Vec<String> = chosen.iter().map(|term| terms[*term].1.clone()).collect();
     let share = 100.0 * (1.0 - square / whole);
-    (names, format!("{}; that is {share:.0} % of its square", words.join(", then ")))
+    (names, format!("{}; that explains {share:.0} % of its variance", words.join(", then ")))
 }
 
 #[cfg(test)]

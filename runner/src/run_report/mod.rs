@@ -63,7 +63,7 @@ impl Finished<'_> {
             page.heading("Timing of the units").figures(&[figure]);
         }
         if let Some(entry) = &self.layout.picture {
-            entry.show(&shots, &series.at_index, &mut page)?;
+            entry.show(&shots, &series.at_index, series.failed, &mut page)?;
         }
         Ok(Some((summary, page.to_html())))
     }

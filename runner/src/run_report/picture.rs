@@ -1,7 +1,9 @@
 //! The picture on the page: of those that a unit wrote, with the places that it found in them.
 
 use super::layout::{Mark, PictureEntry};
+use super::series::At;
 use crate::error::Error;
+use report::head::short;
 use report::{Page, Picture};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,18 +15,28 @@ impl PictureEntry {
         format!("{}.{}", self.unit, self.directory)
     }
 
-    /// Puts onto the page the middle one of the pictures whose marks came, `places` by number: the arm is at its farthest
-    /// there.
+    /// Puts onto the page one of the pictures whose marks came, `places` by number: of a run that failed the last one before that.
     pub fn show(
         &self,
         shots: &[(PathBuf, u64)],
-        places: &BTreeMap<u64, Vec<f64>>,
+        places: &BTreeMap<u64, At>,
+        failed: Option<f64>,
         page: &mut Page,
     ) -> Result<(), Error> {
-        let delivered: Vec<_> = shots.iter().filter(|(_, number)| places.contains_key(number)).collect();
-        if let Some((path, number)) = delivered.get(delivered.len() / 2) {
-            let svg = self.marked(path, &places[number])?.to_svg();
-            page.heading("Picture").figure(&svg, &format!("{}: frame {number}", self.caption));
+        let delivered = shots.iter().filter_map(|(path, number)| Some((path, *number, places.get(number)?)));
+        let delivered: Vec<(&PathBuf, u64, &At)> = delivered.collect();
+        let times: Vec<f64> = delivered.iter().map(|(_, _, at)| at.time).collect();
+        if let Some((path, number, at)) = delivered.get(chosen(&times, failed)) {
+            let svg = self.marked(path, &at.values)?.to_svg();
+            let before = match failed {
+                Some(failed) if at.time <= failed => {
+                    format!(", the last one kept before the failure at {} s", short(failed))
+                }
+                _ => String::new(),
+            };
+            let caption =
+                format!("{}: frame {number}, delivered at t = {} s{before}", self.caption, short(at.time));
+            page.heading("Picture").figure(&svg, &caption);
         }
         Ok(())
     }
@@ -42,6 +54,14 @@ impl PictureEntry {
             .zip(places.chunks_exact(2))
             .map(|(name, place)| (name, centre.0 + place[0], centre.1 - place[1]));
         Ok(Picture { png, size, marks: marks.collect() })
+    }
+}
+
+/// The place of the picture that is shown: the last one up to a failure, else the middle one, where the arm is at its farthest.
+fn chosen(times: &[f64], failed: Option<f64>) -> usize {
+    match failed {
+        Some(failed) => times.iter().filter(|time| **time <= failed).count().saturating_sub(1),
+        None => times.len() / 2,
     }
 }
 
@@ -85,4 +105,19 @@ pub fn pictures(folder: &Path) -> Result<Vec<(PathBuf, u64)>, Error> {
     }
     found.sort_by_key(|(_, number)| *number);
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chosen;
+
+    #[test]
+    fn value_a_run_that_failed_shows_what_was_seen_before() {
+        let times = [0.05, 5.05, 10.05, 15.05];
+        assert_eq!(chosen(&times, None), 2);
+        assert_eq!(chosen(&times, Some(1.887)), 0);
+        assert_eq!(chosen(&times, Some(12.0)), 2);
+        assert_eq!(chosen(&times, Some(0.01)), 0, "none before: the first one after");
+        assert_eq!((chosen(&[], None), chosen(&[], Some(1.0))), (0, 0));
+    }
 }

@@ -15,7 +15,7 @@ pub struct Series {
     /// Thinned points of each signal or difference, up to a little after a failure.
     pub lines: BTreeMap<Key, Vec<(f64, f64)>>,
     /// For each wanted index: the values of the watched signals in the first row that has it.
-    pub at_index: BTreeMap<u64, Vec<f64>>,
+    pub at_index: BTreeMap<u64, At>,
     /// How many rows there are.
     pub rows: u64,
     /// Time of the last row, s.
@@ -26,6 +26,15 @@ pub struct Series {
     pub figures: Vec<Option<f64>>,
     /// Columns with values that are no finite numbers: name, first such time, that value; in order of the columns.
     pub not_finite: Vec<(String, f64, String)>,
+}
+
+/// A row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct At {
+    /// Its time, s.
+    pub time: f64,
+    /// The watched signals.
+    pub values: Vec<f64>,
 }
 
 /// What to read.
@@ -69,7 +78,7 @@ struct Pass<'a> {
     watch: Option<(usize, &'a [u64], Vec<usize>)>,
     fails_when: Option<usize>,
     figures: Vec<(usize, Option<usize>, Option<usize>, Tally)>,
-    at_index: BTreeMap<u64, Vec<f64>>,
+    at_index: BTreeMap<u64, At>,
     rows: u64,
     first: f64,
     last: f64,
@@ -148,7 +157,7 @@ impl<'a> Pass<'a> {
         if let Some((index, indices, columns)) = &self.watch {
             let index = value(*index);
             if index >= 0.0 && indices.contains(&(index as u64)) {
-                let values = || columns.iter().map(|column| value(*column)).collect();
+                let values = || At { time, values: columns.iter().map(|column| value(*column)).collect() };
                 self.at_index.entry(index as u64).or_insert_with(values);
             }
         }

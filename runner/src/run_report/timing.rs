@@ -7,11 +7,14 @@ use report::TimingDiagram;
 /// Loops that are told of, the latest first.
 const LOOPS: usize = 5;
 
+/// What such a number leaves out: it follows from intervals, offsets, channels and algorithm, whatever values units are given.
+const BETWEEN: &str = "between the units; what they delay inside comes on top";
+
 /// How late each loop is and by what, a line each; nothing where there is no loop.
 pub fn lines(simulation: &Simulation) -> Vec<String> {
     // A scenario without a common tick could not have been built.
     let (loops, more) = budget_of(simulation, LOOPS).unwrap_or_default();
-    let mut lines: Vec<String> = loops.iter().map(ToString::to_string).collect();
+    let mut lines: Vec<String> = loops.iter().map(|budget| format!("{budget}, {BETWEEN}")).collect();
     if more {
         lines.push("there are more loops, which are less late".into());
     }
@@ -37,7 +40,7 @@ pub fn figure(simulation: &Simulation) -> Option<(String, String)> {
     let drawn = TimingDiagram::of(diagram.span, lanes.collect(), arrows)?;
     let words = format!(
         "When each unit is stepped, and when a value that one gives is first used by another. How late a value is on average \
-         once round, without what the units delay inside: {}.{}",
+         once round: {}.{}",
         lines.join("; "),
         if lines.iter().any(|line| line.contains("scheme -")) { EARLY } else { "" }
     );

@@ -91,7 +91,12 @@ fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
     for (at, scalar) in plan.scalars.iter().enumerate().take(SPANNED) {
         let there = || columns.scalars[at].iter().copied().filter(|value| value.is_finite());
         let unit = plan.scalar_units[at].clone().filter(|unit| unit != "1").unwrap_or_default();
-        let ends = [("smallest", there().reduce(f64::min)), ("largest", there().reduce(f64::max))];
+        // of times, the words of times
+        let [least, most] = match scalar.reduce {
+            Reduce::FirstTrue(_) => ["earliest", "latest"],
+            _ => ["smallest", "largest"],
+        };
+        let ends = [(least, there().reduce(f64::min)), (most, there().reduce(f64::max))];
         figures.extend(ends.map(|(which, value)| Figure {
             label: format!("{which} {}", scalar.name),
             value,

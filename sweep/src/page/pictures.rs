@@ -5,12 +5,13 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::plan::Plan;
 use report::head::short;
-use report::tally::Reduce;
-use report::{Axis, Graph, HeatMap, Line, Markup, Page, Readings};
+use report::{Axis, Bar, Graph, HeatMap, Line, Markup, Page, Readings};
 
 /// Pictures of one scalar, at most, and points of one picture.
 const PICTURES: usize = 6;
 const POINTS: usize = 4000;
+/// Share of the full colour that the smallest value of a map has.
+const PALE: f64 = 0.25;
 
 /// A parameter with several values, as an axis.
 struct Varied {
@@ -135,12 +136,9 @@ fn map(
     let raw: Vec<f64> = cells.map(|(row, column)| value(row, column)).collect();
     let finite = || raw.iter().copied().filter(|value| value.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    // An early time is dark; pale still differs from white, which is no value.
-    let early = matches!(plan.scalars[scalar].reduce, Reduce::FirstTrue(_));
-    let shade = |value: f64| {
-        let share = if high > low { (value - low) / (high - low) } else { 1.0 };
-        0.12 + 0.88 * if early && high > low { 1.0 - share } else { share }
-    };
+    // Larger is darker, on every map; pale still differs from white, which is no value.
+    let shade =
+        |value: f64| if high > low { PALE + (1.0 - PALE) * (value - low) / (high - low) } else { 1.0 };
     let log = logarithmic(&x.values);
     let xs: Vec<f64> =
         columns.iter().map(|at| if log { x.values[*at].log10() } else { x.values[*at] }).collect();
@@ -157,19 +155,19 @@ fn map(
         y_edges,
         values: raw.iter().map(|value| if value.is_finite() { shade(*value) } else { f64::NAN }).collect(),
         contours: Vec::new(),
+        bar: low
+            .is_finite()
+            .then(|| Bar { label: label(plan, scalar), ends: [(shade(low), low), (shade(high), high)] }),
     };
-    let (dark, pale) = if early { (low, high) } else { (high, low) };
-    let scale = match low.is_finite() {
-        true => format!("dark blue: {}, pale: {}, white: none", short(dark), short(pale)),
-        false => "white: no value".to_owned(),
-    };
+    let holes =
+        if raw.iter().all(|value| value.is_finite()) { "" } else { "; a cell without a colour has no value" };
     let readings = Readings {
-        labels: [x.label.clone(), y.label.clone(), plan.scalars[scalar].name.clone()],
+        labels: [x.label.clone(), y.label.clone(), label(plan, scalar)],
         x: columns.iter().map(|at| x.values[*at]).collect(),
         y: rows.iter().map(|at| y.values[*at]).collect(),
         values: raw,
     };
-    Ok(page.map(&drawn, &readings, &format!("{} ({scale}).", words(plan, scalar)))?)
+    Ok(page.map(&drawn, &readings, &format!("{}{holes}.", words(plan, scalar)))?)
 }
 
 /// Places in rising order of the values.

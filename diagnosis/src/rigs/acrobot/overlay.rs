@@ -31,7 +31,7 @@ pub fn channels(
             nominal: model(nominal),
             amended: model(amended),
             residual: residual(amended),
-            over: over_states(amended, index),
+            over: over_states((nominal, amended), index),
             measured,
         })
     };
@@ -80,18 +80,27 @@ fn residuals(blocks: &[Block], run: usize, signal: usize) -> Vec<(f64, f64)> {
 /// The states of our own rig, as [`Block::state`] has them.
 const STATES: [(&str, &str); 4] = [("q1", "rad"), ("q2", "rad"), ("dq1", "rad/s"), ("dq2", "rad/s")];
 
-/// Means of the residual over windows of all runs, beside the mean state there.
-fn over_states(blocks: &[Block], signal: usize) -> Vec<Dependence> {
+/// Means of both residuals over windows of all runs, beside the mean state there.
+fn over_states((nominal, amended): (&[Block], &[Block]), signal: usize) -> Vec<Dependence> {
+    let (nominal, amended) = (window_means(nominal, signal), window_means(amended, signal));
+    let pairs = |means: &[([f64; 4], f64)], place: usize| -> Vec<(f64, f64)> {
+        means.iter().map(|(state, residual)| (state[place], *residual)).collect()
+    };
+    let of = |(place, (name, unit)): (usize, (&str, &str))| Dependence {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        pairs: pairs(&amended, place),
+        nominal: pairs(&nominal, place),
+    };
+    STATES.into_iter().enumerate().map(of).collect()
+}
+
+/// The mean state of each window with rows of a signal, and the signal's mean residual there.
+fn window_means(blocks: &[Block], signal: usize) -> Vec<([f64; 4], f64)> {
     let mean = |block: &Block| {
         let cells = block.cells.iter().flat_map(|cell| cell.signal.iter().zip(&cell.residual));
         let own: Vec<f64> = cells.filter(|(of, _)| **of == signal).map(|(_, residual)| *residual).collect();
         (!own.is_empty()).then(|| (block.state, own.iter().sum::<f64>() / own.len() as f64))
     };
-    let means: Vec<([f64; 4], f64)> = blocks.iter().filter_map(mean).collect();
-    let of = |(place, (name, unit)): (usize, (&str, &str))| Dependence {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        pairs: means.iter().map(|(state, residual)| (state[place], *residual)).collect(),
-    };
-    STATES.into_iter().enumerate().map(of).collect()
+    blocks.iter().filter_map(mean).collect()
 }

@@ -10,7 +10,7 @@ fn root() -> PathBuf {
 }
 
 /// Beginnings of commands that are not run here, and who runs them.
-const ELSEWHERE: [(&str, &str); 25] = [
+const ELSEWHERE: [(&str, &str); 26] = [
     ("./scripts/", "they are the tests, or build what is shipped"),
     ("cargo xtask", "scripts/test.sh, scripts/platforms.sh"),
     ("cargo install", "tests/fmpy/test_own_unit.py builds with cargo-fmi2"),
@@ -19,6 +19,7 @@ const ELSEWHERE: [(&str, &str); 25] = [
     ("rustup target add", "scripts/platforms.sh"),
     ("pip install", "scripts/test-wheel.sh"),
     ("python ", "scripts/test.sh"),
+    ("python3 -m venv", "scripts/test.sh, which makes one likewise"),
     ("cd tests", "tests/hidden/test_sets.py"),
     ("sbatch ", "a cluster's scheduler; tests/fmpy/test_sweep.py runs its parts"),
     ("kubectl ", "a cluster's scheduler; tests/fmpy/test_sweep.py runs its parts"),
@@ -83,10 +84,7 @@ fn prepare(folder: &Path, page: &str) {
 }
 
 fn run(folder: &Path, page: &str, words: &str) {
-    // The second recording is the reader's; here it is the first one again. A server would wait for Ctrl-C: it writes a file.
-    if words.contains("out/rehearsal-2") {
-        copy(&folder.join("out/rehearsal"), &folder.join("out/rehearsal-2"));
-    }
+    // A server would wait for Ctrl-C: it writes a file.
     let served = words.starts_with("view ") && !words.contains(" -o ");
     let words: Vec<&str> =
         words.split_whitespace().chain(served.then_some(["-o", "view.html"]).into_iter().flatten()).collect();
@@ -98,17 +96,6 @@ fn run(folder: &Path, page: &str, words: &str) {
         .expect("the program starts");
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{page}: acroscope {}\n{said}", words.join(" "));
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).expect("made");
-    for entry in std::fs::read_dir(from).expect("is there") {
-        let entry = entry.expect("readable");
-        match entry.path().is_dir() {
-            true => copy(&entry.path(), &to.join(entry.file_name())),
-            false => drop(std::fs::copy(entry.path(), to.join(entry.file_name())).expect("copied")),
-        }
-    }
 }
 
 #[test]

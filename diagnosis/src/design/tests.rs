@@ -66,7 +66,12 @@ fn value_how_much_is_simulated_for_a_next_experiment() {
     let (next, scenario) = next(&problem, &question, &units()).expect("its torque can be driven");
     // a fit for each beside each: of four, twelve
     let names = ["tau:gain", "tau:bias", "q1:gain", "q1:offset"].map(|name| format!("acrobot_plant.{name}"));
-    assert_eq!(next.separates, names);
+    let simulated = &next.planned.as_ref().expect("it was simulated").outputs[0].members;
+    assert_eq!(simulated.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), names);
+    // told apart is who is told from another one: a gain of the torque stays together with all three
+    assert_eq!(next.separates, names[1..]);
+    let with_gain = next.leaves_open.iter().filter(|pair| pair.contains(&names[0])).count();
+    assert_eq!(with_gain, 3, "{:?}", next.leaves_open);
     // of each length the one that screens best, and another: the screening is about the nominal model only
     assert_eq!(next.separation.len(), 4);
     // what is listed was simulated, the best first, and the best is what is proposed

@@ -4,8 +4,8 @@
 use super::Rig;
 use super::compare::{Compared, compare};
 use super::encoder_zeros::{Zeros, effects_in_all};
-use super::log_clocks::Clocks;
-use super::prepare::trust_no_clock;
+use super::log_clocks::{Clocks, is_the_actuators};
+use super::prepare::{believe_clocks, trust_no_clock};
 use super::understated_noise::forget_understated;
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
@@ -44,6 +44,10 @@ pub(super) fn correct_clocks(
             rig.data.clocks_apart = true;
             trust_no_clock(Arc::<Vec<Candidate>>::make_mut(&mut rig.list));
         }
+        compared = compare(rig, &Laws::default(), watch)?;
+    }
+    if is_the_actuators(&rig.list, &compared) && !watch.is_over("the search for an actuator that is late") {
+        believe_clocks(Arc::<Vec<Candidate>>::make_mut(&mut rig.list), rig.data.late_by_hand);
         compared = compare(rig, &Laws::default(), watch)?;
     }
     Ok((clocks, compared))

@@ -29,6 +29,15 @@ fn clock_instead(list: &[Candidate], compared: &Compared) -> Option<f64> {
     Some(point[clock] + (shift * weights.1 - by * weights.0) / (weights.0 + weights.1))
 }
 
+/// Whether images come after the plant's log by as much as that was found to be late: both at once would be two faults of one size, where one
+/// does, an actuator that is late by it.
+pub(super) fn is_the_actuators(list: &[Candidate], compared: &Compared) -> bool {
+    let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera);
+    let (Some(clock), Some(delay)) = (own_clock(list), delay) else { return false };
+    let (late, behind) = (compared.point[clock], compared.point[delay] - list[delay].off);
+    late > 0.0 && (behind - late).abs() < PIPELINE.same + PIPELINE.close * late
+}
+
 /// Where the clock of the plant's log stands in the list.
 fn own_clock(list: &[Candidate]) -> Option<usize> {
     list.iter().position(|candidate| candidate.side == Side::Clock)

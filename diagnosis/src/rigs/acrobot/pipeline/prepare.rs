@@ -45,10 +45,8 @@ pub(super) fn prepare<'a>(
     let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
     data.late_by_hand = PIPELINE.late_by_hand * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
     if !seen || data.pictures_apart {
-        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named, but where it is
-        // within what timestamps scatter by
-        let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
-        clocks.for_each(|clock| clock.range.1 = clock.range.1.min(data.late_by_hand));
+        // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named
+        believe_clocks(&mut list, data.late_by_hand);
     }
     if data.clocks_apart {
         trust_no_clock(&mut list);
@@ -70,6 +68,12 @@ pub(super) fn plausible<'a>(mut rig: Rig<'a>, path: &Path, watch: &mut Watch<'_>
         rig.data = data;
     }
     Ok(rig)
+}
+
+/// Lets logs be late by no more than what their timestamps scatter by, s.
+pub(super) fn believe_clocks(list: &mut [Candidate], late_by_hand: f64) {
+    let clocks = list.iter_mut().filter(|candidate| candidate.side == Side::Clock);
+    clocks.for_each(|clock| clock.range.1 = clock.range.1.min(late_by_hand));
 }
 
 /// Lets logs be late by as much as any other, where their clocks are known to be off.

@@ -89,27 +89,36 @@ fn likeliest_signs(
 ) -> Result<(usize, Vec<Option<Line>>), Option<Failed>> {
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
     let mut failed = None;
-    for turns in 0..ways {
+    // what is counted in nobody knows what may not say where the model starts
+    let is_counted = |one: &&Start| {
+        let without = |matched: &Match| matched.unit.is_none() && matched.affine.is_none();
+        !matches.iter().any(|matched| matched.variable == one.shows && without(matched))
+    };
+    let counted: Vec<Start> = known.starts.iter().filter(is_counted).copied().collect();
+    let begins = [known.starts, &counted];
+    let begins = &begins[..if counted.len() < known.starts.len() { 2 } else { 1 }];
+    for (turns, place) in (0..ways).flat_map(|turns| (0..begins.len()).map(move |place| (turns, place))) {
         let sign = |place: usize| match fed.iter().position(|other| *other == place) {
             Some(bit) if turns >> bit & 1 == 1 => -1.0,
             _ => 1.0,
         };
-        let lines = match known.trial(matches).compared(&sign) {
+        let begun = Known { starts: begins[place], ..*known };
+        let lines = match begun.trial(matches).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
                 failed = Some(why);
                 continue;
             }
         };
-        let known: Vec<&Line> = lines.iter().flatten().collect();
+        let told: Vec<&Line> = lines.iter().flatten().collect();
         // a sign is turned where the model then does what the log does, in size as well
-        if turns > 0 && !known.iter().any(|line| line.fits()) {
+        if turns > 0 && !told.iter().any(|line| line.fits()) {
             continue;
         }
         let flips =
-            (turns as u32).count_ones() as usize + known.iter().filter(|line| line.slope < 0.0).count();
-        let mean = known.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / known.len().max(1) as f64;
-        let score = score(mean, flips);
+            (turns as u32).count_ones() as usize + told.iter().filter(|line| line.slope < 0.0).count();
+        let mean = told.iter().map(|line| line.correlation.powi(2)).sum::<f64>() / told.len().max(1) as f64;
+        let score = score(mean, flips + place);
         if best.as_ref().is_none_or(|(before, ..)| score > *before) {
             best = Some((score, turns, lines));
         }

@@ -65,8 +65,11 @@ impl<'a> Assembly<'a> {
     pub fn column(&self, row: usize, place: usize, entry: usize) -> f64 {
         let machine = &self.about.engine.machine;
         match machine.parameters[self.about.chords[place].parameter].role {
-            Role::Unit(_) => self.parts[row].units[place][entry],
+            Role::Unit(_) => self.parts[row].simulated[place][entry],
             Role::Output(..) => 0.0,
+            Role::Input(..) if !self.parts[row].simulated[place].is_empty() => {
+                self.parts[row].simulated[place][entry]
+            }
             Role::Input(input, _) => {
                 let (Some(fed), Some(slot)) =
                     (&self.fed[place], self.moved.iter().position(|known| *known == input))

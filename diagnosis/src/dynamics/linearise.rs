@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::infer::Linearised;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
-use crate::observe::Reading;
+use crate::observe::{InputEffect, Reading};
 use crate::statistics::levels::TASK;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -66,8 +66,8 @@ pub(super) struct RowParts {
     pub states: Vec<Vec<f64>>,
     /// By the inputs that move.
     pub inputs: Vec<Vec<f64>>,
-    /// By the chords; empty for one at a port.
-    pub units: Vec<Vec<f64>>,
+    /// By the chords; empty for one at a port whose derivative follows from those above.
+    pub simulated: Vec<Vec<f64>>,
     /// Outputs where the interval begins, with the inputs that act in it: they jump at a row where they follow an input at once.
     pub begun: Vec<f64>,
 }
@@ -136,10 +136,28 @@ impl Engine {
             )));
         }
         let schedule = Schedule::new(&self.machine, grid, theta);
-        let about = RunAt { engine: self, run, grid, schedule: &schedule, theta, path, chords };
+        let beside = self.beside(grid, theta, chords);
+        let about =
+            RunAt { engine: self, run, grid, schedule: &schedule, beside: &beside, theta, path, chords };
         let moved = self.moved_inputs(chords);
         let parts = about.differences(&moved)?;
         Ok(Assembly::new(about, &parts, moved).linearised())
+    }
+
+    /// The schedules along derivatives of what changes when an input acts within a row: what that does at the row's end its mean doesn't tell.
+    /// Where states are read through the rows that follow, these tell it.
+    fn beside(&self, grid: &Grid, theta: &[f64], chords: &[Chord]) -> Vec<Option<Schedule>> {
+        let within = |chord: &Chord| {
+            let Role::Input(_, effect) = self.machine.parameters[chord.parameter].role else { return false };
+            let moves = matches!(effect, InputEffect::Delay | InputEffect::Lag | InputEffect::RateLimit);
+            moves && chord.per != 1.0 && self.machine.horizon == 0
+        };
+        let schedule = |chord: &Chord| {
+            let mut there = theta.to_vec();
+            there[chord.parameter] = chord.to;
+            within(chord).then(|| Schedule::new(&self.machine, grid, &there))
+        };
+        chords.iter().map(schedule).collect()
     }
 
     /// Inputs at which a chord changes an effect.
@@ -169,6 +187,8 @@ pub(super) struct RunAt<'a> {
     pub grid: &'a Grid,
     /// What is fed and read within its intervals with these parameters.
     pub schedule: &'a Schedule,
+    /// The same along each chord that moves an input within its intervals.
+    pub beside: &'a [Option<Schedule>],
     /// All parameters, each in its own unit.
     pub theta: &'a [f64],
     /// States, n a row, each in its own unit.
@@ -212,7 +232,7 @@ impl RunAt<'_> {
         Ok(RowParts {
             states: self.by_states(worker, &job, &base)?,
             inputs: self.by_inputs(worker, &job, &base, moved)?,
-            units: self.by_unit_parameters(worker, &job, &base)?,
+            simulated: self.by_simulation(worker, row, &job, &base)?,
             begun: self.begun(worker, &job, &base)?,
             base,
         })
@@ -276,15 +296,22 @@ impl RunAt<'_> {
         Ok(columns)
     }
 
-    /// What an interval gives along each chord of a unit's parameter; an empty column for a chord at a port.
-    fn by_unit_parameters(
+    /// What an interval gives along each chord of a unit's parameter, and along those that move an input within it; an empty column for any
+    /// other chord at a port.
+    fn by_simulation(
         &self,
         worker: &mut Worker,
+        row: usize,
         job: &Job<'_>,
         base: &[f64],
     ) -> Result<Vec<Vec<f64>>, Error> {
         let (machine, mut out) = (&self.engine.machine, Vec::new());
-        let mut column = |chord: &Chord| {
+        let mut column = |(chord, beside): (&Chord, &Option<Schedule>)| {
+            if let Some(schedule) = beside {
+                let there = self.engine.job(self.grid, schedule, row, job.states);
+                worker.interval(machine, &Job { parameters: job.parameters, ..there }, &mut out)?;
+                return Ok(difference(&out, base, chord.per));
+            }
             if !matches!(machine.parameters[chord.parameter].role, Role::Unit(_)) {
                 return Ok(Vec::new());
             }
@@ -295,7 +322,7 @@ impl RunAt<'_> {
             let changed = there.map(|()| difference(&out, base, chord.per));
             self.engine.or_refused(chord, changed, || vec![0.0; base.len()])
         };
-        self.chords.iter().map(&mut column).collect()
+        self.chords.iter().zip(self.beside).map(&mut column).collect()
     }
 }
 

@@ -233,7 +233,7 @@ impl RunAt<'_> {
         let by = &inverse * DVector::from_fn(base.len(), |i, _| following[i] - base[i]);
         let near = by.iter().zip(&engine.scales).all(|(by, scale)| by.abs() < ROUNDING * scale);
         let mut shown = None;
-        if !near && !*refused && there.units.iter().any(|column| !column.is_empty()) {
+        if !near && !*refused && there.simulated.iter().any(|column| !column.is_empty()) {
             let state: Vec<f64> = (0..n).map(|i| self.path[(row + 1) * n + i] + by[i]).collect();
             let changed = engine.with_worker(|worker| self.changed(worker, row + 1, &state)).ok();
             shown = changed.filter(|columns| columns.iter().flatten().all(|value| value.is_finite()));
@@ -277,10 +277,11 @@ impl RunAt<'_> {
             let by = read(engine.following(column, reads), None);
             (0..n).for_each(|i| column[i] = by[i]);
         }
-        for (place, column) in here.units.iter_mut().enumerate().filter(|(_, column)| !column.is_empty()) {
+        for (place, column) in here.simulated.iter_mut().enumerate().filter(|(_, column)| !column.is_empty())
+        {
             let shown = match &reading.shown {
                 Some(shown) => shown[place].clone(),
-                None => engine.outputs_shown(&there.units[place], next_reads),
+                None => engine.outputs_shown(&there.simulated[place], next_reads),
             };
             let by = read(engine.following(column, reads), Some(&shown));
             (0..n).for_each(|i| column[i] = by[i]);

@@ -136,6 +136,21 @@ def test_a_start_whose_variable_is_called_otherwise_is_found_in_any_log(tmp_path
     assert channels(tmp_path / "set")[1]["state"] == [{"start": "lag.x_0", "shows": "lag.y"}], said
 
 
+def test_what_is_computed_of_a_state_does_not_show_it(tmp_path):
+    # a tachometer behind a gear of 1: with another gear it shows another speed, and the state is as it was
+    machine = dataclasses.replace(
+        ALL["sled"], name="drum", late="", saves_state=True, states=(State("w", "rad/s", "w_0", 0.0, 0.0),),
+        inputs=(Input("u", "V", 0.0, 1.0, "V"),), outputs_of=(Output("seen", "rad/s", 1e-3, "rad/s"),),
+        parameters=(Parameter("ratio", "1", 1.0, 0.1, 10.0, "relative", "ratio of the gear", 0.5), Parameter("T", "s", 0.3, 0.01, 10.0, "relative", "time constant", 0.5)),
+        build=lambda machine, folder: build(machine, folder, "dx[0] = (v[u] - x[0]) / v[T];", "v[seen] = v[ratio] * x[0];", step=0.01),
+    )  # fmt: skip
+    times = 0.05 * np.arange(300)
+    log = "".join(f"{time},{np.sign(np.sin(time))},{0.3 * np.cos(time)}\n" for time in times)
+    (tmp_path / "a.csv").write_text("time,u,seen\n" + log)
+    run("import", tmp_path / "a.csv", "--fmu", machine.build(machine, tmp_path), "--out", tmp_path / "set")
+    assert all("shows" not in one for one in channels(tmp_path / "set")[1].get("state", [])), channels(tmp_path / "set")[1]
+
+
 def test_degrees_under_a_header_that_says_kelvin_are_not_taken_for_an_offset(tmp_path):
     # where nothing starts the model, an offset is tried: of all that comes near, the unit of measurement is the exact one
     house = ALL["house"]

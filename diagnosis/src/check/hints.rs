@@ -122,8 +122,9 @@ fn held_ramps(problem: &Problem) -> Vec<Notice> {
 fn runs_along_lines<'a>(runs: impl Iterator<Item = &'a Series>) -> bool {
     let (mut moves, mut bends) = (Vec::new(), Vec::new());
     for series in runs {
-        moves.extend(series.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-        bends.extend(series.values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs()));
+        let steps: Vec<f64> = series.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        moves.extend(steps.iter().map(|step| step.abs()));
+        bends.extend(steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
     }
     let usual = |all: Vec<f64>| median(all).unwrap_or(0.0);
     let (move_, bend) = (usual(moves), usual(bends));

@@ -32,7 +32,7 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
         .collect();
     let shown: Vec<usize> =
         (0..description.variables.len()).filter(|place| moves(&description.variables[*place])).collect();
-    let Ok(nominal) = initialised(fmu, &shown, None) else { return all };
+    let Ok(nominal) = initialised(fmu, &shown, &[]) else { return all };
     for (place, parameter) in
         description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
     {
@@ -42,7 +42,10 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
             continue;
         }
         let free = |one: &usize| all.iter().all(|known| known.shows != *one);
-        let there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
+        let mut there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
+        if !there.is_empty() {
+            there.retain(|one| hangs_on_it_alone(fmu, parameter, *one));
+        }
         let first = |one: &usize| {
             let output = description.variables[*one].causality == Causality::Output;
             (Some(*one) != namesake, !measured.contains(one), !output)
@@ -117,17 +120,13 @@ fn follows(
     shown: &[usize],
     nominal: &[f64],
 ) -> Result<Vec<usize>, orchestrator::Error> {
-    let value = parameter.start.as_ref().and_then(Value::as_f64).unwrap_or(0.0);
-    let by = IMPORT.start_move * if value == 0.0 { 1.0 } else { value.abs() };
+    let value = value_of(parameter);
+    let by = by(value);
     let is = |shown: f64, value: f64| is_shown(shown, value, by);
-    let room = |value: f64| {
-        parameter.max.is_none_or(|most| value <= most) && parameter.min.is_none_or(|least| value >= least)
-    };
-    let moved = [value + by, value - by].into_iter().find(|value| room(*value));
-    let (Some(moved), true) = (moved, nominal.iter().any(|one| is(*one, value))) else {
+    let (Some(moved), true) = (moved(parameter), nominal.iter().any(|one| is(*one, value))) else {
         return Ok(Vec::new());
     };
-    let there = initialised(fmu, shown, Some((parameter.reference, moved)))?;
+    let there = initialised(fmu, shown, &[(parameter.reference, Value::Real(moved))])?;
     let both = shown.iter().zip(nominal.iter().zip(&there));
     Ok(both
         .filter(|(_, (before, after))| is(**before, value) && is(**after, moved))
@@ -135,16 +134,56 @@ fn follows(
         .collect())
 }
 
+/// Whether a variable is where a parameter says, moved, when all others are moved as well: a state does, and what is computed of one doesn't, a speed
+/// behind a gear. Of a unit that can't be begun so nothing speaks against it.
+fn hangs_on_it_alone(fmu: &Fmu, parameter: &Variable, place: usize) -> bool {
+    let is_other =
+        |one: &&Variable| one.causality == Causality::Parameter && one.reference != parameter.reference;
+    let elsewhere = |one: &Variable| {
+        let to = one.start.is_some().then(|| moved(one)).flatten()?;
+        match one.kind {
+            Kind::Real => Some((one.reference, Value::Real(to))),
+            Kind::Integer => Some((one.reference, Value::Integer(to as i32))),
+            _ => None,
+        }
+    };
+    let Some(own) = moved(parameter) else { return true };
+    let mut set: Vec<(u32, Value)> =
+        fmu.description().variables.iter().filter(is_other).filter_map(elsewhere).collect();
+    // at zero, what is a multiple of it shows it, too
+    set.push((parameter.reference, Value::Real(own)));
+    initialised(fmu, &[place], &set).map_or(true, |there| is_shown(there[0], own, by(value_of(parameter))))
+}
+
+/// A number's start value.
+fn value_of(variable: &Variable) -> f64 {
+    variable.start.as_ref().and_then(Value::as_f64).unwrap_or(0.0)
+}
+
+/// How far a value is moved.
+fn by(value: f64) -> f64 {
+    IMPORT.start_move * if value == 0.0 { 1.0 } else { value.abs() }
+}
+
+/// A number's start value moved within its range, a whole one by one.
+fn moved(variable: &Variable) -> Option<f64> {
+    let value = value_of(variable);
+    let by = if variable.kind == Kind::Integer { 1.0 } else { by(value) };
+    let room = |value: f64| {
+        variable.max.is_none_or(|most| value <= most) && variable.min.is_none_or(|least| value >= least)
+    };
+    [value + by, value - by].into_iter().find(|value| room(*value))
+}
+
 /// Whether a variable is where a parameter of this value says, which was moved by so much.
 fn is_shown(shown: f64, value: f64, by: f64) -> bool {
     (shown - value).abs() <= IMPORT.start_shown * value.abs().max(by)
 }
 
-/// What variables show after initialisation, with a parameter's value.
-fn initialised(fmu: &Fmu, shown: &[usize], set: Option<(u32, f64)>) -> Result<Vec<f64>, orchestrator::Error> {
+/// What variables show after initialisation, with values of parameters.
+fn initialised(fmu: &Fmu, shown: &[usize], set: &[(u32, Value)]) -> Result<Vec<f64>, orchestrator::Error> {
     let mut instance = fmu.instantiate(&instance(fmu))?;
-    let (reals, values): (Vec<u32>, Vec<f64>) = set.into_iter().unzip();
-    instance.begin(0.0, None, Begin { reals: &reals, values: &values, settings: &[] })?;
+    instance.begin(0.0, None, Begin { settings: set, ..Begin::default() })?;
     instance.exit_initialization()?;
     let references: Vec<u32> =
         shown.iter().map(|place| fmu.description().variables[*place].reference).collect();

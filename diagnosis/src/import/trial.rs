@@ -95,8 +95,10 @@ fn likeliest_signs(
         !matches.iter().any(|matched| matched.variable == one.shows && without(matched))
     };
     let counted: Vec<Start> = known.starts.iter().filter(is_counted).copied().collect();
-    let begins = [known.starts, &counted];
-    let begins = &begins[..if counted.len() < known.starts.len() { 2 } else { 1 }];
+    let mut begins = vec![known.starts];
+    if counted.len() < known.starts.len() {
+        begins.push(&counted);
+    }
     for (turns, place) in (0..ways).flat_map(|turns| (0..begins.len()).map(move |place| (turns, place))) {
         let sign = |place: usize| match fed.iter().position(|other| *other == place) {
             Some(bit) if turns >> bit & 1 == 1 => -1.0,

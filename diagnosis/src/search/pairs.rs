@@ -33,7 +33,8 @@ impl Search<'_> {
         here: &Fit,
         evidence: f64,
     ) -> Result<Option<(Vec<usize>, Fit)>, Error> {
-        if effects.len() + 2 > self.policy.most {
+        // there must be room for both
+        if effects.len() + 1 >= self.policy.most {
             return Ok(None);
         }
         let screen = linearised(self.engine, here, &self.others(effects))?;

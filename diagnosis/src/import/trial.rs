@@ -95,8 +95,9 @@ fn likeliest_signs(
         !matches.iter().any(|matched| matched.variable == one.shows && without(matched))
     };
     let counted: Vec<Start> = known.starts.iter().filter(is_counted).copied().collect();
+    let from_the_first_row = known.trial(matches).stretch().is_ok_and(|stretch| stretch.first == 0);
     let mut begins = vec![known.starts];
-    if counted.len() < known.starts.len() {
+    if counted.len() < known.starts.len() && from_the_first_row {
         begins.push(&counted);
     }
     for (turns, place) in (0..ways).flat_map(|turns| (0..begins.len()).map(move |place| (turns, place))) {

@@ -5,10 +5,13 @@ use super::screen::{Screen, Screened};
 use super::walk::replaces;
 use crate::infer::Fit;
 use crate::observe::Scale;
+use crate::statistics::levels::FEW;
 
-/// The whole number that lies nearest to a count moved `by` so much, another than the count itself and within its range.
+/// The whole number that lies nearest to a count moved `by` so much, another than the count itself and within its range. It goes no farther
+/// than by its own size, or by a few: what a straight line says far off may be any number, and a unit makes as many cells of it.
 fn counted(here: f64, by: f64, (least, most): (f64, f64)) -> f64 {
-    let whole = if by.round() == 0.0 { by.signum() } else { by.round() };
+    let reach = here.abs().max(FEW as f64);
+    let whole = if by.round() == 0.0 { by.signum() } else { by.round().clamp(-reach, reach) };
     let there = (here + whole).clamp(least, most);
     if there == here { here - whole } else { there }
 }
@@ -79,7 +82,7 @@ impl Search<'_> {
         }
     }
 
-    /// The fit with each count moved on by one as long as that fits better: what a screening asks for is off by a share.
+    /// The fit with each count moved on by one, a few times, as long as that fits better: what a screening asks for is off by a share.
     fn with_counts_moved(&mut self, effects: &[usize], mut fit: Fit) -> Fit {
         let parameters = &self.engine.machine.parameters;
         let is_count = |effect: &&usize| parameters[**effect].scale == Scale::Count;
@@ -89,13 +92,16 @@ impl Search<'_> {
         for count in counts {
             let (least, most) = self.engine.machine.parameters[count].range;
             for by in [-1.0, 1.0] {
-                loop {
+                for _ in 0..FEW {
                     let mut start = fit.at.clone();
                     start.theta[count] += by;
-                    let within = (least..=most).contains(&start.theta[count]);
+                    // a unit is asked for nothing that its description forbids
+                    if !(least..=most).contains(&start.theta[count]) {
+                        break;
+                    }
                     self.visited.remove(&key);
                     match self.visit(effects, &start) {
-                        Ok(moved) if within && replaces(moved.deviance, fit.deviance) => fit = moved,
+                        Ok(moved) if replaces(moved.deviance, fit.deviance) => fit = moved,
                         _ => break,
                     }
                 }
@@ -116,6 +122,11 @@ mod tests {
         assert_eq!(
             [counted(20.0, 2.8, any), counted(20.0, 9.7, any), counted(20.0, -2.8, any)],
             [23.0, 30.0, 17.0]
+        );
+        // no farther than by its own size, or by a few
+        assert_eq!(
+            [counted(20.0, 900.0, any), counted(20.0, -900.0, any), counted(1.0, 900.0, any)],
+            [40.0, 0.0, 4.0]
         );
         // one that hardly moves is tried one off, and none goes beyond its range
         assert_eq!([counted(20.0, 0.2, any), counted(20.0, -0.2, any)], [21.0, 19.0]);

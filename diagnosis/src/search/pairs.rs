@@ -9,6 +9,7 @@ use crate::infer::{Fit, Noise};
 use crate::statistics::levels::HALF;
 use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
 
 /// Two effects, and the deviance that they gain together.
 #[derive(Debug, Clone, Copy)]
@@ -39,8 +40,7 @@ impl Search<'_> {
         }
         let screen = linearised(self.engine, here, &self.others(effects))?;
         let pairs = self.pairs(here, &screen, evidence);
-        let tried: Vec<&[Screened]> =
-            pairs.iter().take(self.policy.fitted).map(|pair| &pair.both[..]).collect();
+        let tried: Vec<&[Screened]> = pairs.iter().map(|pair| &pair.both[..]).collect();
         let found = self.best_of(effects, here, &screen, &tried);
         if let Some((with, fit)) = &found {
             let names: Vec<&str> = with[effects.len()..].iter().map(|one| self.name(*one)).collect();
@@ -53,7 +53,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Pairs that may explain what process noise gains, the best first, once each.
+    /// The best pairs that may explain what process noise gains, once each, as many as are fitted.
     fn pairs(&self, here: &Fit, screen: &Screen, evidence: f64) -> Vec<Pair> {
         let exact = self.sizes.with_pinned(vec![true; self.engine.machine.order()]);
         let noise = exact.quieted(Noise { disturbance: None, ..here.at.noise.clone() });
@@ -76,14 +76,10 @@ impl Search<'_> {
             }
         }
         pairs.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let mut once: Vec<Pair> = Vec::new();
-        let parameters = |pair: &Pair| pair.both.map(|one| one.chord.parameter);
-        for pair in pairs {
-            if once.iter().all(|known| parameters(known) != parameters(&pair)) {
-                once.push(pair);
-            }
-        }
-        once
+        let mut known = BTreeSet::new();
+        pairs.retain(|pair| known.insert(pair.both.map(|one| one.chord.parameter)));
+        pairs.truncate(self.policy.fitted);
+        pairs
     }
 }
 

@@ -110,7 +110,7 @@ pub fn import(
     let known = Known { fmu: &unit, units, sheet: longest, time: &time, starts: &[], signs: None, isolation };
     known.trial(&matches).rehearse(limits)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
-    let starts = starts::find_starts(&unit, &measured);
+    let starts = starts::find_starts(&unit, &measured, limits);
     let known = Known { starts: &starts, ..known };
     let mut candidates = write::parameters(&unit, &starts);
     let found = write::Found::new(&sheets, &known, &told, &matches, &candidates);

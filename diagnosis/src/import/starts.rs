@@ -7,7 +7,7 @@ use super::instance;
 use super::policy::IMPORT;
 use crate::observe;
 use orchestrator::fmu::{Begin, Causality, Description, Variable};
-use orchestrator::{Fmu, Kind, Value};
+use orchestrator::{Fmu, Isolation, Kind, Value};
 
 /// What tools and people put behind a state's name for its start: 20-sim, Modelica's libraries, our units.
 const BEHIND: [&str; 6] = ["_initial", "_start", "_init", "_0", ".start", "0"];
@@ -23,8 +23,9 @@ pub(super) struct Start {
     pub shows: usize,
 }
 
-/// States of a unit that can be started; of two variables that one parameter starts a measured one goes first.
-pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
+/// States of a unit that can be started; of two variables that one parameter starts a measured one goes first. Where many parameters are
+/// moved at once the unit runs in a process of its own within `limits`: nobody knows what it bears.
+pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> Vec<Start> {
     let description = fmu.description();
     let mut all: Vec<Start> = (0..description.variables.len())
         .filter(|place| observe::shows_its_start(&description.variables[*place]))
@@ -33,6 +34,7 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
     let shown: Vec<usize> =
         (0..description.variables.len()).filter(|place| moves(&description.variables[*place])).collect();
     let Ok(nominal) = initialised(fmu, &shown, &[]) else { return all };
+    let apart = fmu.isolated(limits.clone());
     for (place, parameter) in
         description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
     {
@@ -44,7 +46,7 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize]) -> Vec<Start> {
         let free = |one: &usize| all.iter().all(|known| known.shows != *one);
         let mut there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
         if !there.is_empty() {
-            there.retain(|one| hangs_on_it_alone(fmu, parameter, *one));
+            there.retain(|one| hangs_on_it_alone(&apart, parameter, *one));
         }
         let first = |one: &usize| {
             let output = description.variables[*one].causality == Causality::Output;
@@ -135,7 +137,7 @@ fn follows(
 }
 
 /// Whether a variable is where a parameter says, moved, when all others are moved as well: a state does, and what is computed of one doesn't, a speed
-/// behind a gear. Of a unit that can't be begun so nothing speaks against it.
+/// behind a gear. Of a unit that can't be begun so, or ends its process, nothing speaks against it.
 fn hangs_on_it_alone(fmu: &Fmu, parameter: &Variable, place: usize) -> bool {
     let is_other =
         |one: &&Variable| one.causality == Causality::Parameter && one.reference != parameter.reference;

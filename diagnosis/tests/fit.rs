@@ -42,33 +42,47 @@ impl Body {
     }
 }
 
+/// A log about a path, with columns by differences; `next` is the temperature a row later.
+fn linearised(
+    log: &[f64],
+    path: &[f64],
+    theta: &[f64],
+    columns: &[usize],
+    next: &dyn Fn(f64, usize, &[f64]) -> f64,
+) -> Linearised {
+    let p = columns.len();
+    let mut run = Linearised {
+        states: 1,
+        parameters: p,
+        time: (0..ROWS).map(|row| row as f64 * ROW).collect(),
+        first: (0..=ROWS).collect(),
+        torn: vec![false; ROWS - 1],
+        start: (vec![-path[0]], vec![1.0]),
+        observe: vec![1.0; ROWS],
+        direct: vec![0.0; ROWS * p],
+        ..Linearised::default()
+    };
+    for row in 0..ROWS {
+        let (time, residual) = (run.time[row], log[row] - path[row]);
+        run.measured.push(Measured { channel: 0, time, residual, slope: 0.0, weight: 1.0 });
+        if row + 1 < ROWS {
+            let here = next(path[row], row, theta);
+            run.transition.push(next(path[row] + 1.0, row, theta) - here);
+            run.defect.push(here - path[row + 1]);
+            run.drive.extend(columns.iter().map(|column| {
+                let (mut moved, step) = (theta.to_vec(), 1e-5 * theta[*column]);
+                moved[*column] += step;
+                (next(path[row], row, &moved) - here) / step
+            }));
+        }
+    }
+    run
+}
+
 impl Linearise for Body {
     fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
-        let (path, capacity, p) = (&paths[0], theta[0], columns.len());
-        let mut run = Linearised {
-            states: 1,
-            parameters: p,
-            time: (0..ROWS).map(|row| row as f64 * ROW).collect(),
-            first: (0..=ROWS).collect(),
-            torn: vec![false; ROWS - 1],
-            start: (vec![-path[0]], vec![1.0]),
-            observe: vec![1.0; ROWS],
-            direct: vec![0.0; ROWS * p],
-            ..Linearised::default()
-        };
-        for row in 0..ROWS {
-            let (time, residual) = (run.time[row], self.log[row] - path[row]);
-            run.measured.push(Measured { channel: 0, time, residual, slope: 0.0, weight: 1.0 });
-            if row + 1 < ROWS {
-                let here = next(path[row], row, capacity);
-                run.transition.push(next(path[row] + 1.0, row, capacity) - here);
-                run.defect.push(here - path[row + 1]);
-                let step = 1e-5 * capacity;
-                run.drive
-                    .extend(columns.iter().map(|_| (next(path[row], row, capacity + step) - here) / step));
-            }
-        }
-        Ok(vec![run])
+        let next = |temperature, row, theta: &[f64]| next(temperature, row, theta[0]);
+        Ok(vec![linearised(&self.log, &paths[0], theta, columns, &next)])
     }
 
     fn range(&self, _: usize) -> (f64, f64) {
@@ -141,33 +155,7 @@ impl Heated {
 
 impl Linearise for Heated {
     fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
-        let (path, p) = (&paths[0], columns.len());
-        let mut run = Linearised {
-            states: 1,
-            parameters: p,
-            time: (0..ROWS).map(|row| row as f64 * ROW).collect(),
-            first: (0..=ROWS).collect(),
-            torn: vec![false; ROWS - 1],
-            start: (vec![-path[0]], vec![1.0]),
-            observe: vec![1.0; ROWS],
-            direct: vec![0.0; ROWS * p],
-            ..Linearised::default()
-        };
-        for row in 0..ROWS {
-            let (time, residual) = (run.time[row], self.log[row] - path[row]);
-            run.measured.push(Measured { channel: 0, time, residual, slope: 0.0, weight: 1.0 });
-            if row + 1 < ROWS {
-                let here = Self::next(path[row], row, theta);
-                run.transition.push(Self::next(path[row] + 1.0, row, theta) - here);
-                run.defect.push(here - path[row + 1]);
-                run.drive.extend(columns.iter().map(|column| {
-                    let (mut moved, step) = (theta.to_vec(), 1e-5 * theta[*column]);
-                    moved[*column] += step;
-                    (Self::next(path[row], row, &moved) - here) / step
-                }));
-            }
-        }
-        Ok(vec![run])
+        Ok(vec![linearised(&self.log, &paths[0], theta, columns, &Self::next)])
     }
 
     fn range(&self, _: usize) -> (f64, f64) {

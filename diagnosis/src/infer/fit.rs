@@ -7,7 +7,7 @@
 use super::likelihood::{Sizes, informed, maximise_within, reduced};
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::smooth::smooth;
+use super::paths::{smooth_paths, smooth_paths_damped};
 use crate::error::Error;
 use crate::statistics::levels::{FEW, FINE, HALF, ROUNDING, SLIGHT};
 use crate::statistics::linear::{Reduced, inverse, solve};
@@ -181,30 +181,6 @@ fn predicted_decrease(reduced: &Reduced, shift: &[f64]) -> f64 {
     2.0 * shift.dot(&reduced.score) - shift.dot(&(&reduced.gram * &shift))
 }
 
-/// Moves every path to the smoothed one, after the parameters moved by `shift`; the largest move in units of the scales.
-fn smooth_paths(
-    paths: &mut [Path],
-    runs: &[Linearised],
-    noise: &Noise,
-    shift: &[f64],
-    scales: &[f64],
-) -> f64 {
-    let shift: Vec<(usize, f64)> = shift.iter().copied().enumerate().collect();
-    let moves: Vec<Vec<f64>> = runs.par_iter().map(|run| smooth(&run.shifted(&shift), noise).state).collect();
-    let mut largest = 0.0;
-    let own = scales.len().max(1);
-    for ((path, moves), run) in paths.iter_mut().zip(&moves).zip(runs) {
-        // states beyond the path's own are sensors' lags, which follow it
-        for (path, moves) in path.chunks_mut(own).zip(moves.chunks(run.states.max(1))) {
-            for ((state, by), scale) in path.iter_mut().zip(moves).zip(scales) {
-                *state += by;
-                largest = f64::max(largest, by.abs() / scale);
-            }
-        }
-    }
-    largest
-}
-
 /// Fits the free parameters from a place on. Without `sizes` the noises stay as they are.
 ///
 /// # Errors
@@ -368,23 +344,6 @@ impl Task<'_> {
         };
         Round { to, gain: predicted_decrease(here, &shift), moved }
     }
-}
-
-/// Moves every path a share of the way to the smoothed one; the largest move in units of the scales.
-fn smooth_paths_damped(
-    paths: &mut [Path],
-    runs: &[Linearised],
-    noise: &Noise,
-    shift: &[f64],
-    scales: &[f64],
-    share: f64,
-) -> f64 {
-    let before = paths.to_vec();
-    let moved = smooth_paths(paths, runs, noise, shift, scales);
-    for (path, before) in paths.iter_mut().zip(&before) {
-        path.iter_mut().zip(before).for_each(|(to, from)| *to = from + share * (*to - from));
-    }
-    share * moved
 }
 
 /// The fit that ends at a place about which the runs are linearised.

@@ -17,6 +17,7 @@ pub mod gradient;
 pub mod likelihood;
 pub mod linearised;
 pub mod noise;
+mod paths;
 mod policy;
 pub mod robust;
 pub mod smooth;

@@ -127,8 +127,8 @@ fn runs_along_lines<'a>(runs: impl Iterator<Item = &'a Series>) -> bool {
         bends.extend(steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
     }
     let usual = |all: Vec<f64>| median(all).unwrap_or(0.0);
-    let (move_, bend) = (usual(moves), usual(bends));
-    move_ > 0.0 && bend < DOUBTS.smooth * move_
+    let (moves, bends) = (usual(moves), usual(bends));
+    moves > 0.0 && bends < DOUBTS.smooth * moves
 }
 
 #[cfg(test)]

@@ -37,8 +37,7 @@ fn is_still(problem: &Problem, place: usize, run: &Run) -> bool {
 }
 
 fn has_one_value(series: &Series) -> bool {
-    let values = &series.values;
-    values.len() >= DOUBTS.still_rows && values.iter().all(|value| *value == values[0])
+    series.values.len() >= DOUBTS.still_rows && series.one_value().is_some()
 }
 
 /// Whether the model clearly moves what a log says to stay at a value.

@@ -154,8 +154,8 @@ fn channel_scatters(machine: &Machine, grids: &[Grid], outliers: &[Vec<bool>]) -
 /// Channels that have one value in all rows, where others have noise.
 fn still(problem: &Problem, machine: &Machine, scatter: &[Scatter]) -> Vec<Notice> {
     let is_still = |output: &Output| {
-        let mut values = problem.runs.iter().flat_map(|run| &run.series[output.channel].values);
-        values.next().is_some_and(|first| values.all(|value| value == first))
+        let mut values = problem.runs.iter().map(|run| run.series[output.channel].one_value());
+        values.next().flatten().is_some_and(|first| values.all(|value| value == Some(first)))
     };
     let noisy = scatter.iter().any(|scatter| scatter.noise > 0.0);
     let notice = |output: &Output| {

@@ -288,6 +288,14 @@ pub struct Series {
     pub values: Vec<f64>,
 }
 
+impl Series {
+    /// The value that all rows have, if they have one and the same.
+    pub(crate) fn one_value(&self) -> Option<f64> {
+        let first = *self.values.first()?;
+        self.values.iter().all(|value| *value == first).then_some(first)
+    }
+}
+
 impl Problem {
     /// Usual distance of the logs' rows, s; 1 where no log has two.
     pub fn row(&self) -> f64 {

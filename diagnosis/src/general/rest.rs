@@ -20,13 +20,17 @@ pub(super) fn name_the_rest(
     here: Fit,
     watch: &mut Watch<'_>,
 ) -> Result<Found, Error> {
+    let told = search.story.len();
     if let Some(found) = by_two(search, &residual, &effects, &here, watch)? {
         return Ok(found);
     }
+    // names that did not hold are no part of the story
+    search.story.truncate(told);
     beside_unlisted(search, residual, effects, here, watch)
 }
 
-/// Two effects that leave nothing without a name, and the search from there on. An unlisted input that is there stays: no two take it away.
+/// Two effects that leave nothing without a name, and the search from there on; `None` where something stays without one: an unlisted input that
+/// is there no two take away.
 fn by_two(
     search: &mut Search<'_>,
     residual: &Residual,

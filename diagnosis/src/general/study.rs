@@ -89,10 +89,7 @@ fn diagnosed_in_time(
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
     let gaps = claimed(held.gaps, &all, options);
-    let mut notices: Vec<Notice> = problem.notices.clone();
-    notices.extend(all.built.notices.clone());
-    notices.extend(all.built.engine.refusal_notices());
-    notices.extend(held.notice);
+    let notices = all_notices(problem, &all, held.notice);
     let mut story = findings::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);
@@ -118,6 +115,15 @@ fn diagnosed_in_time(
         traces: Vec::new(),
         channels: held.channels,
     })
+}
+
+/// What a user should know of the data set, of the search in it, and of the rows left out.
+fn all_notices(problem: &Problem, all: &Studied, held: Option<Notice>) -> Vec<Notice> {
+    let mut notices: Vec<Notice> = problem.notices.clone();
+    notices.extend(all.built.notices.clone());
+    notices.extend(all.built.engine.refusal_notices());
+    notices.extend(held);
+    notices
 }
 
 /// The verdict, by whether something has no name and by the effects that were named.

@@ -81,13 +81,8 @@ impl Text {
         let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with(COMMENTS);
         let first = lines.iter().position(|line| !is_comment(line));
         let Some(first) = first else { return Err(wrong(1, "no table in it".into())) };
-        if let Some((line, code)) = not_text(&lines[..=first]) {
-            return Err(wrong(
-                line,
-                format!(
-                    "no text: there is a character {code:#04x} in it. Wanted is a table as CSV, with a line of names and commas between columns"
-                ),
-            ));
+        if let Some((line, problem)) = not_text(&lines[..=first]) {
+            return Err(wrong(line, problem));
         }
         let Some(separator) = Separator::guess(lines[first]) else {
             return Err(wrong(
@@ -131,10 +126,17 @@ impl Text {
     }
 }
 
-/// Line and code of the first character that no text holds: those that control a terminal, but for tabs and new pages.
-fn not_text(lines: &[&str]) -> Option<(usize, u32)> {
+/// Line of the first character that no text holds, and what is wrong: those that control a terminal, but for tabs and new pages.
+fn not_text(lines: &[&str]) -> Option<(usize, String)> {
     let is_foreign = |letter: &char| letter.is_ascii_control() && !['\t', '\u{c}'].contains(letter);
-    lines.iter().enumerate().find_map(|(line, text)| Some((line + 1, text.chars().find(is_foreign)?.into())))
+    let (line, code) = lines
+        .iter()
+        .enumerate()
+        .find_map(|(line, text)| Some((line + 1, u32::from(text.chars().find(is_foreign)?))))?;
+    let problem = format!(
+        "no text: there is a character {code:#04x} in it. Wanted is a table as CSV, with a line of names and commas between columns"
+    );
+    Some((line, problem))
 }
 
 /// UTF-16 where it says so, else UTF-8, else Latin-1: spreadsheets still write it, and a degree sign is one byte there.

@@ -151,6 +151,20 @@ def test_what_is_computed_of_a_state_does_not_show_it(tmp_path):
     assert all("shows" not in one for one in channels(tmp_path / "set")[1].get("state", [])), channels(tmp_path / "set")[1]
 
 
+def test_a_unit_that_ends_its_process_with_other_values_is_imported(tmp_path):
+    machine = dataclasses.replace(
+        ALL["sled"], name="brittle", late="", saves_state=True, states=(State("x", "V", "x_0", 0.5, 0.0),),
+        inputs=(Input("u", "V", 0.0, 1.0, "V"),), outputs_of=(Output("y", "V", 1e-3, "V"),),
+        parameters=(Parameter("T", "1", 0.3, 0.01, 10.0, "relative", "time constant", 0.5),),
+        build=lambda machine, folder: build(machine, folder, "dx[0] = (v[u] - x[0]) / v[T];", "if (v[T] != 0.3) abort(); v[y] = x[0];", step=0.01),
+    )  # fmt: skip
+    times = 0.05 * np.arange(100)
+    log = "".join(f"{time},{np.sign(np.sin(time))},{0.3 * np.cos(time)}\n" for time in times)
+    (tmp_path / "a.csv").write_text("time,u,y\n" + log)
+    run("import", tmp_path / "a.csv", "--fmu", machine.build(machine, tmp_path), "--out", tmp_path / "set")
+    assert channels(tmp_path / "set")[1]["state"] == [{"start": "brittle.x_0", "shows": "brittle.y"}]
+
+
 def test_degrees_under_a_header_that_says_kelvin_are_not_taken_for_an_offset(tmp_path):
     # where nothing starts the model, an offset is tried: of all that comes near, the unit of measurement is the exact one
     house = ALL["house"]

@@ -26,7 +26,7 @@ def _command(*arguments: object, answers: Sequence[int] = (0,)) -> str:
     if done.returncode in answers and (done.returncode == 0 or done.stdout.strip()):
         return done.stdout
     # A value was given in Python, and not by an option.
-    said = done.stderr.strip().removeprefix("error: ").removeprefix("--set ")
+    said, _, _ = done.stderr.strip().removeprefix("error: ").removeprefix("--set ").partition("\n\nFor more information")
     raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said or f"exit status {done.returncode}")
 
 

@@ -45,6 +45,13 @@ def _word(value: Value) -> str:
     return str(value).lower() if str(value) in ("True", "False") else str(value)
 
 
+def _settings(values: Mapping[str, Value] | None) -> list[str]:
+    """What would be typed for values by name."""
+    if values is not None and not isinstance(values, Mapping):
+        raise TypeError(f"values: a mapping such as {{'plant.b_joint': 0.02}}, not {values!r}")
+    return [f"--set={name}={_word(value)}" for name, value in (values or {}).items()]
+
+
 def run(
     scenario: str | PathLike[str],
     values: Mapping[str, Value] | None = None,
@@ -63,7 +70,7 @@ def run(
     """
     folder = OutFolder(out)
     words = [f"--out={folder.path}"]
-    words += [f"--set={name}={_word(value)}" for name, value in (values or {}).items()]
+    words += _settings(values)
     if stop is not None:
         words.append(f"--stop={stop}")
     if isolate:

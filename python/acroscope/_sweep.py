@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from . import _acroscope
 from ._commands import Place, _command
 from ._folder import OutFolder, page
-from ._runs import Value, _needed, _word
+from ._runs import Value, _needed, _settings, _word
 
 if TYPE_CHECKING:
     import pyarrow
@@ -115,7 +115,7 @@ def _typed(
         words.append(f"--grid={name}={axis if isinstance(axis, str) else ','.join(map(_word, axis))}")
     words += [f"--scalar={name}={of}" for name, of in (scalars or {}).items()]
     words += [f"--until={until}"] if until is not None else []
-    words += [f"--set={name}={_word(value)}" for name, value in (values or {}).items()]
+    words += _settings(values)
     return words + ([f"--stop={stop}"] if stop is not None else [])
 
 

@@ -144,7 +144,12 @@ def test_words_of_the_command_line_stay_there():
     for call in (lambda: ac.run("--help"), lambda: ac.sweep("-q"), lambda: ac.diagnose("--help"), lambda: ac.Simulation("-q")):
         with pytest.raises(ac.InputError) as told:
             call()
-        assert "Usage" not in str(told.value) and "for more information" not in str(told.value)
+        assert "usage" not in str(told.value).lower() and "for more information" not in str(told.value).lower()
+    with pytest.raises(ac.InputError, match=r"'-1' for '--budget .*0 or more$"):
+        ac.diagnose(ac.examples()["hidden-effect"], budget=-1)
+    for call in (ac.run, ac.sweep):
+        with pytest.raises(TypeError, match=r"values: a mapping such as .*, not \[1, 2\]"):
+            call("full-state", values=[1, 2])
     with pytest.raises(ac.InputError, match=r"^camera\.k9=0\.1: "):
         ac.run("visual-servo", {"camera.k9": 0.1})
     with pytest.raises(ac.InputError, match="jobs = -1: a number of threads"):

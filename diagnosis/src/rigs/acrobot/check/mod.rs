@@ -2,6 +2,7 @@
 //! order in which they are asked. To add one, add a file and a line.
 
 mod changing_value;
+mod circle_beside;
 mod clock_drift;
 mod confounded;
 mod differing_runs;
@@ -62,7 +63,8 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Doubts of the model with its effects.
-const OF_THE_MODEL: [Doubt; 3] = [residual::doubt, confounded::doubt, changing_value::doubt];
+const OF_THE_MODEL: [Doubt; 4] =
+    [circle_beside::doubt, residual::doubt, confounded::doubt, changing_value::doubt];
 /// Doubts of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 3] = [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt];
 

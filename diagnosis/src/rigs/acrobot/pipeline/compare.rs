@@ -7,7 +7,8 @@ use super::encoder_zeros::Shared;
 use super::integer_interval::{IntegerInterval, integer_intervals};
 use super::replace_effect::put_best_first;
 use crate::error::{Error, Notice};
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::candidates::{Candidate, Side};
+use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::image::{Laws, Noise};
 use crate::rigs::acrobot::residual::{Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -34,6 +35,13 @@ pub(super) struct Part {
     pub(super) integers: Vec<IntegerInterval>,
     /// Effects that the zero of an encoder explains as well.
     pub(super) shared: Vec<Shared>,
+}
+
+impl Part {
+    /// Whether a circle was found to stand beside its link, of which no scenario knows.
+    pub(super) fn has_circle_beside(&self, list: &[Candidate]) -> bool {
+        chained(&self.signals) && self.study.active.iter().any(|index| list[*index].side == Side::Zero)
+    }
 }
 
 /// What all cuts say.

@@ -128,6 +128,10 @@ impl Conclusion {
         } else {
             self.add_effects(logs, part, &free, &judged, watch);
         }
+        if part.has_circle_beside(list) {
+            gap = Gap { after: gap.before, closed: gap.closed.map(|_| 0.0), ..gap };
+            trace.after.clone_from(&trace.before);
+        }
         self.correct(logs, part, &judged, &gap, watch);
         if let Some(correction) = self.correction.as_ref().filter(|_| part.torque) {
             (gap, trace) = (correction.closes(&gap), correction.drawn(trace));

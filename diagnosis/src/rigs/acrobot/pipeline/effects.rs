@@ -135,7 +135,7 @@ impl<'a> PartEffects<'a> {
 /// have its place was not asked.
 fn share_beside_zeros(shared: &[Shared], index: usize, early: bool) -> f64 {
     let zeros: f64 = shared.iter().filter(|one| one.effect == index).map(|one| one.share).product();
-    if early { zeros * PIPELINE.beside } else { zeros }
+    if early { zeros * PIPELINE.half_asked } else { zeros }
 }
 
 /// The standard deviation by which a candidate's coordinate is in doubt, 0 where it isn't.

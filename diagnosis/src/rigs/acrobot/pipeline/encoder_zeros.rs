@@ -5,6 +5,7 @@ use super::policy::PIPELINE;
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::gap::chained;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::plant::{PlantCut, zeros};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -149,7 +150,8 @@ impl Zeros {
     /// How far pictures say that the logs' angles are off still.
     pub(super) fn seen_in_images(&mut self, list: &[Candidate], compared: &Compared) -> Option<[f64; 2]> {
         self.rounds += 1;
-        let pictured = compared.parts.iter().filter(|part| !part.torque);
+        // where images alone tell the angles, no log is off
+        let pictured = compared.parts.iter().filter(|part| !part.torque && !chained(&part.signals));
         let found = pictured.flat_map(|part| &part.study.active).any(|index| list[*index].side == Side::Zero);
         (found && self.rounds <= PIPELINE.rounds).then(|| zeros(list, &compared.point, None))
     }
@@ -160,10 +162,11 @@ impl Zeros {
         data.turn_back(by);
     }
 
-    /// Takes zeros that are off out of what is named.
+    /// Takes zeros that are off out of what is named. Of encoders they are told; of circles they are what has no name.
     pub(super) fn remove_from_effects(&self, list: &[Candidate], compared: &mut Compared) -> Vec<Notice> {
         let Compared { parts, point, .. } = compared;
-        let left = zeros(list, point, None);
+        let of_circles = parts.iter().any(|part| chained(&part.signals));
+        let left = if of_circles { [0.0; 2] } else { zeros(list, point, None) };
         for index in places(list).filter(|index| point[*index] != 0.0).collect::<Vec<_>>() {
             point[index] = 0.0;
             parts.iter_mut().for_each(|part| part.classes.retain(|(other, _)| *other != index));

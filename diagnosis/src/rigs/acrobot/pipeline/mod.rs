@@ -166,7 +166,8 @@ fn judge_held_out(
     watch: &mut Watch<'_>,
 ) {
     let found = compared.parts.iter().any(|part| !part.study.active.is_empty());
-    if !found && diagnosis.correction.is_none() {
+    let beside = compared.parts.iter().any(|part| part.has_circle_beside(&rig.list));
+    if beside || !found && diagnosis.correction.is_none() {
         return;
     }
     let correction = diagnosis.correction.as_ref();

@@ -25,7 +25,7 @@ pub(super) fn add_sensor_noise(
         if noise.clear {
             let ci95 = [(noise.value - WITHIN * noise.error).max(0.0), noise.value + WITHIN * noise.error];
             let sure = 1.0 - SELECTION.alpha;
-            let probability = if noise.is_lit() { sure } else { PIPELINE.beside };
+            let probability = if noise.is_lit() { sure } else { PIPELINE.half_asked };
             effects.push(Effect::alone(candidate, noise.value, ci95, probability));
             notices.extend((!noise.is_lit()).then(|| unlit(candidate.name, noise.larger)));
         }

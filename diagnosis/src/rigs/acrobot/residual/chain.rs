@@ -7,7 +7,8 @@
 
 use super::image::{ImageCut, Pose, pose_shift};
 use super::plant::policy::WINDOWS;
-use super::plant::{PlantCut, Poses};
+use super::plant::{PlantCut, Poses, zeros};
+use super::trajectory::Motion;
 use super::{Block, Cut, Linearised, Nuisances, Perturbation, Policy, Signal};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place};
@@ -100,6 +101,11 @@ impl Chain {
     fn smooth(&mut self, point: &[f64], read: &[Vec<[f64; 2]>]) -> Result<(), Error> {
         let motions = self.plant.motion_now(point, POLICY.motion_step)?;
         let (delay, interval) = (self.image.delay(point), self.image.interval());
+        // circles stand where the links are, and as far beside as their zeros are off
+        let off = zeros(&self.candidates, point, None);
+        let seen = |motion: &Motion, time: f64| {
+            motion.at(time).map(|[q1, q2, dq1, dq2]| [q1 + off[0], q2 + off[1], dq1, dq2])
+        };
         let mut rows = vec![0; read.len()];
         for frame in &mut self.image.frames {
             let row = rows[frame.run];
@@ -109,10 +115,10 @@ impl Chain {
             };
             (frame.shot.end[0], frame.shot.end[1]) = (angles[0], angles[1]);
             let Some(motion) = motions.get(frame.run) else { continue };
-            let Some(end) = motion.at(frame.time - delay) else { continue };
+            let Some(end) = seen(motion, frame.time - delay) else { continue };
             if (0..2).all(|angle| (end[angle] - frame.shot.end[angle]).abs() < RESIDUAL.near) {
                 frame.shot.end = end;
-                frame.shot.before = motion.at(frame.time - delay - interval).unwrap_or(frame.shot.before);
+                frame.shot.before = seen(motion, frame.time - delay - interval).unwrap_or(frame.shot.before);
             }
         }
         Ok(())
@@ -210,7 +216,7 @@ impl Cut for Chain {
     }
 
     fn sees(&self, candidate: &Candidate) -> bool {
-        matches!(candidate.side, Side::Plant | Side::Camera)
+        matches!(candidate.side, Side::Plant | Side::Camera | Side::Zero)
     }
 
     fn policy(&self) -> Policy {

@@ -269,11 +269,15 @@ impl PlantCut {
 
     /// Other poses for the log's rows, and another delay of the camera (its candidate and value).
     pub fn replace(&mut self, poses: Poses, delay: Option<(usize, f64)>) {
+        let zeros = self.zeros;
         for (run, angles) in Arc::make_mut(&mut self.runs).iter_mut().zip(&poses.angles) {
             let Some(log) = &mut run.plant else { continue };
             for (place, name) in ["q1", "q2"].iter().enumerate() {
                 if let Some(column) = log.column_mut(name) {
-                    column.iter_mut().zip(angles).for_each(|(value, angles)| *value = angles[place]);
+                    column
+                        .iter_mut()
+                        .zip(angles)
+                        .for_each(|(value, angles)| *value = angles[place] - zeros[place]);
                 }
             }
         }

@@ -48,10 +48,12 @@ impl Residual {
         self.share.is_none_or(|share| share < DOUBTS.wrong)
     }
 
-    /// Whether it leaves so little in this way that it can't be what it leaves of the logs as they are read.
+    /// Whether it leaves so little in this way that it can't be what it leaves of the logs as they are read: in the sensors' variances, and of
+    /// the motion, since a command that is read as an output brings its own steps as a variance.
     fn is_less(&self, way: &Way, own: &Self) -> bool {
         let most = if way.is_extreme() { DOUBTS.extreme.1 } else { DOUBTS.less };
-        self.excess <= most * own.excess
+        let share = |residual: &Self| residual.share.unwrap_or(0.0);
+        self.excess <= most * own.excess && share(self) <= share(own)
     }
 
     /// Whether it leaves clearly more than another.
@@ -304,6 +306,8 @@ mod tests {
             assert!(residual(0.45, 1.0).is_right(&far) && !residual(0.55, 1.0).is_right(&far));
             assert!(residual(0.0, 18.0).is_less(&far, &residual(1.0, 1000.0)));
             assert!(!residual(0.0, 22.0).is_less(&far, &residual(1.0, 1000.0)));
+            // steps of a command, read as an output's, are a large variance: little is left in it, and half of the motion
+            assert!(!residual(0.469, 1.0).is_less(&far, &residual(0.029, 1000.0)));
         }
     }
 

@@ -306,7 +306,9 @@ pub fn studied(
         return fit_given(built, &sizes, options, &nominal.at, policy);
     }
     let end = watch.share(HALF);
-    let (mut effects, mut here) = search.walk(effects, begun, watch)?;
+    let (effects, here) = search.walk(effects, begun, watch)?;
+    let here = search.with_linearised_runs(here)?;
+    let (mut effects, mut here) = search.moved_across(effects, here, watch)?;
     watch.end_at(end);
     here = search.with_linearised_runs(here)?;
     let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);

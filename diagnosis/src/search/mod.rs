@@ -4,11 +4,13 @@
 //! - `screen.rs`: what each would gain, on one linearisation, with the noises taken anew
 //! - `screened.rs`: fits of what was screened, from where it begins
 //! - `walk.rs`: the search itself; every model on its way is fitted
+//! - `across.rs`: one sensor in the place of several inputs, and the other way round
 //! - `pairs.rs`: two effects that only together explain what is left
 //! - `class.rs`: what else fits as well in an effect's place
 //! - `nearest.rs`: which listed effects do most of what an unlisted input did
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod across;
 pub mod class;
 pub mod nearest;
 mod pairs;

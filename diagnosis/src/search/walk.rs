@@ -136,17 +136,23 @@ impl Search<'_> {
         if !doubtful || !self.is_fitted(gone) {
             return Ok(Some((left, less)));
         }
-        let mut key = left.clone();
+        let better = self.visited_anew(&left, &start)?.unwrap_or(less);
+        Ok(Some((left, better)))
+    }
+
+    /// A fit of a model from this place, though it was visited from another: the better of the two; `None` where units can't be run so.
+    pub(super) fn visited_anew(&mut self, effects: &[usize], start: &At) -> Result<Option<Fit>, Error> {
+        let mut key = effects.to_vec();
         key.sort_unstable();
-        self.visited.remove(&key);
-        let better = match self.visit(&left, &start) {
-            Ok(again) if again.deviance < less.deviance => again,
-            // another fit of it there is, wherever that began
-            Ok(_) | Err(Error::Model(_)) => less,
+        let before = self.visited.remove(&key);
+        let again = match self.visit(effects, start) {
+            Ok(again) => Some(again),
+            Err(Error::Model(_)) => None,
             Err(error) => return Err(error),
         };
-        self.visited.insert(key, better.clone());
-        Ok(Some((left, better)))
+        let best = [before, again].into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        self.visited.extend(best.clone().map(|best| (key, best)));
+        Ok(best)
     }
 
     /// A fit with its linearised runs, made anew if they were put away.

@@ -1,13 +1,14 @@
 //! Fits a window: its start state and slack torques, by Gauss-Newton through the unit, and the columns that are left.
 
 use super::layout::Layout;
+use super::memory::Asked;
 use super::window::Window;
 use super::{NUDGE, PlantCut};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
-use crate::rigs::acrobot::residual::trajectory::{Row, State, simulate};
+use crate::rigs::acrobot::residual::trajectory::{Push, Row, State, simulate};
 use crate::rigs::acrobot::residual::{Block, Cut, Perturbation};
 use crate::statistics::linear::{Cell, nuisances};
 use nalgebra::{DMatrix, DVector};
@@ -93,6 +94,18 @@ impl PlantCut {
         Ok(fit)
     }
 
+    /// The rows that the unit makes of a window from a start state, unless it has just made them.
+    fn driven(
+        &self,
+        window: &Window,
+        settings: &[Setting],
+        start: &State,
+        pushes: &[Push],
+    ) -> Result<Vec<Row>, Error> {
+        let make = || simulate(&self.bench, &self.ports, settings, &window.drive, start, pushes);
+        window.memory.rows(&window.drive, Asked { settings, start, pushes }, make)
+    }
+
     /// A window simulated from a start state with slack torques, N·m; no columns yet.
     pub(super) fn fit(
         &self,
@@ -102,8 +115,7 @@ impl PlantCut {
         start: State,
         slack: Vec<f64>,
     ) -> Result<Fit, Error> {
-        let base =
-            simulate(&self.bench, &self.ports, settings, &window.drive, &start, &window.pushes(&slack))?;
+        let base = self.driven(window, settings, &start, &window.pushes(&slack))?;
         let cell = layout.cell(self, window, &base);
         Ok(Fit { start, slack, base, cell, here: [false; 2] })
     }
@@ -125,7 +137,7 @@ impl PlantCut {
                 let mut moved = fit.start;
                 let by = NUDGE[place];
                 moved[place] += by;
-                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &moved, &pushes)?;
+                let rows = self.driven(window, settings, &moved, &pushes)?;
                 layout.column(&fit.base, &rows, by, &mut hard, place);
             }
             fit.cell.hard = hard;
@@ -136,7 +148,7 @@ impl PlantCut {
             for place in 0..fit.slack.len() {
                 let mut more = pushes.clone();
                 more.push(window.push(place, by));
-                let rows = simulate(&self.bench, &self.ports, settings, &window.drive, &fit.start, &more)?;
+                let rows = self.driven(window, settings, &fit.start, &more)?;
                 layout.column(&fit.base, &rows, by, &mut columns, place);
             }
             fit.cell.soft = columns;
@@ -247,7 +259,7 @@ impl PlantCut {
             } else if self.sees(candidate) {
                 let moved = self.settings(point, Some(*perturbation))?;
                 // a value that the plant can't follow has no column
-                if let Ok(rows) = simulate(&self.bench, &self.ports, &moved, &window.drive, &start, &pushes) {
+                if let Ok(rows) = self.driven(window, &moved, &start, &pushes) {
                     layout.column(&base, &rows, perturbation.by, &mut columns, place);
                 }
             }

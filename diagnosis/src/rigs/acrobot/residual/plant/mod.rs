@@ -26,6 +26,7 @@ mod forced_windows;
 pub mod jitter;
 mod layout;
 mod log_correction;
+mod memory;
 pub(crate) mod policy;
 mod window;
 mod window_restart;

@@ -58,6 +58,8 @@ pub struct Windows {
     pub push: f64,
     /// Scatter of timestamps at which their columns are taken, at least, s.
     pub jitter: f64,
+    /// Simulations of a window that are remembered, a kilobyte each: some linearisations with a column for each candidate, and the fits between.
+    pub remembered: usize,
 }
 
 /// Those in force.
@@ -84,4 +86,5 @@ pub const WINDOWS: Windows = Windows {
     piece: POLICY.motion_step,
     push: 2e-4,
     jitter: 1e-4,
+    remembered: FAR as usize * SAMPLE,
 };

@@ -2,6 +2,7 @@
 
 use super::fitting::Fit;
 use super::log_correction::has_changing_torque;
+use super::memory::Memory;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
@@ -107,6 +108,8 @@ pub(super) struct Window {
     pub(super) kept: Option<Arc<Kept>>,
     /// The fit without slack torques of the last linearisation: by it the window got slack torques, or not.
     pub(super) free: Option<Arc<Fit>>,
+    /// What the unit made of it lately.
+    pub(super) memory: Memory,
 }
 
 impl Window {
@@ -122,6 +125,7 @@ impl Window {
             slack: vec![0.0; self.slack.len()],
             kept: None,
             free: None,
+            memory: self.memory.clone(),
         }
     }
 
@@ -210,6 +214,7 @@ pub(super) fn cut_run(index: usize, run: &Run, contact: f64, pace: f64, into: &m
             slack: vec![0.0; 2 * WINDOWS.parts],
             kept: None,
             free: None,
+            memory: Memory::default(),
         });
     }
 }

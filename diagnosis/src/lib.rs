@@ -68,7 +68,7 @@ pub use diagnosis::{
 };
 pub use earlier::Earlier;
 pub use error::{Error, Finding, Notice};
-pub use import::{Clock, Imported, import};
+pub use import::{Clock, Import, Imported, import};
 pub use options::{Budget, Options};
 pub use overlay::Channel;
 pub use provenance::{Provenance, Used};

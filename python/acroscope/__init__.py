@@ -9,6 +9,7 @@
     r.plot()
 
     ac.diagnose("path/to/dataset").verdict
+    ac.import_logs("log.csv", "heater.fmu", out="heater").guesses
     ac.reproduce("table-3").claims
     ac.sweep("delay-and-rate", out="map").table()
 
@@ -29,12 +30,13 @@ if sys.executable:
 _DATA = Path(__file__).resolve().parent / "data"
 _acroscope.add_units(_DATA / "fmus")
 
-from ._commands import Diagnosis, Reproduction, check, diagnose, reproduce  # noqa: E402
+from ._commands import DataSet, Diagnosis, Reproduction, check, diagnose, import_logs, new, record, reproduce  # noqa: E402
 from ._runs import Results, run  # noqa: E402
 from ._simulation import Simulation  # noqa: E402
 from ._sweep import Sweep, sweep  # noqa: E402
 
 __all__ = [
+    "DataSet",
     "Diagnosis",
     "Error",
     "InputError",
@@ -46,6 +48,9 @@ __all__ = [
     "check",
     "diagnose",
     "examples",
+    "import_logs",
+    "new",
+    "record",
     "reproduce",
     "run",
     "scenarios",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,16 +20,31 @@ from ._folder import OutFolder, names, page
 Place = str | PathLike[str]
 
 
-def _command(*arguments: object, answers: Sequence[int] = (0,)) -> str:
-    """What a command prints. An exit status other than those raises, with the command's own words; so does one of those, other than
-    0, that comes without an answer."""
-    words = [sys.executable, "-P", "-m", "acroscope", *map(str, arguments)]
+# What the command line says beside its error, of how a command is typed.
+_HELP = re.compile(r"\n\n(?:Usage: |For more information)")
+
+
+def _said(*arguments: object, answers: Sequence[int] = (0,)) -> tuple[str, str]:
+    """What a command prints, and its notes. An exit status other than those raises, with the command's own words; so does one of those,
+    other than 0, that comes without an answer."""
+    typed = (os.fspath(word) if isinstance(word, PathLike) else str(word) for word in arguments)
+    words = [sys.executable, "-P", "-m", "acroscope", *typed]
     done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8")
     if done.returncode in answers and (done.returncode == 0 or done.stdout.strip()):
-        return done.stdout
+        return done.stdout, done.stderr
     # A value was given in Python, and not by an option.
-    said, _, _ = done.stderr.strip().removeprefix("error: ").removeprefix("--set ").partition("\n\nFor more information")
+    said = _HELP.split(done.stderr.strip().removeprefix("error: ").removeprefix("--set "))[0]
     raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said or f"exit status {done.returncode}")
+
+
+def _command(*arguments: object, answers: Sequence[int] = (0,)) -> str:
+    return _said(*arguments, answers=answers)[0]
+
+
+def _options(**given: object) -> list[str]:
+    """Options with these values, without those that are None or False."""
+    kept = ((f"--{name.replace('_', '-')}", value) for name, value in given.items() if value is not None and value is not False)
+    return [option if value is True else f"{option}={value}" for option, value in kept]
 
 
 class _Outcome:
@@ -88,6 +105,30 @@ class Diagnosis(_Outcome):
         return page(self.folder / "report.html")
 
 
+class DataSet(_Outcome):
+    """Measured runs and the model of what was measured, in `folder`: `diagnose` takes it as it is.
+
+    `guesses`: what `import_logs` made of the logs, each with its evidence, as `dataset.toml` has them. `notices`: what should be looked at.
+    """
+
+    def __init__(self, out: Place | None) -> None:
+        super().__init__(out)
+        self.guesses: list[str] = []
+        self.notices: list[str] = []
+
+    def _make(self, command: str, *arguments: object) -> DataSet:
+        printed, notes = _said(command, f"--out={self.folder}", *arguments)
+        self.guesses = [line.removeprefix("  ") for line in printed.splitlines() if line.startswith("  ")]
+        self.notices = [line.removeprefix("note: ") for line in notes.splitlines() if line.startswith("note: ")]
+        return self
+
+    def __fspath__(self) -> str:
+        return str(self.folder)
+
+    def __repr__(self) -> str:
+        return f"<DataSet: {self.folder}>"
+
+
 class Reproduction(_Outcome):
     """The paper's statements beside what we get: `claims.json` and `index.html` in `folder`."""
 
@@ -124,11 +165,60 @@ def diagnose(
     diagnosis = Diagnosis(out)
     more = [f"--without={name}" for name in names(without)]
     more += [f"--fit={','.join(names(fit))}"] if fit else []
-    given = {"budget": budget, "step-limit": step_limit, "after": after}
-    more += [f"--{option}={value}" for option, value in given.items() if value is not None]
-    more += ["--isolate"] if isolate else []
+    more += _options(budget=budget, step_limit=step_limit, after=None if after is None else os.fspath(after), isolate=bool(isolate))
     _command("--quiet", "diagnose", *more, f"--out={diagnosis.folder}", "--", dataset)
     return diagnosis._read()
+
+
+def import_logs(
+    logs: Place | Sequence[Place],
+    fmu: Place,
+    *,
+    rate: float | None = None,
+    start: float | None = None,
+    isolate: bool = False,
+    step_limit: float | None = None,
+    force: bool = False,
+    out: Place | None = None,
+) -> DataSet:
+    """Makes a data set of measured logs and the unit that models what was measured: `acroscope import`. Each guess is told with its evidence.
+
+    `logs`: CSV files, one a run; a single path will do, too. `rate`: rows per second of logs without a column of time, and `start`: the time
+    of their first row in s, 0 if not given. `isolate`: every run of the unit in a process of its own (on Linux), and `step_limit`: seconds that
+    a call into it may take. `out`: a folder that keeps the data set, and `force`: one that is there is replaced; a temporary one if none is
+    given.
+    """
+    files = [logs] if isinstance(logs, (str, PathLike)) else list(logs)
+    if not files:
+        raise _acroscope.InputError(f"logs = {logs!r}: the paths of CSV files, one a run")
+    more = _options(rate=rate, start=start, isolate=bool(isolate), step_limit=step_limit, force=bool(force))
+    return DataSet(out)._make("import", f"--fmu={os.fspath(fmu)}", *more, "--", *files)
+
+
+def record(
+    runs: Place | Sequence[Place],
+    *,
+    scenario: Place | None = None,
+    encoder_noise: float | None = None,
+    encoder_rate: float | None = None,
+    torque_noise: float | None = None,
+    seed: int | None = None,
+    force: bool = False,
+    out: Place | None = None,
+) -> DataSet:
+    """Makes a data set of finished runs, to rehearse a diagnosis: `acroscope record`.
+
+    `runs`: folders of runs of the shipped rig, such as `run(...).folder`; a single one will do, too. `scenario`: the nominal model, without
+    what is hidden in the runs, visual-servo if not given. `encoder_noise` in rad, 2e-4 if not given; `encoder_rate`: readings per second, 30 if
+    not given, 0: no encoders. `torque_noise` in N.m: the applied torque is logged, too. `seed` of all noise. `out` and `force` as for
+    `import_logs`.
+    """
+    folders = [runs] if isinstance(runs, (str, PathLike)) else list(runs)
+    if not folders:
+        raise _acroscope.InputError(f"runs = {runs!r}: the folders of finished runs")
+    nominal = None if scenario is None else os.fspath(scenario)
+    noises = _options(encoder_noise=encoder_noise, encoder_rate=encoder_rate, torque_noise=torque_noise, seed=seed)
+    return DataSet(out)._make("record", *_options(scenario=nominal, force=bool(force)), *noises, "--", *folders)
 
 
 def reproduce(*ids: str, out: Place | None = None) -> Reproduction:
@@ -141,3 +231,14 @@ def reproduce(*ids: str, out: Place | None = None) -> Reproduction:
 def check(fmu: Place) -> list[dict[str, Any]]:
     """Checks an FMU against the standard: findings with rule, severity, variable and text."""
     return json.loads(_command("check", "--json", "--", fmu, answers=(0, 1)))
+
+
+def new(*fmus: Place, out: Place | None = None, force: bool = False) -> str:
+    """A first scenario of these units, in the order in which they are to be stepped, as TOML; each guess has its comment. `out`: a file that
+    it is written to, and `force`: one that is there is replaced. Without `out` its paths are for a file in this folder."""
+    if not fmus:
+        raise _acroscope.InputError("fmus: the paths of one unit or more")
+    if out is None:
+        return _command("new", "--", *fmus)
+    _command("--quiet", "new", f"--output={os.fspath(out)}", *_options(force=bool(force)), "--", *fmus)
+    return Path(out).read_text("utf-8")

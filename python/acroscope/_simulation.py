@@ -90,7 +90,14 @@ class Simulation:
     def step(self, until: float | None = None) -> float | None:
         """On to the next communication point, or to the last one not later than `until`. Answers the time then, or None if the simulation
         was at its end already. `until` must not be before `time`."""
-        return self._inner.step() if until is None else self._inner.advance_to(float(until))
+        if until is None:
+            return self._inner.step()
+        try:
+            end = float(until)
+        except (TypeError, ValueError, OverflowError):
+            problem = f"until = {until!r}: a time in s that is not before the time now, {self.time} s"
+            raise _acroscope.InputError(problem) from None
+        return self._inner.advance_to(end)
 
     def save(self) -> _acroscope.State:
         """The state now: of the units, the values between them, and what is under way with a delay. Begins the run, as `get` does."""

@@ -79,6 +79,9 @@ def test_steps_end_and_do_not_go_back():
     for wrong in (0.1, float("nan"), -float("inf")):
         with pytest.raises(ac.InputError, match=r"^until = .*not before the time now, 0\.2 s$"):
             sim.step(until=wrong)
+    for no_time in ("x", [0.3], 10**400):
+        with pytest.raises(ac.InputError, match=re.escape(f"until = {no_time!r}: a time in s that is not before the time now, 0.2 s")):
+            sim.step(until=no_time)
     assert sim.step(until=float("inf")) == 0.5 and sim.step(until=1) is None
 
 

@@ -42,9 +42,11 @@ reveal_type(r.plot())
 reveal_type(ac.Simulation("full-state").step())
 reveal_type(ac.check("a.fmu"))
 reveal_type(ac.diagnose("set").verdict)
+reveal_type(ac.import_logs("log.csv", "heater.fmu").guesses)
+reveal_type(ac.new("plant.fmu"))
 """
     revealed = re.findall(r'Revealed type is "(.*)"', checked(program, tmp_path))
-    wanted = ["str", r"dict\[int, .*ndarray", "Figure", r"float \| None", r"list\[.*dict\[.*str, Any\]\]", "str"]
+    wanted = ["str", r"dict\[int, .*ndarray", "Figure", r"float \| None", r"list\[.*dict\[.*str, Any\]\]", "str", r"list\[.*str\]", "str"]
     assert len(revealed) == len(wanted)
     for found, want in zip(revealed, wanted):
         assert re.search(want, found), f"{found}: {want}"
@@ -70,6 +72,8 @@ r = ac.run("full-state")
 twice: float = 2 * r.last("plant.q1")
 names: list[str] = list(r)
 ac.diagnose("set", without="plant.b_joint", fit=["a.b"], budget=5.0)
+ac.diagnose(ac.import_logs(["a.csv", "b.csv"], "heater.fmu", rate=50, out="heater"))
+ac.diagnose(ac.record(r.folder, torque_noise=0.01))
 ac.sweep("full-state", {"plant.b_joint": [0.1, 0.2], "plant.q2_0": "0:1:0.5"}, until="plant.contact", values={"plant.k_tau": 1.1})
 """
     assert checked(program, tmp_path) == ""

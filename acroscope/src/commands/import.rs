@@ -26,8 +26,15 @@ pub fn import(arguments: &Import, quiet: bool) -> Result<(), Error> {
     let units = scenarios::unit_path();
     let clock = arguments.rate.map(|rate| diagnosis::Clock { rate, start: arguments.start });
     arguments.called.look_out();
-    let (limits, isolate) = (arguments.called.limited(), arguments.called.isolate);
-    let imported = diagnosis::import(&arguments.logs, fmu, &arguments.out, &units, clock, &limits, isolate)?;
+    let asked = diagnosis::Import {
+        logs: &arguments.logs,
+        fmu,
+        units: &units,
+        clock,
+        limits: &arguments.called.limited(),
+        isolated: arguments.called.isolate,
+    };
+    let imported = diagnosis::import(&asked, &arguments.out)?;
     if quiet {
         return Ok(());
     }

@@ -1,7 +1,7 @@
 //! How else logs can be read: the other unit of time, of measurement, the other sign, the other column.
 
 use super::policy::DOUBTS;
-use crate::observe::{Affine, Channel, Problem, Role, measure};
+use crate::observe::{Affine, Channel, Problem, Role, UNITS, measure};
 use crate::ports::PORTS;
 use crate::statistics::levels::ROUNDING;
 use std::f64::consts::PI;
@@ -28,9 +28,6 @@ pub(super) struct Way {
     pub(super) add: String,
 }
 
-/// Units of time that loggers write, and their length in s.
-const TIMES: [(&str, f64); 6] =
-    [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
 /// Units that logs are written in, beside the model's own and those with a prefix.
 const USUAL: [&str; 16] = [
     "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
@@ -157,7 +154,7 @@ fn times(problem: &Problem, fits: impl Fn(f64) -> bool) -> Vec<Way> {
             add: format!("Add to each [[run]]: time = {{ unit = \"{unit}\" }}"),
         })
     };
-    TIMES.iter().filter_map(way).collect()
+    UNITS.iter().filter_map(way).collect()
 }
 
 /// Whether no logger writes rows so near to each other, s.

@@ -80,20 +80,29 @@ impl Clock {
     }
 }
 
-/// Makes a data set of logs and a unit; `clock` is for logs without a column of time. The first run of the unit is made in a process of its
-/// own within `limits`, where there can be one; all of them, if they are to be `isolated`.
+/// What a data set is to be made of, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Import<'a> {
+    /// One file a run.
+    pub logs: &'a [PathBuf],
+    /// The unit that models what was measured.
+    pub fmu: &'a Path,
+    /// Where units lie.
+    pub units: &'a UnitPath,
+    /// For logs without a column of time.
+    pub clock: Option<Clock>,
+    /// Those of the first run of the unit, which is made in a process of its own where there can be one.
+    pub limits: &'a Isolation,
+    /// Every run of the unit is made in such a process.
+    pub isolated: bool,
+}
+
+/// Makes a data set of logs and a unit in the folder `out`.
 ///
 /// # Errors
 /// A log or the unit can't be read, no column is an output of the unit, the unit can't be run, or the folder can't be written.
-pub fn import(
-    logs: &[PathBuf],
-    fmu: &Path,
-    out: &Path,
-    units: &UnitPath,
-    clock: Option<Clock>,
-    limits: &Isolation,
-    isolated: bool,
-) -> Result<Imported, Error> {
+pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
+    let Import { logs, fmu, units, clock, limits, isolated } = *asked;
     let isolation = isolated.then_some(limits);
     clock.map_or(Ok(()), Clock::check)?;
     let unit = units.open(fmu).map_err(crate::opened::model)?;

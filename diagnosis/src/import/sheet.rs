@@ -5,7 +5,7 @@ use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use crate::error::Error;
 use crate::observe::measure;
-use crate::observe::{EPOCH, if_date};
+use crate::observe::{EPOCH, SINCE_1970, if_date, units_to_seconds};
 use crate::statistics::median::usual_step;
 use orchestrator::fmu::Description;
 use std::path::{Path, PathBuf};
@@ -226,8 +226,8 @@ impl Sheet {
     fn time_unit(&self, place: usize, description: &Description) -> (String, String) {
         let gap = self.usual_gap(place);
         let last = self.rows.last().map_or(0.0, |row| row[place]);
-        for (unit, seconds) in [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)] {
-            if (EPOCH..1e2 * EPOCH).contains(&(last * seconds)) {
+        for (unit, seconds) in units_to_seconds() {
+            if (EPOCH..SINCE_1970.end).contains(&(last * seconds)) {
                 return (unit.into(), format!("taken as {unit} since 1970, by its size"));
             }
         }

@@ -3,14 +3,12 @@
 //! An empty cell, or `nan`, was not measured then. Rows whose time is not later than the one before are left out, with a
 //! notice; what is no number is an error with its line.
 
-use super::Series;
+use super::{EPOCH, Series};
 use crate::error::{Error, Notice};
 use crate::statistics::levels::SMALL;
 use orchestrator::nearest;
 use std::path::{Path, PathBuf};
 
-/// Times from here on, s, are those of a clock (1e8 s after 1970 is March 1973) and no time of a model.
-pub(crate) const EPOCH: f64 = 1e8;
 /// Rows out of order from which on the file is refused, as a share and as a number: its times are not what they are said to be.
 const DISORDER: (f64, usize) = (SMALL, 2);
 

@@ -12,8 +12,10 @@
 //! - `unlogged.rs`: inputs that no log feeds
 //! - `run_files.rs`: the files of runs
 //! - `log.rs`: CSV
+//! - `clock.rs`: units of time, and times since 1970
 
 mod candidates;
+mod clock;
 mod log;
 pub mod measure;
 mod nominal;
@@ -23,7 +25,8 @@ mod resolve;
 mod run_files;
 mod unlogged;
 
-pub(crate) use log::{EPOCH, if_date};
+pub(crate) use clock::{EPOCH, SINCE_1970, UNITS, units_below_seconds, units_to_seconds};
+pub(crate) use log::if_date;
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};

@@ -1,6 +1,6 @@
 //! Numbers that the reading of logs decides by, each with its reason.
 
-use crate::rigs::acrobot::dataset::row_times::EPOCH;
+use crate::observe::SINCE_1970;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
 
@@ -113,7 +113,7 @@ pub const LOGS: Logs = Logs {
     seen: POLICY.small_angle,
     largest_angle: 6.0 * std::f64::consts::TAU,
     fewest_torques: 1,
-    latest: EPOCH.end,
+    latest: SINCE_1970.end,
     absurd: FAR * FAR * FAR,
     outside: MORE,
     few_impossible: SMALL,

@@ -5,9 +5,6 @@ use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::MIDDLE;
 
-/// Seconds since 1970 of anything that is logged today.
-pub const EPOCH: std::ops::Range<f64> = 1e9..1e10;
-
 /// Median time between rows, s.
 pub fn typical_gap(log: &Table) -> Option<f64> {
     typical_gaps(&log.time).map(|gaps| gaps.0)

@@ -1,17 +1,13 @@
 //! Units of time, and rows that are missing.
 
 use super::{Facts, Finding};
-use crate::rigs::acrobot::dataset::row_times::{EPOCH, pauses_of, torque_holes_of};
+use crate::observe::{SINCE_1970, units_below_seconds as units};
+use crate::rigs::acrobot::dataset::row_times::{pauses_of, torque_holes_of};
 use crate::rigs::acrobot::dataset::{Run, Table, typical_gap};
 use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::SEVERAL;
 use crate::text::brief;
-
-/// Units that loggers count time in, beside s, and their lengths in s.
-fn units() -> [(&'static str, f64); 3] {
-    [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
-}
 
 /// Times in milliseconds, or less.
 pub(super) fn unit(facts: &Facts<'_>) -> Option<Finding> {
@@ -29,8 +25,7 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         add: format!("time = {unit:?}"),
     };
     if let Some(gap) = gap(&run.camera) {
-        let (unit, _) =
-            units().into_iter().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.nominal.interval)?;
+        let (unit, _) = units().find(|(_, by)| gap * by < PLAUSIBLE.other_unit * facts.nominal.interval)?;
         return (gap > PLAUSIBLE.other_unit * facts.nominal.interval).then(|| {
             let sentence = format!(
                 "frames are {} s apart, where the nominal camera takes one each {:.4} s: time looks like {unit}",
@@ -46,9 +41,8 @@ fn in_other_unit(run: &Run, facts: &Facts<'_>) -> Option<Finding> {
         .filter(|log| log.column("q1").is_some_and(|q1| q1.iter().any(|x| x.is_finite())))?;
     let gap = gap(&run.plant)?;
     // counted from 1970, a time tells its unit
-    let epoch = units().into_iter().find(|(_, by)| EPOCH.contains(&(log.time[0] * by)));
-    let (unit, _) =
-        epoch.or_else(|| units().into_iter().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
+    let epoch = units().find(|(_, by)| SINCE_1970.contains(&(log.time[0] * by)));
+    let (unit, _) = epoch.or_else(|| units().find(|(_, by)| gap * by * fastest < POLICY.coarse))?;
     (gap * fastest > POLICY.coarse).then(|| {
         let sentence = format!(
             "rows are {} s apart, and the arm loses its balance in between: time looks like {unit}",
@@ -71,7 +65,7 @@ pub(super) fn units_apart(facts: &Facts<'_>) -> Option<Finding> {
         let (file, longest, log) = spans.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (other, shortest, _) = spans.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let alike = |by: f64| (longest * by / shortest).ln().abs() < SEVERAL.ln();
-        let (unit, _) = units().into_iter().find(|(_, by)| alike(*by))?;
+        let (unit, _) = units().find(|(_, by)| alike(*by))?;
         typical_gap(log).filter(|gap| gap * fastest > POLICY.coarse).map(|_| Finding {
             file: format!("{}/{file}", run.name),
             line: 0,

@@ -233,7 +233,7 @@ mod tests {
     fn value_a_confounded_name_keeps_a_twentieth() {
         let list = [candidate(Side::Plant, false)];
         let shares = [false, true].map(|confounded| worths(&shown(0.5), &list, &[0], confounded)[0].share);
-        assert!((shares[0] - 0.5).abs() < 1e-9, "{shares:?}");
+        assert!((shares[0] - 0.3).abs() < 1e-9, "{shares:?}");
         assert_eq!(shares[1], 0.05);
         assert_eq!(Worth::LEAST.share, shares[1]);
     }

@@ -1,5 +1,5 @@
 //! What the unit made of a window lately. A fit begins with the columns that a linearisation has just taken at the same point, and one that
-//! refuses a step begins again where it was: a sixth of the simulations of an arm that sticks is asked for twice.
+//! refuses a step begins again where it was: a fifth of the simulations of an arm that sticks was asked for before.
 
 use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;

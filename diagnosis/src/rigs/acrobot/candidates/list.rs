@@ -127,8 +127,8 @@ pub const LIST: &[Entry] = &[
     is(&[Exposure], bent(real(EXPOSURE, Side::Camera, &[0.02, 0.2, 0.7], (0.0, 1.0), "exposure time"))),
     // no variables of a unit: how late the plant's log is stamped, s, and by how much its angles read too large, rad
     real("plant log's clock", Side::Clock, &[2e-3], (-0.02, 0.02), "offset of the plant log's clock"),
-    is(&[Zero(0)], real("zero of q1", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle, in its encoder or its circle")),
-    is(&[Zero(1)], real("zero of q2", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle, in its encoder or its circle")),
+    is(&[Zero(0)], real("zero of q1", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the first link's angle")),
+    is(&[Zero(1)], real("zero of q2", Side::Zero, &[1e-3], (-0.5, 0.5), "zero of the second link's angle")),
     // below 0 only to tell a clock that is off: no camera is that quick
     is(&[ImageDelay], real("camera.T_delay", Side::Camera, &[2e-3], (-0.05, 1.0), "delay of the camera's results")),
     is(&[LostFrames], real("camera.drop_rate", Side::Count, &[0.01], (0.0, 1.0), "lost frames")),

@@ -67,8 +67,13 @@ impl Engine {
         }
         let shown = machine.horizon == 0 && machine.states.iter().all(|state| state.shows.is_some());
         let way = |grid: &Grid| if shown { self.other_way(grid) } else { self.other_way_as_read(grid) };
-        let told =
-            |grid: &Grid| Some(Notice { file: grid.name.clone(), line: 0, message: message(&way(grid)?) });
+        let told = |grid: &Grid| {
+            Some(Notice {
+                file: grid.name.clone(),
+                line: 0,
+                message: message(&way(&self.while_followed(grid))?),
+            })
+        };
         self.grids.iter().filter_map(told).collect()
     }
 

@@ -34,6 +34,7 @@ pub mod build;
 mod clock;
 pub mod first_path;
 pub mod grid;
+mod growth;
 mod interval;
 mod lag;
 mod lag_begin;

@@ -17,24 +17,28 @@ fn scale(base: &[f64], moved: &[f64], step: f64, sizes: &[f64]) -> Option<f64> {
 }
 
 impl Engine {
-    /// The scales of all states, with one for each that nobody measures: what moves an output by as much as it moves, over a stretch of rows.
+    /// The scales of all states, with one for each that nobody measures: what moves an output by as much as it moves, over a stretch of rows
+    /// (of an unstable machine those before its own growth is what moves it).
     pub(super) fn unmeasured_scales(&self, sizes: &[f64]) -> Result<Vec<f64>, Error> {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row) = (self.machine.order(), grid.time.len() / 2);
         let here = self.nominal_states(grid, row);
+        let rows = self.rows_before_growth(grid, row, DYNAMICS.watched);
         let mut scales = self.scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
             let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
+            let first = n + self.machine.channels.len() + schedule.reads[row].len();
+            let told = first..first + rows * sizes.len();
             for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
                 let step = 1e-4 * of.nominal.abs().max(1e-2);
                 let mut at = here.clone();
                 at[state] += step;
                 worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-                let first = n + self.machine.channels.len() + schedule.reads[row].len();
-                scales[state] = scale(&base[first..], &out[first..], step, sizes).unwrap_or(scales[state]);
+                let moved = scale(&base[told.clone()], &out[told.clone()], step, sizes);
+                scales[state] = moved.unwrap_or(scales[state]);
             }
             Ok(())
         })?;
@@ -47,11 +51,14 @@ impl Engine {
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let (n, row, width) = (self.machine.order(), grid.time.len() / 2, self.machine.inputs.len());
         let here = self.nominal_states(grid, row);
+        let rows = self.rows_before_growth(grid, row, DYNAMICS.watched);
         let mut scales = self.input_scales.clone();
         self.with_worker(|worker| {
             let (mut base, mut out) = (Vec::new(), Vec::new());
             let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
+            let first = n + self.machine.channels.len() + schedule.reads[row].len();
+            let told = first..first + rows * sizes.len();
             for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
                 let step = 1e-3 * scales[input];
                 let shifted = |values: &[f64]| -> Vec<f64> {
@@ -62,8 +69,8 @@ impl Engine {
                 };
                 let (at_row, fed) = (shifted(job.at_row), shifted(job.fed));
                 worker.interval(&self.machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
-                let first = n + self.machine.channels.len() + schedule.reads[row].len();
-                scales[input] = scale(&base[first..], &out[first..], step, sizes).unwrap_or(scales[input]);
+                let moved = scale(&base[told.clone()], &out[told.clone()], step, sizes);
+                scales[input] = moved.unwrap_or(scales[input]);
             }
             Ok(())
         })?;

@@ -108,11 +108,14 @@ impl Engine {
         let whole = self.machine.whole;
         let each = if whole { 1 } else { glance.stretches.div_ceil(runs) };
         let taken = glance.stretches.min(runs).max(1);
+        let middle = self.grids[0].time.len() / 2;
+        let followed = self.rows_before_growth(&self.grids[0], middle, glance.rows.min(middle).max(1));
         let mut list = Vec::new();
         for run in (0..taken).map(|part| part * runs / taken) {
             let grid = &self.grids[run];
             let last = grid.time.len() - 1;
-            let intervals = glance.rows.min(last).max(1);
+            let intervals = if followed < middle { glance.rows.min(followed) } else { glance.rows };
+            let intervals = intervals.min(last).max(1);
             let room = last - intervals;
             let count = each.min(last / intervals).max(1);
             for part in 0..count {

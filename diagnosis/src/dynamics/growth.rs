@@ -1,0 +1,93 @@
+//! How long an unstable machine can be followed by itself: a pendulum that a loop balances parts from its own log, and what is seen then is
+//! the machine's growth and no longer what it was begun with.
+
+use super::grid::Grid;
+use super::linearise::Engine;
+use super::policy::DYNAMICS;
+use super::schedule::Schedule;
+use super::worker::Job;
+use crate::statistics::levels::{FAR, ROWS, SAMPLE};
+
+impl Engine {
+    /// Of so many rows from one on those before a move of a state that a channel shows has moved one far more, each in its own scale: one at
+    /// least, and all of a machine that forgets or drifts, or can't be run there.
+    pub(super) fn rows_before_growth(&self, grid: &Grid, row: usize, rows: usize) -> usize {
+        let machine = &self.machine;
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let here = self.nominal_states(grid, row);
+        let (width, share) = (machine.channels.len(), DYNAMICS.state_step);
+        let mut sizes = vec![f64::INFINITY; width];
+        let shown =
+            || machine.states.iter().enumerate().filter_map(|(place, state)| Some((place, state.channel?)));
+        shown().for_each(|(place, channel)| sizes[channel] = self.scales[place]);
+        let whole = schedule.job(grid.time[row], row, rows, &here);
+        let job = Job { each_row: true, reads: &[], ..whole };
+        let grown = self.with_worker(|worker| {
+            let (mut base, mut out, mut all) = (Vec::new(), Vec::new(), rows);
+            worker.interval(machine, &job, &mut base)?;
+            for (place, _) in shown() {
+                let mut at = here.clone();
+                at[place] += share * self.scales[place];
+                worker.interval(machine, &Job { states: &at, ..job }, &mut out)?;
+                let first = machine.order();
+                all = all.min(rows_until_grown(&base[first..], &out[first..], share, &sizes));
+            }
+            Ok(all)
+        });
+        grown.unwrap_or(rows).max(1)
+    }
+
+    /// The rows of a run that the model is followed through from its begin: all where it doesn't grow away from them within many.
+    pub(super) fn while_followed(&self, grid: &Grid) -> Grid {
+        let asked = (SAMPLE * ROWS).min(grid.time.len() - 1);
+        let rows = self.rows_before_growth(grid, 0, asked);
+        let mut part = grid.clone();
+        if rows < asked {
+            part.time.truncate(rows + 1);
+            let last = part.time[rows];
+            part.samples.retain(|sample| sample.time <= last);
+        }
+        part
+    }
+}
+
+/// Rows until a move of a state, a share of its scale, has moved an output far more in its own.
+fn rows_until_grown(base: &[f64], moved: &[f64], share: f64, sizes: &[f64]) -> usize {
+    let rows = base.chunks(sizes.len().max(1)).zip(moved.chunks(sizes.len().max(1)));
+    let all = rows.len();
+    let is_grown = |(base, moved): (&[f64], &[f64])| {
+        let mut by = base.iter().zip(moved).zip(sizes);
+        by.any(|((base, moved), size)| (moved - base).abs() > FAR * share * size)
+    };
+    rows.map(is_grown).position(|grown| grown).unwrap_or(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::tests::{built, swung};
+
+    #[test]
+    fn value_how_long_a_move_tells_of_a_state() {
+        let moved = |rate: f64| -> Vec<f64> {
+            (0..30).map(|row| 1e-4 * 2.0 * libm::exp(rate * f64::from(row))).collect()
+        };
+        let base = [0.0; 30];
+        // a machine that forgets, one that drifts off slowly, and one that grows tenfold in twelve rows
+        let rows = [-0.2, 0.05, 0.2].map(|rate| rows_until_grown(&base, &moved(rate), 1e-4, &[2.0]));
+        assert_eq!(rows, [30, 30, 12]);
+    }
+
+    #[test]
+    fn law_what_hangs_is_followed_for_long_and_what_stands_is_not() {
+        let problem = swung("growth", 400);
+        let built = built(&problem);
+        let engine = &built.engine;
+        assert_eq!(engine.rows_before_growth(&engine.grids[0], 0, 200), 200);
+        // the same arm upside down
+        let mut grid = engine.grids[0].clone();
+        grid.samples.iter_mut().for_each(|sample| sample.value = 0.0);
+        let rows = engine.rows_before_growth(&grid, 0, 200);
+        assert!((5..100).contains(&rows), "{rows}");
+    }
+}

@@ -6,12 +6,15 @@
 //!
 //! - `stuck.rs`: a sensor that stood still for a while: the log alone tells
 //! - `one_value.rs`: one that stood still throughout a run: the model moves it
+//! - `wrapped.rs`: an angle that wraps in the log: the log alone tells
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
+//! - `by_inputs.rs`: and what it is fed has a say in that
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
 //! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
 //! - `hints.rs`: what looks odd and is no proof: notices
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod by_inputs;
 mod hints;
 mod one_value;
 mod pairs_of_ways;
@@ -19,6 +22,7 @@ mod policy;
 mod readings;
 mod stuck;
 mod ways;
+mod wrapped;
 
 pub(crate) use hints::hinted;
 pub(crate) use policy::STRETCH;
@@ -42,7 +46,7 @@ struct Doubt {
 type Check = fn(&Problem) -> Option<Doubt>;
 
 /// In the order in which one thing hides another: no model follows a sensor that stands still.
-const CHECKS: &[Check] = &[stuck::still, one_value::still, readings::otherwise];
+const CHECKS: &[Check] = &[stuck::still, one_value::still, wrapped::wrapped, readings::otherwise];
 
 /// Ends with the first doubt.
 ///

@@ -4,10 +4,10 @@
 //! leaves as much in any other way: none of them is near to what it lacks.
 
 use super::Doubt;
+use super::by_inputs;
 use super::pairs_of_ways;
 use super::policy::DOUBTS;
 use super::ways::{self, Way};
-use crate::dynamics::Engine;
 use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Problem, Reading};
@@ -85,24 +85,33 @@ fn counted(stated: f64, scatter: f64) -> f64 {
 
 /// How well the model follows a data set.
 pub(super) fn residual(problem: &Problem, glance: &Glance) -> Residual {
-    let runs = problem.whole_runs();
-    let Ok(mut built) = build(problem, &runs) else { return Residual::ALL };
+    let of = |channels: Vec<(usize, Left)>| {
+        let left: Vec<Left> = channels.into_iter().map(|(_, left)| left).collect();
+        Residual::of_stretches(&left)
+    };
+    left_of_channels(problem, glance).map_or(Residual::ALL, of)
+}
+
+/// What the model leaves of each compared channel, with the channel's place; nothing where it can't be followed.
+pub(super) fn left_of_channels(problem: &Problem, glance: &Glance) -> Option<Vec<(usize, Left)>> {
+    let mut built = build(problem, &problem.whole_runs()).ok()?;
     let engine = &mut built.engine;
     // a noise is stated in the log's unit: in a wrong one it would hide what the model leaves
     for (sd, scatter) in engine.sensors.iter_mut().zip(&built.scatter).filter(|(_, s)| s.noise > 0.0) {
         *sd = counted(*sd, scatter.noise);
     }
-    let look = |engine: &Engine| {
-        engine.follow_stretches(glance).map_or(Residual::ALL, |left| Residual::of_stretches(&left))
-    };
-    let after = look(engine);
+    let places: Vec<usize> = engine.machine.channels.iter().map(|output| output.channel).collect();
+    let after = engine.follow_stretches(glance);
     // an output may follow an input at once
-    if engine.at_once().ok().flatten().is_none() {
-        return after;
-    }
-    engine.machine.reading = Reading::Before;
-    let before = look(engine);
-    if before.excess < after.excess { before } else { after }
+    let at_once = engine.at_once().ok().flatten().is_some();
+    let before = at_once.then(|| {
+        engine.machine.reading = Reading::Before;
+        engine.follow_stretches(glance)
+    });
+    let excess = |left: &Vec<Left>| Residual::of_stretches(left).excess;
+    let both = [after, before.flatten()].into_iter().flatten();
+    let least = both.min_by(|one, other| excess(one).total_cmp(&excess(other)))?;
+    Some(places.into_iter().zip(least).collect())
 }
 
 /// How well the model follows a data set; nothing where an isolated unit didn't come back within its limit: it would in no other way.
@@ -178,6 +187,7 @@ pub(super) fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Res
     residual.is_right(way)
         && residual.is_less(way, own)
         && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
+        && !by_inputs::mutes(way, problem)
 }
 
 /// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
@@ -283,7 +293,7 @@ mod tests {
     fn value_what_the_model_leaves_as_logs_are_read() {
         // a fiftieth of the motion is no wrong reading: gains and offsets of that size are sound sensors'
         assert!(residual(0.018, 1e4).is_followed() && !residual(0.022, 1e4).is_followed());
-        assert!(Residual { share: None, excess: 1e4 }.is_followed(), "no channel tells");
+        assert!(Residual { share: None, ..residual(0.0, 1e4) }.is_followed(), "no channel tells");
     }
 
     #[test]
@@ -294,7 +304,7 @@ mod tests {
         assert!(residual(0.0, 90.0).is_less(&sign, &residual(1.0, 1000.0)));
         assert!(!residual(0.0, 110.0).is_less(&sign, &residual(1.0, 1000.0)));
         // a machine at rest: it says nothing, and in the few rows of a first look that is nothing against it
-        let rest = Residual { share: None, excess: 0.0 };
+        let rest = Residual { share: None, ..residual(0.0, 0.0) };
         assert!(!rest.is_right(&sign) && rest.may_be_right(&sign));
         // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
         for far in [

@@ -61,10 +61,17 @@ pub struct Member {
 }
 
 impl Effect {
-    /// Digits after the point that show the interval's width, four at least.
-    pub fn digits(&self) -> usize {
+    /// A value of it as people write it: with digits after the point that show the interval's width, four at least. Where eleven of them
+    /// show nothing of it, with an exponent.
+    pub fn written(&self, value: f64) -> String {
         let width = self.ci95[1] - self.ci95[0];
-        (4..12).find(|digits| width * 10f64.powi(*digits) >= 10.0 || width <= 0.0).unwrap_or(4) as usize
+        let shows = |size: f64| (4..12_usize).find(|digits| size * 10f64.powi(*digits as i32) >= 10.0);
+        let size = if width > 0.0 { width } else { self.value.abs() };
+        match shows(size) {
+            Some(digits) if width > 0.0 => format!("{value:.digits$}"),
+            None if size > 0.0 => format!("{value:.2e}"),
+            _ => format!("{value:.4}"),
+        }
     }
 }
 

@@ -236,8 +236,7 @@ fn effects(diagnosis: &Diagnosis) -> Table {
     // A column without a word says nothing.
     let head = if alike { &names[..] } else { &names[..7] };
     let rows = diagnosis.effects.iter().map(|effect| {
-        let digits = effect.digits();
-        let number = |value: f64| Cell::Number(format!("{value:.digits$}"));
+        let number = |value: f64| Cell::Number(effect.written(value));
         let [low, high] = effect.ci95;
         let mut row: Vec<Cell> = vec![
             match effect.at_end {
@@ -251,7 +250,7 @@ fn effects(diagnosis: &Diagnosis) -> Table {
             },
             effect.name.clone().into(),
             number(effect.value),
-            Cell::Number(format!("{low:.digits$} ... {high:.digits$}")),
+            Cell::Number(format!("{} ... {}", effect.written(low), effect.written(high))),
             number(effect.off),
             effect.unit.clone().into(),
             Cell::Number(format!("{:.3}", effect.probability)),

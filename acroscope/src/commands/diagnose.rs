@@ -111,12 +111,13 @@ fn spinner(quiet: bool) -> ProgressBar {
 
 fn effect(effect: &Effect) {
     let [low, high] = effect.ci95;
-    let digits = effect.digits();
     let unit = if effect.unit.is_empty() { String::new() } else { format!(" {}", effect.unit) };
     tell!(
-        "  {} = {:.digits$}{unit} ({low:.digits$} to {high:.digits$}): {}{}",
+        "  {} = {}{unit} ({} to {}): {}{}",
         effect.class.join(" or "),
-        effect.value,
+        effect.written(effect.value),
+        effect.written(low),
+        effect.written(high),
         effect.phrase,
         match (effect.at_end, effect.unbounded) {
             (true, _) => ", at the end of what can be tried: it may lie beyond",

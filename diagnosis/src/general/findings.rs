@@ -11,10 +11,11 @@ use crate::ports::measures;
 use crate::provenance::{Provenance, Used};
 use crate::statistics::levels::WITHIN;
 use crate::statistics::linear::{inverse, submatrix};
+use crate::text::brief;
 use std::collections::BTreeMap;
 
-/// What was found, in the order found; beside something unnamed no name is sure.
-pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effect> {
+/// What was found, in the order found; beside something unnamed, or a gap that stays, no name is sure.
+pub fn effects(problem: &Problem, studied: &Studied, in_doubt: bool) -> Vec<Effect> {
     let units = units(problem);
     let policy = studied.policy;
     let parameters = &studied.built.engine.machine.parameters;
@@ -44,7 +45,10 @@ pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effec
             class: members.iter().map(|member| member.name.clone()).collect(),
             value,
             ci95: interval,
-            probability: worth(members.iter().map(|member| member.probability).sum(), unnamed),
+            probability: worth(
+                members.iter().map(|member| member.probability).sum(),
+                in_doubt || may_be_off(interval, parameter.neutral),
+            ),
             members,
             phrase: parameter.phrase.clone(),
             unit: units.get(&parameter.name).cloned().unwrap_or_default(),
@@ -56,9 +60,14 @@ pub fn effects(problem: &Problem, studied: &Studied, unnamed: bool) -> Vec<Effec
     list
 }
 
-/// What a name is worth that its class gives a probability, perhaps beside something unnamed.
-fn worth(probability: f64, unnamed: bool) -> f64 {
-    probability.min(if unnamed { GENERAL.beside } else { GENERAL.sure })
+/// What a name is worth that its class gives a probability, perhaps in doubt.
+fn worth(probability: f64, in_doubt: bool) -> f64 {
+    probability.min(if in_doubt { GENERAL.beside } else { GENERAL.sure })
+}
+
+/// Whether an interval holds the value at which an effect is off: stretches of the log disagree so much that none may be there.
+fn may_be_off([low, high]: [f64; 2], off: f64) -> bool {
+    low < high && (low..=high).contains(&off)
 }
 
 /// Units of the model's variables, and of what is added at ports.
@@ -161,7 +170,7 @@ pub fn story(studied: &Studied) -> Vec<String> {
     )];
     for (output, sd) in engine.machine.channels.iter().zip(&studied.fit.at.noise.channels) {
         let how = if output.noise.is_some() { "as stated" } else { "by maximum likelihood" };
-        story.push(format!("noise of {}: {sd:.4} {} ({how})", output.name, output.unit));
+        story.push(format!("noise of {}: {} {} ({how})", output.name, brief(*sd), output.unit));
     }
     // Where it gains nothing, the search for its size may end a rounding below none.
     let gain = studied.residual.evidence.max(0.0);
@@ -171,7 +180,7 @@ pub fn story(studied: &Studied) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::worth;
+    use super::{may_be_off, worth};
 
     #[test]
     fn value_what_a_name_is_worth() {
@@ -181,5 +190,8 @@ mod tests {
         // beside something unnamed two of two names were wrong: no name is likelier than not, nor out of the question
         assert_eq!(worth(0.45, true), 0.45);
         assert!((0.45..=0.5).contains(&worth(1.0, true)));
+        // so is one whose interval holds the value at which it is off; a switch that was thrown has no interval
+        assert!(may_be_off([-0.1, 0.4], 0.0) && may_be_off([0.0, 0.4], 0.0));
+        assert!(!may_be_off([0.1, 0.4], 0.0) && !may_be_off([1.0, 1.0], 1.0));
     }
 }

@@ -13,7 +13,7 @@ use crate::error::{Error, Notice};
 use crate::infer::Noise;
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
-use crate::statistics::levels::{HALF, MORE};
+use crate::statistics::levels::{HALF, MORE, SMALL};
 
 /// What rows say that were left out.
 pub struct HeldOut {
@@ -123,6 +123,14 @@ pub fn widened(gaps: &[Gap]) -> bool {
     after > before
 }
 
+/// Whether the model found closes hardly any of a gap that stands far above the noise: what else is missing there is much more than what has
+/// names.
+pub fn closes_little(gaps: &[Gap]) -> bool {
+    let (before, after) = squares(gaps);
+    let floor = gaps.iter().filter(|gap| gap.floor > 0.0).count() as f64;
+    after > MORE * MORE * floor && before - after < SMALL * (before - floor)
+}
+
 /// What has no name where the model found is far worse there: it stands for something else, whatever process noise says.
 pub fn unlike(gaps: &[Gap]) -> Option<Unknown> {
     let (before, after) = squares(gaps);
@@ -207,6 +215,11 @@ mod tests {
         assert!(!widened(&[gap(1.1, 1.0, 0.01), gap(1.0, 9.0, 1.0)]));
         // half as far again is far worse, a little more is not
         assert!(unlike(&[gap(1.0, 1.55, 0.1)]).is_some() && unlike(&[gap(1.0, 1.45, 0.1)]).is_none());
+        // of 24 noises' squares above the noise's 2 are closed, or 3; and of hardly any nothing need be
+        assert!(
+            closes_little(&[gap(5.0, 23f64.sqrt(), 1.0)]) && !closes_little(&[gap(5.0, 22f64.sqrt(), 1.0)])
+        );
+        assert!(!closes_little(&[gap(1.45, 1.45, 1.0)]) && closes_little(&[gap(1.55, 1.55, 1.0)]));
         assert!(!widened(&[gap(1.0, 1.0, 0.1)]) && !widened(&[gap(1.0, 2.0, 0.0)]) && !widened(&[]));
     }
 

@@ -27,6 +27,7 @@ mod findings;
 mod fit_given;
 mod long;
 mod mismatch;
+mod noisy_inputs;
 mod policy;
 mod reading;
 mod residual;

@@ -36,9 +36,12 @@ pub(super) struct General {
     pub larger: f64,
     /// Standard deviations by which neighbouring residuals resemble each other then.
     pub resembles: f64,
+    /// Residuals are compared that are up to so many rows apart: of longer waves neighbours resemble each other.
+    pub apart: usize,
     /// Highest probability that a name is given.
     pub sure: f64,
-    /// Highest probability that a name is given beside an unlisted input: what that takes up is not told apart. Of the maker's first set with pulses
+    /// Highest probability that a name is given in doubt: beside an unlisted input, where a gap stays, or where its interval holds the value at
+    /// which it is off. What an unlisted input takes up is not told apart. Of the maker's first set with pulses
     /// that nobody lists, two of two names beside them were wrong.
     pub beside: f64,
     /// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
@@ -63,6 +66,7 @@ pub(super) const GENERAL: General = General {
     linearisations: 4,
     larger: MORE,
     resembles: CERTAIN,
+    apart: ROWS,
     sure: 0.999,
     beside: HALF,
     steps_a_row: 20.0,

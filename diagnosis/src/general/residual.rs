@@ -1,6 +1,7 @@
 //! Whether process noise stays above its floor, at which equation, and what its smoothed course follows.
 
 use super::events::{Course, events};
+use super::noisy_inputs;
 use super::policy::GENERAL;
 use super::study::Studied;
 use crate::diagnosis::{RunTrace, Unknown};
@@ -59,7 +60,12 @@ pub fn judge_residual(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy
         return Residual { evidence: without - white, none: without, unlisted: None, sizes: exact };
     };
     let (noise, with, own) = freed(engine, fit, exact, (noise, with), policy);
-    let evidence = without - with.min(white);
+    let mut evidence = without - with.min(white);
+    if evidence > policy.unknown
+        && let Some(explained) = noisy_inputs::deviance(engine, fit, &none, sizes)
+    {
+        evidence = evidence.min(explained - with.min(white));
+    }
     Residual {
         evidence,
         none: without,

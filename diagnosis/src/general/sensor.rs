@@ -1,8 +1,8 @@
 //! What a sensor shows that neither the model nor noise gives: a scale that bends, a limit, an encoder that runs out of round. Where the noise
 //! of a channel is estimated, it takes up what the model misses there, and no process noise is left to tell of it.
 //!
-//! Two things give it away: the noise is larger than what neighbouring rows of the log scatter by, without any model; and neighbouring
-//! residuals resemble each other, as noise's don't.
+//! Two things give it away: the noise is larger than what neighbouring rows of the log scatter by, without any model; and residuals resemble
+//! each other, as noise's don't: neighbours, or those that are as far apart as a wave is long which nobody lists.
 
 use super::policy::GENERAL;
 use super::residual::follows;
@@ -18,15 +18,19 @@ type Residuals = Vec<Vec<(f64, Option<f64>)>>;
 pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let machine = &studied.built.engine.machine;
     let judged = (0..machine.channels.len()).filter_map(|channel| {
-        let scatter = studied.built.scatter[channel];
-        let least = scatter.noise.max(scatter.quantum);
-        let times = studied.fit.at.noise.channels[channel] / least;
-        // a stated noise takes up nothing
-        let free = studied.built.sizes.channels[channel].is_some() && least > 0.0 && is_larger(times);
-        let residuals = free.then(|| residuals(studied, channel))?;
-        systematic(&residuals).then_some((channel, times, residuals))
+        let residuals = residuals(studied, channel);
+        let (apart, size) = systematic(&residuals)?;
+        let (noise, scatter) = (studied.fit.at.noise.channels[channel], studied.built.scatter[channel]);
+        // a stated noise takes up nothing; else what is left counts as noise, and of a wave of some rows neighbours scatter by as much
+        let (size, least) = match studied.built.sizes.channels[channel] {
+            None => (size, noise),
+            Some(_) if apart == 1 => (noise, scatter.noise),
+            Some(_) => (noise, scatter.quantum),
+        };
+        let times = size / least.max(scatter.quantum);
+        is_larger(times).then_some((channel, times, residuals, apart))
     });
-    let (channel, times, residuals) = judged.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (channel, times, residuals, apart) = judged.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let course: Vec<f64> = residuals.iter().flatten().map(|(_, value)| value.unwrap_or(0.0)).collect();
     let (depends_on, shape) = follows(&studied.built.engine, studied, &course);
     let output = &machine.channels[channel];
@@ -39,9 +43,7 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
         signal: format!("what {} shows", output.name),
         depends_on,
         shape,
-        nearest: format!(
-            "no listed effect: as noise it would be {times:.1} times what neighbouring rows of the log scatter by, and neighbouring rows share it"
-        ),
+        nearest: format!("no listed effect: {}", sharing(apart, times)),
         trace: told(&residuals[0]),
         traces: along.map(|(grid, own)| RunTrace { run: grid.name.clone(), trace: told(own) }).collect(),
         unit: shown
@@ -74,8 +76,19 @@ fn residuals(studied: &Studied, channel: usize) -> Residuals {
     studied.fit.runs.iter().map(of).collect()
 }
 
-/// Whether neighbouring residuals resemble each other (von Neumann's ratio, Ann. Math. Stat. 12 (1941) 367).
-fn systematic(residuals: &Residuals) -> bool {
+/// What gives it away, in words.
+fn sharing(apart: usize, times: f64) -> String {
+    match apart {
+        1 => format!(
+            "as noise it would be {times:.1} times what neighbouring rows of the log scatter by, and neighbouring rows share it"
+        ),
+        _ => format!("it comes back every {apart} rows, as noise doesn't"),
+    }
+}
+
+/// How many rows those residuals are apart that resemble each other most, and how large all are, if any do more than noise (von Neumann's ratio, Ann. Math. Stat. 12
+/// (1941) 367, of neighbours and of rows farther apart: of a wave of some rows the neighbours differ as noise's do).
+fn systematic(residuals: &Residuals) -> Option<(usize, f64)> {
     let runs: Vec<Vec<f64>> =
         residuals.iter().map(|run| run.iter().filter_map(|(_, value)| *value).collect()).collect();
     let squares = |values: &mut dyn Iterator<Item = f64>| {
@@ -83,10 +96,19 @@ fn systematic(residuals: &Residuals) -> bool {
         (count, sum / f64::max(count, 1.0))
     };
     let (count, variance) = squares(&mut runs.iter().flatten().copied());
-    let (_, apart) = squares(&mut runs.iter().flat_map(|run| run.windows(2).map(|pair| pair[1] - pair[0])));
-    let share = 0.5 * apart / variance;
+    let share = |apart: usize| {
+        let pairs = |run: &'_ Vec<f64>| -> Vec<f64> {
+            run.iter().zip(run.iter().skip(apart)).map(|(one, other)| other - one).collect()
+        };
+        let (pairs, square) = squares(&mut runs.iter().flat_map(pairs));
+        (pairs > 0.0).then(|| (0.5 * square / variance, apart))
+    };
+    let (share, apart) =
+        (1..=GENERAL.apart).filter_map(share).min_by(|one, other| one.0.total_cmp(&other.0))?;
     // of white noise the share is 1, with a variance of 1/count
-    variance > 0.0 && is_larger(share.sqrt().recip()) && (1.0 - share) * count.sqrt() > GENERAL.resembles
+    let is =
+        variance > 0.0 && is_larger(share.sqrt().recip()) && (1.0 - share) * count.sqrt() > GENERAL.resembles;
+    is.then(|| (apart, variance.sqrt()))
 }
 
 #[cfg(test)]
@@ -101,14 +123,16 @@ mod tests {
 
     #[test]
     fn law_what_neighbours_share_is_no_noise() {
-        assert!(!systematic(&run(|_, noise| noise)));
-        assert!(
-            !systematic(&run(|row, noise| if row % 20.0 == 0.0 { 30.0 * noise } else { noise })),
+        assert_eq!(systematic(&run(|_, noise| noise)), None);
+        assert_eq!(
+            systematic(&run(|row, noise| if row % 20.0 == 0.0 { 30.0 * noise } else { noise })),
+            None,
             "rows that stand alone"
         );
-        assert!(systematic(&run(|row, noise| noise + 3.0 * libm::sin(0.1 * row))));
+        let apart = |residuals: &Residuals| systematic(residuals).map(|(apart, _)| apart);
+        assert_eq!(apart(&run(|row, noise| noise + 3.0 * libm::sin(0.1 * row))), Some(1));
         // a wave of half the noise leaves the ratio near one
-        assert!(!systematic(&run(|row, noise| noise + 0.5 * libm::sin(0.1 * row))));
+        assert_eq!(systematic(&run(|row, noise| noise + 0.5 * libm::sin(0.1 * row))), None);
     }
 
     #[test]
@@ -120,7 +144,7 @@ mod tests {
             let mut random = Random::new(9);
             let height = (2.0 * (times * times - 1.0)).sqrt();
             let value = |row: u32| random.normal() + height * libm::sin(0.01 * f64::from(row));
-            systematic(&vec![(0..6283).map(value).map(|value| (0.0, Some(value))).collect()])
+            systematic(&vec![(0..6283).map(value).map(|value| (0.0, Some(value))).collect()]).is_some()
         };
         assert!(!all(1.4) && all(1.6));
     }
@@ -130,8 +154,25 @@ mod tests {
         // one wave without noise: white noise of n values is as smooth by chance at √n standard deviations, 4.5 of which are doubted no more
         let wave = |rows: u32| {
             let value = |row: u32| libm::sin(std::f64::consts::TAU * f64::from(row) / f64::from(rows));
-            systematic(&vec![(0..rows).map(|row| (f64::from(row), Some(value(row)))).collect()])
+            systematic(&vec![(0..rows).map(|row| (f64::from(row), Some(value(row)))).collect()]).is_some()
         };
         assert!(!wave(18) && wave(26));
+    }
+
+    #[test]
+    fn value_waves_of_three_to_twelve_rows_are_no_noise() {
+        let wave = |rows: f64| {
+            systematic(&run(|row, noise| noise + 3.0 * libm::sin(std::f64::consts::TAU * row / rows)))
+        };
+        for rows in [3.0, 4.0, 5.5, 6.0, 8.0, 12.0] {
+            let (apart, size) = wave(rows).expect("three times the noise");
+            // whole waves apart; of a long one neighbours are nearer to each other than rows a wave apart
+            let turns = apart as f64 / rows;
+            assert!((turns - turns.round()).abs() < 0.15 || apart == 1, "{rows} rows: {apart} apart");
+            // √(1 + 9/2)
+            assert!((size - 2.35).abs() < 0.3, "{size}");
+        }
+        // of 14 rows, neighbours
+        assert_eq!(wave(14.0).map(|(apart, _)| apart), Some(1));
     }
 }

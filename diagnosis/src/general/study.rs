@@ -7,7 +7,7 @@ use super::rest::name_the_rest;
 use super::rows_left_out::parted;
 use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
-use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Unknown, Verdict};
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -79,11 +79,12 @@ fn diagnosed_in_time(
     let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
-    let unknown = residual::unknown(problem, &all).or_else(|| sensor::unknown(problem, &all)).or_else(|| {
+    let unknown = unnamed(problem, &all).or_else(|| {
         mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
     });
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
-    let effects = findings::effects(problem, &all, unknown.is_some());
+    let in_doubt = unknown.is_some() || is_judged(&trained, &all) && mismatch::closes_little(&held.gaps);
+    let effects = findings::effects(problem, &all, in_doubt);
     let verdict = verdict(unknown.is_some(), &effects);
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
@@ -115,6 +116,11 @@ fn diagnosed_in_time(
         traces: Vec::new(),
         channels: held.channels,
     })
+}
+
+/// What a search left without a name: in the machine, or in what a sensor shows.
+fn unnamed(problem: &Problem, studied: &Studied) -> Option<Unknown> {
+    residual::unknown(problem, studied).or_else(|| sensor::unknown(problem, studied))
 }
 
 /// What a user should know of the data set, of the search in it, and of the rows left out.
@@ -156,8 +162,8 @@ fn next_experiment(
 
 /// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
 /// for a part of that. What a user asked for stays.
-fn unfit(trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
-    let takes = trained.residual.unlisted.is_some() && options.fit.is_empty() && mismatch::widened(gaps);
+fn unfit(problem: &Problem, trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
+    let takes = options.fit.is_empty() && mismatch::widened(gaps) && unnamed(problem, trained).is_some();
     if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
 }
 
@@ -167,13 +173,13 @@ fn is_judged(trained: &Studied, all: &Studied) -> bool {
 }
 
 /// A search's result without these effects, and without those that can't be told from them.
-fn withdraw(all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
+fn withdraw(problem: &Problem, all: &mut Studied, unfit: &[usize]) -> Result<(), Error> {
     let alike = |list: &[Alternative]| {
         list.iter().any(|one| one.loss < all.policy.class && unfit.contains(&one.parameter))
     };
     let is_gone = |(effect, class): (&usize, &Vec<Alternative>)| unfit.contains(effect) || alike(class);
     let gone: Vec<bool> = all.effects.iter().zip(&all.classes).map(is_gone).collect();
-    if all.residual.unlisted.is_none() || !gone.contains(&true) {
+    if !gone.contains(&true) || unnamed(problem, all).is_none() {
         return Ok(());
     }
     let engine = &all.built.engine;
@@ -234,13 +240,13 @@ pub(super) fn search_all_rows(
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
     let mut held = mismatch::held_out(problem, &left, &trained, &mut known)?;
-    let unfit = unfit(&mut trained, &held.gaps, options);
+    let unfit = unfit(problem, &mut trained, &held.gaps, options);
     if !unfit.is_empty() {
         held = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }
     watch.stage("searching in all rows");
     let mut all = long::search(problem, options, (&trained, &known), watch)?;
-    withdraw(&mut all, &unfit)?;
+    withdraw(problem, &mut all, &unfit)?;
     Ok(Searched { trained, held, all })
 }
 

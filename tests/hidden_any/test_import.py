@@ -207,6 +207,22 @@ def test_signs_units_and_time(motor, tmp_path):
     assert {entry["variable"] for entry in head["candidate"]} >= {"motor.b", "motor.R", "motor.fc"}
 
 
+def test_units_as_people_write_them(motor, tmp_path):
+    sled = ALL["sled"]
+    heads = {"force": ("force [N]", 1, 0), "z": ("z [m]", 1, 0), "w": ("w [m/sec]", 1, 0), "acceleration": ("acc [g]", 9.80665, 0)}
+    said = run("import", log(tmp_path / "a.csv", sled, heads), "--fmu", sled.build(sled, tmp_path), "--out", tmp_path / "set")
+    found, _ = channels(tmp_path / "set")
+    assert found["sled.acceleration"]["unit"] == "g" and "sled.acceleration: sign and size fit" in said, said
+    heads = {"u": ("u [V]", 1, 0), "i": ("i [A]", 1, 0), "w": ("w [°/s]", np.pi / 180, 0), "phi": ("phi [deg]", 1, 0)}
+    said = run("import", log(tmp_path / "b.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "angles")
+    found, _ = channels(tmp_path / "angles")
+    assert found["motor.w"]["unit"] == "°/s"
+    # radians under a header that says degrees: told, and kept as written
+    assert found["motor.phi"]["unit"] == "deg" and 'its header says deg, and its numbers are what the model says in rad' in said, said
+    refused = run("diagnose", tmp_path / "angles", "--out", tmp_path / "out", status=2)
+    assert "phi" in refused and 'unit = "rad"' in refused and "°" not in refused, refused
+
+
 def test_a_turned_input_is_the_input(motor, tmp_path):
     heads = {"u": ("u", -1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
     run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")

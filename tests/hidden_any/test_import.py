@@ -136,6 +136,46 @@ def test_a_start_whose_variable_is_called_otherwise_is_found_in_any_log(tmp_path
     assert channels(tmp_path / "set")[1]["state"] == [{"start": "lag.x_0", "shows": "lag.y"}], said
 
 
+def unit(folder, name, states, parameters, equations, outputs, starts, rows=300, interval=0.1):
+    """A unit with an input u, and a log of it that begins at `starts`. States are (name, start, its value), parameters (name, value, low, high)."""
+    spread = [State(state, "1", start, value, 0.0) for state, start, value in states]
+    values = [Parameter(of, "1", value, low, high, "relative", of, 0.5) for of, value, low, high in parameters]
+    machine = dataclasses.replace(
+        ALL["sled"], name=name, late="", saves_state=True, states=tuple(spread), inputs=(Input("u", "1", 0.0, 1.0, "1"),),
+        outputs_of=(Output("y", "1", 1e-3, "1"),), parameters=tuple(values),
+        build=lambda machine, folder: build(machine, folder, equations, outputs, step=interval / 10),
+    )  # fmt: skip
+    names = {one: one for one in ["u", "y", *(of for of, *_ in parameters)]}
+    python = {part: compile(part.replace("; ", "\n"), name, "exec") for part in (equations, outputs)}
+    given = {of: value for of, value, *_ in parameters}
+
+    def slopes(x, u):
+        slope = np.zeros(len(x))
+        exec(python[equations], names | {"v": given | {"u": u}, "x": x, "dx": slope, "fmax": max})
+        return slope
+
+    x, lines, step = np.array(starts, float), ["time,u,y"], interval / 10
+    for row in range(rows):
+        u = float(np.sign(np.sin(0.7 * row * interval)))
+        shown = given | {"u": u}
+        exec(python[outputs], names | {"v": shown, "x": x})
+        lines.append(f"{row * interval},{u},{shown['y']}")
+        for _ in range(10):
+            x = x + step * slopes(x + 0.5 * step * slopes(x, u), u)
+    (folder / "a.csv").write_text("\n".join(lines) + "\n")
+    return machine.build(machine, folder)
+
+
+def test_what_acts_only_beside_another_or_far_off_is_not_idle(tmp_path):
+    # a stop that is not there, an inhibition that begins at 1e9; and what nothing reads
+    parameters = [("d", 0.5, 0.05, 5.0), ("k_st", 0.0, 0.0, 100.0), ("x_st", 2.0, 0.0, 50.0), ("K_i", 1e9, 1e-3, 1e9), ("plot", 3.0, 0.0, 1e9)]
+    equations = "dx[0] = v[u] - v[d] * x[0] / (1 + x[0] * x[0] / v[K_i]) - v[k_st] * fmax(0.0, x[0] - v[x_st]);"
+    fmu = unit(tmp_path, "stop", [("x", "y", 0.0)], parameters, equations, "v[y] = x[0];", [0.0])
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    assert [one["variable"] for one in channels(tmp_path / "set")[1]["candidate"]] == [f"stop.{of}" for of in ("d", "k_st", "x_st", "K_i")], said
+    assert '# variable = "stop.plot"' in (tmp_path / "set" / "dataset.toml").read_text()
+
+
 def test_what_is_computed_of_a_state_does_not_show_it(tmp_path):
     # a tachometer behind a gear of 1: with another gear it shows another speed, and the state is as it was
     machine = dataclasses.replace(

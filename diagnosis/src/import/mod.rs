@@ -126,7 +126,8 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     let draft::Tried { too_long, signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
     candidates.retain(|place| !unshown.contains(place));
     let known = Known { signs: signs.as_ref(), ..known };
-    let tried = try_model(&known, too_long.as_deref(), (&mut matches, &candidates), &mut notices);
+    let numbers = (&candidates[..], &unshown[..]);
+    let tried = try_model(&known, too_long.as_deref(), &mut matches, numbers, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
@@ -142,12 +143,13 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     Ok(Imported { guesses, notices })
 }
 
-/// Tries every match against the model, and which of these parameters change nothing; none of it where the times are another unit's, in which the
+/// Tries every match against the model, and which of the candidates change nothing; none of it where the times are another unit's, in which the
 /// model follows nothing and takes a thousand times as long.
 fn try_model(
     known: &Known<'_>,
     too_long: Option<&str>,
-    (matches, candidates): (&mut [Match], &[usize]),
+    matches: &mut [Match],
+    (candidates, unshown): (&[usize], &[usize]),
     notices: &mut Vec<String>,
 ) -> idle_parameters::Found {
     if let Some(told) = too_long {
@@ -158,7 +160,7 @@ fn try_model(
         return idle_parameters::Found::default();
     }
     trial::against_model(known, matches, notices);
-    idle_parameters::find_idle(&known.trial(matches), candidates)
+    idle_parameters::find_idle(&known.trial(matches), candidates, unshown)
 }
 
 /// The logs, with a column of time for those that a clock is given for. Columns that have a variable's name have it to the letter.

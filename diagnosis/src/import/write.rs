@@ -201,6 +201,12 @@ fn put_candidates(
             tried.untried
         ));
     }
+    if tried.unfinished > 0 {
+        guesses.push(format!(
+            "{} of those that change nothing were not tried to the ends of their ranges and beside all that is off, since the unit takes long",
+            tried.unfinished
+        ));
+    }
     if !struck.is_empty() {
         text.push_str("\n# guess: moved far, these change nothing that the longest log shows, or the unit can't be run with them\n");
         struck.iter().for_each(|place| text.push_str(&entry(*place, "# ")));

@@ -166,6 +166,40 @@ def unit(folder, name, states, parameters, equations, outputs, starts, rows=300,
     return machine.build(machine, folder)
 
 
+# a wall that holds its heat far longer than the log, at rest where the unit starts; a second tank; a rest that dies out, and is 0 where the unit starts
+WALL = "dx[0] = v[u] - 0.3 * x[0] + v[G] * (x[1] - x[0]); dx[1] = v[G] * (x[0] - x[1]) / v[C]"
+AT_REST = {
+    "wall": ([("air", "y", 0.0), ("wall", "T_wall_start", 0.0)], [("G", 0.3, 0.01, 3.0), ("C", 900.0, 1.0, 9e4)], WALL, "v[y] = x[0]", [0.0, 5.0]),
+    "rest": ([("air", "y", 0.0), ("left", "x2_0", 0.0)], [("G", 0.3, 0.01, 3.0), ("C", 9.0, 1.0, 9e4)],
+             "dx[0] = v[u] - 0.3 * x[0] + v[G] * x[1]; dx[1] = -x[1] / v[C]", "v[y] = x[0]", [0.0, 5.0]),
+    "row": ([("one", "y", 1.0), ("two", "two_0", 1.0), ("three", "three_0", 1.0)], [("G", 0.3, 0.01, 3.0), ("T_0", 4.0, 0.1, 40.0)],
+            "dx[0] = v[u] - 0.3 * x[0] + v[G] * (x[1] - x[0]); dx[1] = v[G] * (x[0] + x[2] - 2 * x[1]); dx[2] = (x[1] - x[2]) / v[T_0]",
+            "v[y] = x[0]", [1.0, 2.0, 0.5]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", AT_REST)
+def test_a_start_of_a_state_that_rests_or_hardly_moves_is_no_constant(tmp_path, name):
+    states, parameters, equations, outputs, starts = AT_REST[name]
+    fmu = unit(tmp_path, name, states, parameters, equations + ";", outputs + ";", starts)
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    wanted = [{"start": f"{name}.y", "shows": f"{name}.y"}, *({"start": f"{name}.{start}"} for _, start, _ in states[1:])]
+    assert head["state"] == wanted, said
+    # what acts once the state is elsewhere is no idle parameter, and a constant that is called like a start is no state
+    assert [one["variable"] for one in head["candidate"]] == [f"{name}.{of}" for of, *_ in parameters], said
+
+
+def test_a_start_that_no_name_tells_is_found_by_trial(tmp_path):
+    states = [("one", "h_begin", 1.0), ("two", "depth", 1.0)]
+    parameters = [("G", 0.3, 0.01, 3.0), ("C", 4.0, 0.1, 40.0)]
+    fmu = unit(tmp_path, "tanks", states, parameters, WALL + ";", "v[y] = x[0];", [0.5, 2.0])
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    assert head["state"] == [{"start": "tanks.h_begin", "shows": "tanks.y"}, {"start": "tanks.depth"}], said
+    assert [one["variable"] for one in head["candidate"]] == ["tanks.G", "tanks.C"]
+
+
 def test_what_acts_only_beside_another_or_far_off_is_not_idle(tmp_path):
     # a stop that is not there, an inhibition that begins at 1e9; and what nothing reads
     parameters = [("d", 0.5, 0.05, 5.0), ("k_st", 0.0, 0.0, 100.0), ("x_st", 2.0, 0.0, 50.0), ("K_i", 1e9, 1e-3, 1e9), ("plot", 3.0, 0.0, 1e9)]

@@ -6,6 +6,7 @@
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
+//! - `unshown.rs`: which parameters start such states
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
 //! - `straight_line.rs`: the straight line between measured and simulated
 //! - `idle_parameters.rs`: parameters that change nothing
@@ -21,6 +22,7 @@ mod starts;
 mod straight_line;
 mod text;
 mod trial;
+mod unshown;
 mod write;
 
 use crate::error::Error;
@@ -119,13 +121,16 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     let known = Known { fmu: &unit, units, sheet: longest, time: &time, starts: &[], signs: None, isolation };
     known.trial(&matches).rehearse(limits)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
-    let starts = starts::find_starts(&unit, &measured, limits);
-    let known = Known { starts: &starts, ..known };
+    let (mut starts, maybe) = starts::find_starts(&unit, &measured, limits);
+    let first = Known { starts: &starts, ..known };
+    let candidates = write::parameters(&unit, &starts);
+    let found = write::Found::new(&sheets, &first, &told, &matches, &candidates);
+    let draft::Tried { too_long, signs, shown, unshown } =
+        draft::try_draft(fmu, &unit, units, isolation, &found, &maybe);
+    starts.extend(shown);
     let mut candidates = write::parameters(&unit, &starts);
-    let found = write::Found::new(&sheets, &known, &told, &matches, &candidates);
-    let draft::Tried { too_long, signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
     candidates.retain(|place| !unshown.contains(place));
-    let known = Known { signs: signs.as_ref(), ..known };
+    let known = Known { starts: &starts, signs: signs.as_ref(), ..known };
     let numbers = (&candidates[..], &unshown[..]);
     let tried = try_model(&known, too_long.as_deref(), &mut matches, numbers, &mut notices);
     for sheet in &sheets {
